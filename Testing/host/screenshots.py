@@ -125,9 +125,8 @@ def slices(module: Module, folder: Path) -> None:
 
 def compare(module: Module, folder: Path) -> None:
     """compare.png: the methods side by side."""
-    from host import view_frames
-
     from AIFReconLib.compounding.methods.table import COMPARED_METHODS
+    from host import view_frames
 
     module.press(module.widget.ui.compareButton)
     views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in range(1, len(COMPARED_METHODS) + 1)]

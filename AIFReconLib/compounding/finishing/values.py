@@ -25,7 +25,6 @@ def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine:
 
     Parameters
     ----------
-    state : VoxelState
     intensity : (voxels,) uint8 or float32 array
         0 elsewhere, or the state's own values. Gray levels of 8 bits are rounded, halves up.
     mask : (voxels,) uint8 array

@@ -52,7 +52,6 @@ class Pixels:
     values : (m,) float32 array
     voxels : (m,) int64 array
         Where each enters, flat [k, j, i]; several may enter one voxel.
-    factors : Factors
     beams : Beams
         Without components where nobody needs them.
     probability, directions : (voxels,) and (voxels, 3) float32 arrays
@@ -98,7 +97,6 @@ class Method:
 
     Parameters
     ----------
-    name : str
     words : str
         What it does, for people, in a few words that follow its name.
     kept : callable
@@ -110,7 +108,6 @@ class Method:
         Of a pixel, below which a voxel gets nothing of it where it spreads.
     weighs_pixels : bool
         Whether an importance mask may weigh them.
-    reads_bone : Reading
     needs_shadows : bool
         Whether it looks at what a frame itself tells of bone.
     works_in_parts : bool

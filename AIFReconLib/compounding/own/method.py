@@ -38,7 +38,6 @@ class Method(AnyMethod):
 
     Parameters
     ----------
-    function : callable
     arrays : tuple of str
         Which of `ARRAYS` it takes.
     """
