@@ -6,6 +6,7 @@ BIN := $(VENV)/bin
 # The demo needs less than half of what the tests need
 DEMO_STAMP := $(VENV)/.installed-for-demo
 STAMP := $(VENV)/.installed
+TOOK := $(VENV)/.seconds-of-test
 DEMO_OUTPUT ?= demo-output
 STUDY_OUTPUT ?= study-output
 REAL_BONE_OUTPUT ?= real-bone-output
@@ -59,8 +60,12 @@ $(DEMO_STAMP) $(STAMP): pyproject.toml
 demo: $(DEMO_STAMP)
 	@$(BIN)/python -m AIFReconLib demo --output "$(DEMO_OUTPUT)"
 
-test: lint
-	@$(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal
+# Says first how long it takes: as long as the last time, or else ten minutes of one core
+test: setup
+	@seconds=$$(cat $(TOOK) 2>/dev/null || echo $$((600 / $$(getconf _NPROCESSORS_ONLN) + 60))); \
+	  echo "This takes about $$(((seconds + 59) / 60)) min here"; begin=$$(date +%s); \
+	  $(MAKE) --no-print-directory lint && $(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal && \
+	  echo $$(($$(date +%s) - begin)) > $(TOOK)
 
 # A third slower than `make test`, which therefore does without
 coverage: setup

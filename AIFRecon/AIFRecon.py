@@ -85,6 +85,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def setup(self) -> None:
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
+        from AIFReconGui.fields.settingFields import dressSettings
         from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.panel.guidancePanel import GuidancePanel
@@ -97,6 +98,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
         self.ui = slicer.util.childWidgetVariables(uiWidget)
+        dressSettings(self.ui)
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = AIFReconLogic()
         self._work = LongWork(uiWidget)
@@ -257,8 +259,8 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         inputs : dict or None
             As in `choices`; for callers from before these took them.
         **choices
-            The fields of `AIFReconLib.ReconstructionSettings`, as ``method="average", holeLimit=1.0`` (``hole_limit`` does as well), and
-            those of `AIFReconScene.inputs.inputs.Inputs`, as ``boneSigmaMm=4.0, region=roiNode``.
+            The fields of `AIFReconLib.Recipe`, as ``method="average", holeLimit=1.0`` (``hole_limit`` does as well), and
+            those of `AIFReconScene.inputs.inputs.Inputs`, as ``region=roiNode, boneSegments=("L3",)``.
 
         Returns
         -------
@@ -267,11 +269,11 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """
         from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 
-        from AIFReconLib import ReconstructionSettings
+        from AIFReconLib import Recipe
 
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
-        asked = ReconstructionSettings(**{"best_cosine": "cosine" in keep, **settings})
-        given = Inputs(sweep=sweep, bone=bone, **more)
+        asked = Recipe(**{"best_cosine": "cosine" in keep, **settings})
+        given = Inputs(sweep=sweep, bone=bone, recipe=asked, **more)
         return self._kept(self._computed(given, asked, keep, progress)[0], given, output, keep)["intensity"]
 
     # ---- for the panel

@@ -35,10 +35,10 @@ if TYPE_CHECKING:
     from .live.replay.server import ReplayServer
     from .live.session.session import LiveSession
     from .live.wire.client import OpenIGTLinkClient
+    from .recipe.recipe import Recipe, ReconstructionSettings
     from .reconstruction import reconstruct
     from .registration.labeled_bone import LabeledBone
     from .registration.registration import register
-    from .settings import ReconstructionSettings
     from .sweep.frames import TrackedFrame, TrackedSequence
     from .sweep.time_offset import with_time_offset
 
@@ -55,8 +55,9 @@ _PUBLIC = {
     "Method": "compounding.own.method",
     "OpenIGTLinkClient": "live.wire.client",
     "ProbeGeometry": "imaging.beams",
+    "Recipe": "recipe.recipe",
     "Reconstruction": "compounding.state",
-    "ReconstructionSettings": "settings",
+    "ReconstructionSettings": "recipe.recipe",
     "Reconstructor": "compounding.reconstructor",
     "ReplayServer": "live.replay.server",
     "SynchronizerSettings": "live.pairing.synchronizer",
@@ -92,6 +93,7 @@ __all__ = [
     "Method",
     "OpenIGTLinkClient",
     "ProbeGeometry",
+    "Recipe",
     "Reconstruction",
     "ReconstructionSettings",
     "Reconstructor",

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .arrays import Integers, NumberType, Reals
+from .arrays import Integers, NumberType
 from .bone.map import BoneMap
 from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from .compounding.finishing.results import Results, bytes_of_results
@@ -24,16 +24,14 @@ from .errors import NoUsableFramesError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
 from .holes.automatic import with_limit
-from .imaging.beams import ProbeGeometry
 from .imaging.extent import grid_around_sweep
-from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
 from .provenance.record import input_files, with_origin
+from .recipe.recipe import Recipe
 from .remedies import Remedy
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
-from .settings import ReconstructionSettings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.joined import joined, shares
 from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
@@ -52,7 +50,7 @@ def _keeping(frames: Iterable[TrackedFrame], kept: dict[int, TrackedFrame]) -> I
 class _Prepared:
     """What a reconstruction does, before it does it."""
 
-    settings: ReconstructionSettings
+    settings: Recipe
     parts: ReconstructorParts
     poses: SweepPoses
     order: Integers
@@ -65,33 +63,27 @@ class _Prepared:
 
 def _prepare(
     sequence: TrackedSequence,
-    asked: ReconstructionSettings | None,
+    asked: Recipe,
     has_bone: bool,
-    grid: VoxelGrid | None,
-    region: ImageRegion | None,
-    probe: ProbeGeometry | None,
-    importance: Reals | None,
-    image_to_reference: str | None,
-    reference: str | None,
+    grid: VoxelGrid | None = None,
     beside: Collection[str] = BESIDE,
     poses: SweepPoses | None = None,
 ) -> _Prepared:
-    """Everything that is chosen before the first frame enters; the arguments are those of `reconstruct`."""
-    asked = asked or ReconstructionSettings()
-    settings = resolve_settings(asked, sequence.configuration, has_bone, importance is not None)
-    parts = reconstructor_parts(asked, settings, sequence.configuration, importance)
+    """Everything that is chosen before the first frame enters; the arguments are those of `reconstruct` and `plan`."""
+    settings = resolve_settings(asked, sequence.configuration, has_bone)
+    parts = reconstructor_parts(asked, settings, sequence.configuration)
     method = settings.method_for(has_bone)
-    poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses
+    poses = sweep_poses(sequence, asked.image_to_reference, asked.reference) if poses is None else poses
     poses.require_usable(sequence.name)
     order = time_order(sequence)[:: settings.skip]
     chosen = order[[poses.problems[number] is None for number in order]]
     if not chosen.size:
         raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed.", Remedy.SMALLER_SKIP)
     uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
-    imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, region, probe)
+    imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, asked)
     costs = _costs(settings, method, parts, sequence.images.dtype, beside)
-    if grid is None and parts.grid is not None and image_to_reference is None and reference is None:
-        grid = parts.grid
+    if grid is None:
+        grid = asked.grid or (parts.grid if asked.image_to_reference is None and asked.reference is None else None)
     if grid is None:
         placed = poses.image_to_reference[chosen]
         scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
@@ -101,7 +93,7 @@ def _prepare(
     return _Prepared(settings, parts, poses, order, chosen, imaging, uses_bone, grid, costs)
 
 
-def _costs(settings: ReconstructionSettings, method: str, parts: ReconstructorParts, pixels: NumberType, beside: Collection[str]) -> Costs:
+def _costs(settings: Recipe, method: str, parts: ReconstructorParts, pixels: NumberType, beside: Collection[str]) -> Costs:
     """What this takes per voxel, in one part and in several."""
     kind = ImageKind((1, 1), pixels)
     whole = kind.is_8_bit and depth_factor(settings) == 1.0
@@ -136,19 +128,17 @@ class Plan:
 
 def plan(
     sequence: TrackedSequence | Iterable[TrackedSequence],
-    settings: ReconstructionSettings | None = None,
+    recipe: Recipe | None = None,
     *,
     has_bone: bool = False,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
     poses: SweepPoses | None = None,
 ) -> Plan:
     """What `reconstruct` with these arguments would choose, without reconstructing; it raises the same errors.
 
-    `poses` are those that `sweep_poses` finds with these arguments, where they are known already.
+    `poses` are those that `sweep_poses` finds, where they are known already.
     """
     sequence = joined(sequence)
-    prepared = _prepare(sequence, settings, has_bone, None, None, None, None, image_to_reference, reference, poses=poses)
+    prepared = _prepare(sequence, recipe or Recipe(), has_bone, poses=poses)
     shown = prepared.imaging.region.mask(*sequence.frame_size)
     placed = prepared.poses.image_to_reference[prepared.chosen][:, :3]
     chosen, notes = with_limit(prepared.settings, prepared.parts.holes, placed, shown, prepared.grid)
@@ -220,15 +210,10 @@ def _worked(
 
 def reconstruct(
     sequence: TrackedSequence | Iterable[TrackedSequence],
-    settings: ReconstructionSettings | None = None,
+    recipe: Recipe | None = None,
     bone: BoneMap | None = None,
     grid: VoxelGrid | None = None,
     *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    importance: Reals | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
     beside: Collection[str] = BESIDE,
     memory: int | None = None,
     progress: Progress | None = None,
@@ -238,19 +223,15 @@ def reconstruct(
     Parameters
     ----------
     sequence : TrackedSequence or several in one Reference
-        As `read_sequence` returns it; its configuration gives what the other arguments leave open. Several enter in the order given, each
-        placed by its own configuration's transforms; the first one's says how the volume is made.
-    settings : ReconstructionSettings
+        As `read_sequence` returns it; its configuration gives what the recipe leaves open. Several enter in the order given, each placed by
+        its own configuration's transforms; the first one's says how the volume is made.
+    recipe : Recipe
+        What of it says how a file is read (`orientation`, `time_offset`, `longest_gap`) counts where that is read, and what says how a bone
+        map is made where that is made.
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
-        Where to reconstruct; by default the configuration's box, else the one around the sweep, along the axes of Reference.
-    region, probe : ImageRegion, ProbeGeometry or None
-        Override the configuration and what the images show.
-    importance : (rows, columns) array, 0 to 1, or None
-        Weight of each pixel in an average, as `read_importance_mask` returns it; by default the configuration's.
-    image_to_reference, reference : str or None
-        See `sweep_poses`.
+        Where to reconstruct; by default the recipe's, else the configuration's box, else the one around the sweep, along Reference's axes.
     beside : names of "score" and "hits"
         Which of these are made beside intensity and mask; none leaves their memory free.
     memory : int or None
@@ -268,11 +249,11 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
-    require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
+    require_kinds(recipe=recipe, bone=bone, grid=grid)
     sequence = joined(sequence)
-    asked = settings or ReconstructionSettings()
+    asked = recipe or Recipe()
     report(progress, 0.0, "Looking at the sweep")
-    prepared = _prepare(sequence, asked, bone is not None, grid, region, probe, importance, image_to_reference, reference, beside)
+    prepared = _prepare(sequence, asked, bone is not None, grid, beside)
     settings, order, imaging = prepared.settings, prepared.order, prepared.imaging
     memory = memory_to_use(memory)
     cut = cut_into_parts(prepared.grid, prepared.costs, memory)
@@ -294,16 +275,7 @@ def reconstruct(
     size, inserted = result.grid.size, result.frames_inserted
     logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
-    result = with_origin(
-        result,
-        imaging,
-        asked=asked,
-        resolved=settings,
-        configuration=sequence.configuration,
-        inputs=input_files(sequence),
-        image_to_reference=image_to_reference,
-        reference=reference,
-    )
+    result = with_origin(result, imaging, asked, settings, sequence.configuration, input_files(sequence))
     return replace(
         result,
         said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *result.said),

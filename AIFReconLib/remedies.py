@@ -64,11 +64,13 @@ class Remedy(Enum):
 
 
 IN_PYTHON = {
-    Remedy.NAME_THE_PROBE: 'Give probe=ProbeGeometry("linear"), or probe=ProbeGeometry("sector", (column, row)).',
+    Remedy.NAME_THE_PROBE: (
+        'Give probe="linear", or probe="sector" with apex_px=(column, row), in the recipe; or a ProbeGeometry to a Reconstructor.'
+    ),
     Remedy.ONE_PROBE_FOR_ALL: "Give probe for all, or reconstruct them one by one.",
-    Remedy.ONE_CLIP_FOR_ALL: "Give region=ImageRegion(ClipRectangle((x, y), (width, height))) for all, or reconstruct them one by one.",
-    Remedy.CLIP_AS_RECOGNIZED: "Recognized: region=ImageRegion(ClipRectangle(({x}, {y}), ({width}, {height}))).",
-    Remedy.WHOLE_FAN: "Give both fan_angles_deg and fan_radii_px.",
+    Remedy.ONE_CLIP_FOR_ALL: "Give clip_px=(x, y, width, height) for all, or reconstruct them one by one.",
+    Remedy.CLIP_AS_RECOGNIZED: "Recognized: clip_px=({x}, {y}, {width}, {height}).",
+    Remedy.WHOLE_FAN: "Give both fan_angles_deg and fan_radius_px.",
     Remedy.BONE_OF_CT: "Give bone=BoneMap.from_labels(...), or no bone.",
     Remedy.TAKE_AS_LABELS: "Divide it by its largest possible value, or give labels to BoneMap.from_labels.",
     Remedy.TAKE_AS_PROBABILITY: "If these are bone probabilities, give them to BoneMap.from_probability.",
@@ -79,7 +81,7 @@ IN_PYTHON = {
     Remedy.START_NEARER: "Check that CT and sweep are of one patient, give a start nearer to it, or use its transform as it is.",
     Remedy.START_NEARER_OR_PIECES: "Give a start nearer to it, one for each piece if the spine has bent, or use its transform as it is.",
     Remedy.CHOOSE_A_PLACE: "Compare the alternatives, then choose one by level, or use its transform.",
-    Remedy.CHECK_PROBE_AND_CLIP: "Check that the sweep shows bone, and probe and region.",
+    Remedy.CHECK_PROBE_AND_CLIP: "Check that the sweep shows bone, and probe and clip_px.",
     Remedy.BRIGHTEST_VALUE: "Give their brightest value as intensity_maximum.",
     Remedy.FLOAT_OUTPUT: 'Use output_type="float32".',
     Remedy.HOLE_LIMIT: "Give hole_limit in mm.",

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from .arrays import Reals
-from .compounding.methods.table import LINEAR_METHODS, method_named
+from .compounding.methods.table import DEFAULT_METHOD_WITHOUT_BONE, LINEAR_METHODS, method_named
 from .errors import BeamGeometryError, SettingsError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
 from .holes.filling import HoleFilling
-from .imaging.beams import SECTOR, ProbeGeometry
+from .imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from .imaging.detection import detect_imaging
 from .imaging.images import ImageStack
-from .imaging.region import ImageRegion
-from .io.plus.importance_mask import configured_importance
+from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
+from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import Sentence, said
+from .recipe.recipe import ImagingSettings, Recipe
 from .remedies import Remedy
-from .settings import DEFAULT_METHOD_WITHOUT_BONE, ReconstructionSettings
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of
 from .sweep.poses import SweepPoses
@@ -63,9 +64,7 @@ class ReconstructorParts:
     notes: tuple[str, ...] = ()
 
 
-def resolve_settings(
-    settings: ReconstructionSettings, configuration: PlusConfiguration, has_bone: bool, has_importance: bool = False
-) -> ReconstructionSettings:
+def resolve_settings(settings: Recipe, configuration: PlusConfiguration, has_bone: bool) -> Recipe:
     """`settings` with what they leave open taken from a configuration, else from the defaults.
 
     That is the method (where there is no bone), spacing, skip, interpolation (where the method has one) and pixel rejection. With an
@@ -81,7 +80,7 @@ def resolve_settings(
 
     method = settings.method
     if method is None and not has_bone:
-        method = DEFAULT_METHOD_WITHOUT_BONE if has_importance else configuration.method
+        method = DEFAULT_METHOD_WITHOUT_BONE if settings.importance_mask is not None else configuration.method
     method = method or settings.method_for(has_bone)
     interpolation = settings.interpolation
     if interpolation is None and method_named(method).spread is not None and not settings.best_cosine:
@@ -100,26 +99,15 @@ def _first_known(own: Value | None, configured: Value | None) -> Value | None:
     return configured if own is None else own
 
 
-def reconstructor_parts(
-    asked: ReconstructionSettings,
-    resolved: ReconstructionSettings,
-    configuration: PlusConfiguration,
-    importance: Reals | None = None,
-) -> ReconstructorParts:
+def reconstructor_parts(asked: Recipe, resolved: Recipe, configuration: PlusConfiguration) -> ReconstructorParts:
     """The parts for settings as `asked` by the caller and as `resolve_settings` returned them.
-
-    Parameters
-    ----------
-    asked, resolved : ReconstructionSettings
-    configuration : PlusConfiguration
-    importance : (rows, columns) array, 0 to 1, or None
-        The caller's; it comes before the configuration's.
 
     Raises
     ------
     FileFormatError
-        When the configuration's importance mask cannot be read.
+        When the importance mask cannot be read.
     """
+    importance = read_importance_mask(mask) if isinstance(mask := asked.importance_mask, str | Path) else mask
     notes = []
     method = method_named(resolved.method or DEFAULT_METHOD_WITHOUT_BONE)
     if importance is None and configuration.uses_importance_mask:
@@ -178,17 +166,18 @@ def known_imaging(
     return None if region is None or (need_probe and probe is None) else Imaging(region, probe)
 
 
-def resolve_imaging(
-    sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, region: ImageRegion | None = None, probe: ProbeGeometry | None = None
-) -> Imaging:
-    """Probe and region: as given, else from the configuration, else recognized in the images.
+def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bool, asked: ImagingSettings | None = None) -> Imaging:
+    """Probe and region: as asked for, else from the configuration, else recognized in the images.
 
     Raises
     ------
+    SettingsError
+        See `asked_imaging`.
     BeamGeometryError
         When the probe is needed and cannot be told, or sweeps that were joined have configurations that contradict each other.
     """
     configuration = sequence.configuration
+    region, probe = (None, None) if asked is None else asked_imaging(asked, configuration, sequence.images)
     _require_one_imaging(sequence, need_probe and probe is None, region is None)
     known = known_imaging(configuration, need_probe, region, probe)
     if known is not None:
@@ -197,6 +186,76 @@ def resolve_imaging(
         return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
     except BeamGeometryError as error:
         raise BeamGeometryError(f"{sequence.name}: {said(error)}", error) from None
+
+
+def asked_imaging(
+    asked: ImagingSettings, configuration: PlusConfiguration, images: ImageStack | None = None
+) -> tuple[ImageRegion | None, ProbeGeometry | None]:
+    """Region and probe that are asked for, completed by the configuration's; None where they are left open.
+
+    Raises
+    ------
+    SettingsError
+        When they do not go together, or the apex of a sector is not known; before a scan there are no `images` that show it.
+    """
+    probe = _asked_probe(asked, configuration, images)
+    if asked.clip_px is None and asked.fan_radius_px is None:
+        return None, probe
+    configured = configuration.imaged_region or ImageRegion()
+    clip, fan, detection = configured.clip, configured.fan, configured.fan_detection
+    if asked.clip_px is not None:
+        x, y, width, height = map(float, asked.clip_px)
+        clip = ClipRectangle((x, y), (width, height)) if any(asked.clip_px) else None
+    if asked.fan_angles_deg is not None and asked.fan_radius_px is not None:
+        sector = probe or configuration.probe
+        abouts = (asked.fan_apex_px, asked.apex_px, fan.apex_px if fan else None, sector.apex_px if sector else None)
+        fan, detection = None, None
+        if any(asked.fan_radius_px):
+            about = next((each for each in abouts if each is not None), None)
+            if about is None:
+                raise SettingsError("A fan stands about the apex of a sector probe, which is not known.", Remedy.NAME_THE_PROBE)
+            more = (asked.fan_pixel_size,) if asked.fan_pixel_size else ()
+            fan = Fan(about, asked.fan_angles_deg, asked.fan_radius_px, *more)
+            detection = FanDetection(asked.fan_detection[0], int(asked.fan_detection[1])) if asked.fan_detection else None
+    return ImageRegion(clip, fan, detection), probe
+
+
+def _asked_probe(asked: ImagingSettings, configuration: PlusConfiguration, images: ImageStack | None) -> ProbeGeometry | None:
+    if asked.probe == LINEAR:
+        if asked.apex_px:
+            raise SettingsError("A linear probe has no apex, and one is given.", Remedy.NAME_THE_PROBE)
+        return ProbeGeometry(LINEAR)
+    if asked.apex_px:
+        return ProbeGeometry(SECTOR, asked.apex_px)
+    if asked.probe != SECTOR:
+        return None
+    known = configuration.probe
+    if known is None:
+        if images is None:
+            raise SettingsError("A sector probe has an apex, which is not known before the scan.", Remedy.NAME_THE_PROBE)
+        known = detect_imaging(images).probe  # the apex in pixels does not depend on their size
+    if known.kind != SECTOR:
+        raise SettingsError("The images or the configuration show a linear probe, not a sector.", Remedy.NAME_THE_PROBE)
+    return known
+
+
+def imaging_fields(region: ImageRegion | None = None, probe: ProbeGeometry | None = None) -> dict[str, Any]:
+    """The settings that ask for this region, the whole of it, and this probe, whatever a configuration says."""
+    settings: dict[str, Any] = {}
+    if region is not None:
+        clip, fan, detection = region.clip, region.fan, region.fan_detection
+        settings |= {"clip_px": (0.0,) * 4, "fan_angles_deg": (0.0, 0.0), "fan_radius_px": (0.0, 0.0)}
+        if clip is not None:
+            settings["clip_px"] = (*clip.origin_px, *clip.size_px)
+        if fan is not None:
+            settings |= {"fan_apex_px": fan.apex_px, "fan_angles_deg": fan.angles_deg, "fan_radius_px": fan.radii}
+            settings["fan_pixel_size"] = fan.pixel_size
+        if detection is not None:
+            settings["fan_detection"] = (detection.threshold, detection.filter_radius_px)
+    if probe is not None and probe.apex_px is not None:
+        settings["apex_px"] = probe.apex_px
+    kind = {} if probe is None else {"probe": probe.kind}
+    return {**kind, **{name: [float(number) for number in pair] for name, pair in settings.items()}}
 
 
 def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_region: bool) -> None:

@@ -1,25 +1,22 @@
 """Every choice of the panel, as typed parameters that are saved with the scene."""
 
 import pathlib
-from typing import Annotated
+from typing import Annotated, Any
 
 import slicer
 from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import (
-    AUTOMATIC_NUMBER,
+    CHOICES,
     PARAMETERS,
-    BoneDirection,
-    Engine,
-    HoleFilling,
     ImageOrientation,
-    Interpolation,
     LiveSource,
-    Method,
-    OutputType,
     ProbeShape,
     Region,
     RegistrationStart,
     SigmaUnit,
+    camelCase,
+    defaultOf,
+    rangeOf,
 )
 from slicer import (
     vtkMRMLLabelMapVolumeNode,
@@ -31,32 +28,41 @@ from slicer import (
 )
 from slicer.parameterNodeWrapper import Minimum, WithinRange, parameterNodeWrapper
 
-from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
+from AIFReconLib.recipe.recipe import LONGEST_GAP
+from AIFReconLib.recipe.rules import FLAG, WHOLE
 from AIFReconLib.sweep.time_offset import LARGEST_OFFSET
 
 FARTHEST = 100000.0
 """Pixels: as far as a place may lie from the image's corner."""
 
-SMALLEST_WEIGHT_FLOOR = 0.001
-"""The library takes less; the panel shows three digits."""
-
-
 FORMER_ECHOES = "boneFromSweep"
 """What earlier panels saved where bone was looked for in the sweep, if there was none of a CT."""
 
 
-def _within(name: str) -> WithinRange:
-    """The range that the library gives a parameter."""
-    return WithinRange(PARAMETERS[name]["minimum"], PARAMETERS[name]["maximum"])
+def _typeOf(name: str):
+    """The type of a setting's parameter, with its range."""
+    rule = PARAMETERS[name]
+    if name in CHOICES:
+        return CHOICES[name]
+    if rule["kind"] == FLAG:
+        return bool
+    least, most = rangeOf(name)
+    number, bounds = int if rule["kind"] == WHOLE else float, Minimum(least) if most is None else WithinRange(least, most)
+    return Annotated[number, bounds]
+
+
+_FIELDS = {camelCase(name): (_typeOf(name), defaultOf(name)) for name in PARAMETERS}
+_SETTINGS: Any = type(
+    "_Settings",
+    (),
+    {**{name: each[1] for name, each in _FIELDS.items()}, "__annotations__": {name: each[0] for name, each in _FIELDS.items()}},
+)
+"""A parameter for each setting of the library's recipe that has one field in the panel."""
 
 
 @parameterNodeWrapper
-class AIFReconParameterNode:
-    """Every choice of the panel, saved with the scene.
-
-    Ranges and defaults are those of AIFReconLib.settings, but for `SMALLEST_WEIGHT_FLOOR`. Where the library's default is "not given",
-    0 or an automatic choice stands for it, and `AUTOMATIC_NUMBER` for a number that it chooses.
-    """
+class AIFReconParameterNode(_SETTINGS):
+    """Every choice of the panel, saved with the scene: what is here, and the settings of the library's recipe."""
 
     sweep: vtkMRMLSequenceBrowserNode | None
     imageSequence: vtkMRMLSequenceNode | None
@@ -84,27 +90,7 @@ class AIFReconParameterNode:
     regionVolume: vtkMRMLScalarVolumeNode | None
     output: vtkMRMLScalarVolumeNode | None
 
-    method: Method = Method.AUTOMATIC
     ownMethod: str
-    spacing: Annotated[float, _within("spacing")] = PARAMETERS["spacing"]["default"]
-    alpha: Annotated[float, _within("alpha")] = PARAMETERS["alpha"]["default"]
-    beta: Annotated[float, _within("beta")] = PARAMETERS["beta"]["default"]
-    boneDirection: BoneDirection = BoneDirection(PARAMETERS["bone_direction"]["default"])
-    holeLimit: Annotated[float, WithinRange(AUTOMATIC_NUMBER, PARAMETERS["hole_limit"]["maximum"])] = AUTOMATIC_NUMBER
-    holes: HoleFilling = HoleFilling.AUTOMATIC
-    interpolation: Interpolation = Interpolation.AUTOMATIC
-    pixelRejection: Annotated[float, Minimum(0.0)] = 0.0
-    speedOfSound: Annotated[float, WithinRange(0.0, PARAMETERS["speed_of_sound"]["maximum"])] = 0.0
-    scannerSpeedOfSound: Annotated[float, _within("scanner_speed_of_sound")] = PARAMETERS["scanner_speed_of_sound"]["default"]
-    intensityMaximum: Annotated[float, Minimum(0.0)] = 0.0
-    bestCosine: bool = PARAMETERS["best_cosine"]["default"]
-    skip: Annotated[int, WithinRange(0, 1000)] = 0
-    engine: Engine = Engine(PARAMETERS["engine"]["default"])
-    outputType: OutputType = OutputType.AUTOMATIC
-    boneGain: Annotated[float, _within("bone_gain")] = PARAMETERS["bone_gain"]["default"]
-    weightFloor: Annotated[float, WithinRange(SMALLEST_WEIGHT_FLOOR, PARAMETERS["weight_floor"]["maximum"])] = PARAMETERS["weight_floor"][
-        "default"
-    ]
     probe: ProbeShape = ProbeShape.AUTOMATIC
     apexColumn: Annotated[float, WithinRange(-FARTHEST, FARTHEST)] = 0.0
     apexRow: Annotated[float, WithinRange(-FARTHEST, FARTHEST)] = 0.0

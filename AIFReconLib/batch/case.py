@@ -41,12 +41,11 @@ from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
-from ..terminal.options import bone_from, imaging_from, importance_from, labeled_bone_from, load_method_here, settings_from
+from ..terminal.recipe_options import load_method_here, recipe_from
+from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_from, grid_from, labeled_bone_from, seen_bone_inputs
 from ..terminal.remedies import in_columns
-from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
-from ..terminal.volume_options import SIDE_OUTPUTS, grid_from
 from .engine import own_memory
 from .memory import OVER_PLAN
 from .place import require_results
@@ -160,7 +159,7 @@ class _Work:
         self._sequence_files = [path for one in each for path in sequence_inputs(one)]
         self._parts = [sequence_from(one) for one in each]
         self._sequence: TrackedSequence = joined(self._parts)
-        self._region, self._probe = imaging_from(self._arguments, self._sequence.configuration, self._sequence.images)
+        self._recipe = recipe_from(self._arguments)
         placed = self._arguments.bone_transform
         self._ct_to_reference = read_transform(placed) if placed else None
         self._report: dict[str, Any] = {}
@@ -168,13 +167,6 @@ class _Work:
         self._notes: list[str] = []
         self._labeled: LabeledBone | None = None
         self._bone: BoneMap | None = None
-
-    @property
-    def _how(self) -> dict[str, Any]:
-        """How beams lie in the images, and the images in Reference, for all that looks at the sweep."""
-        arguments = self._arguments
-        names = {"image_to_reference": arguments.image_to_reference, "reference": arguments.reference}
-        return {"region": self._region, "probe": self._probe, **names}
 
     def results(self) -> list[Row]:
         """Do all of it."""
@@ -184,9 +176,9 @@ class _Work:
         if labels is not None:
             self._cover(labels)
         truth = self._truth(labels)
-        self._labeled = labeled_bone_from(self._arguments, self._sequence, self._region, self._probe)
+        self._labeled = labeled_bone_from(self._arguments, self._sequence, self._recipe)
         if self._labeled is None:
-            self._bone = bone_from(self._arguments, "", None, self._sequence, self._region, self._probe)
+            self._bone = bone_from(self._arguments, None, self._sequence, self._recipe)
         grid, ct = grid_from(self._arguments), self._ct()
         rows = [self._of_method(method, grid, truth, labels, ct) for method in self._case.methods]
         write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
@@ -196,7 +188,7 @@ class _Work:
         arguments = self._arguments
         labels = read_labels(arguments.bone_labels)
         found = register(
-            self._parts, labels, self._ct_to_reference, per_segment=arguments.per_segment, level=arguments.level or 0, **self._how
+            self._parts, labels, self._ct_to_reference, per_segment=arguments.per_segment, level=arguments.level or 0, recipe=self._recipe
         )
         self._report["registration"] = as_report(found)
         if not (found.accepted or arguments.accept or arguments.level is not None):
@@ -228,7 +220,7 @@ class _Work:
 
     def _cover(self, labels: Volume) -> None:
         try:
-            found: Coverage = coverage(self._parts, labels, thickness=self._arguments.beam_thickness, **self._how)
+            found: Coverage = coverage(self._parts, labels, recipe=self._recipe, thickness=self._arguments.beam_thickness)
         except (BeamGeometryError, GeometryError) as problem:
             self._notes.append(in_columns(problem))
             return
@@ -243,7 +235,7 @@ class _Work:
         if true is None:
             return None
         try:
-            return bone_truth(true, SweepBeams.of_sequence(self._parts, thickness=arguments.beam_thickness, **self._how))
+            return bone_truth(true, SweepBeams.of_sequence(self._parts, self._recipe, arguments.beam_thickness))
         except (BeamGeometryError, GeometryError) as problem:
             self._notes.append(in_columns(problem))
             return None
@@ -263,16 +255,14 @@ class _Work:
         arguments = with_method(self._arguments, method)
         if method is not None and is_own_method(method):
             load_method_here(method)
-        settings = replace(settings_from(arguments), best_cosine=bool(arguments.cosine))
-        bone, of_map, name = self._bone, {}, settings.method_for(True)
+        recipe = recipe_from(arguments)
+        bone, of_map, name = self._bone, {}, recipe.method_for(True)
         if self._labeled is not None:
             bone, of_map = self._labeled.map(name), self._labeled.settings(name)
         beside = [name for name in BESIDE if getattr(arguments, name)]
         share = own_memory()
         memory = None if share is None else max(int(share / OVER_PLAN), 1)
-        result = reconstruct(
-            self._sequence, settings, bone, grid, importance=importance_from(arguments), beside=beside, memory=memory, **self._how
-        )
+        result = reconstruct(self._sequence, recipe, bone, grid, beside=beside, memory=memory)
         of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
         result = with_provenance(result, arguments, [*self._sequence_files, *of_bone, *seen_bone_inputs(arguments)], of_map)
         stem = result.method.replace(":", "-")
@@ -301,7 +291,7 @@ class _Work:
 
     def _tracking(self, result: Reconstruction) -> list[dict[str, object]]:
         """How each sweep was tracked."""
-        names = self._arguments.image_to_reference, self._arguments.reference
+        names = self._recipe.image_to_reference, self._recipe.reference
         shares = zip(result.sweeps, self._sequence.sweeps, strict=True)
         reports = [(share.name, tracking_report(one, sweep_poses(one, *names), result, n)) for n, (share, one) in enumerate(shares)]
         return [{"sequence": name, **report.to_dict()} for name, report in reports]

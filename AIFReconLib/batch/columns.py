@@ -12,17 +12,11 @@ from typing import NoReturn
 from ..compounding.methods.table import is_own_method, method_named
 from ..errors import MethodError, SettingsError
 from ..terminal.one_line_parser import OneLineParser
-from ..terminal.options import (
-    add_beam_option,
-    add_bone_options,
-    add_imaging_options,
-    add_importance_option,
-    add_placing_options,
-    add_setting,
-)
+from ..terminal.options import add_beam_option, add_placing_options
+from ..terminal.recipe_options import add_setting
+from ..terminal.reconstruction_options import SIDE_OUTPUTS, add_reconstruction_options
 from ..terminal.sequence_options import NamedFileAction, add_sequence_options, add_tracking_options
 from ..terminal.settings_options import add_settings_options
-from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options
 
 CASE, SWEEPS, METHOD = "case", "sweeps", "method"
 REQUIRED = (CASE, SWEEPS)
@@ -53,10 +47,7 @@ def case_parser() -> CellParser:
     add_setting(parser, METHOD)
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
-    add_bone_options(parser)
-    add_importance_option(add_imaging_options(parser))
-    add_volume_options(parser)
-    add_tuning_options(parser)
+    add_reconstruction_options(parser)
     add_settings_options(parser)
     add_beam_option(parser)
     parser.add_argument("--bone", type=Path, help="true segmentation to measure against, in the frame of bone_labels, which stand in")
@@ -138,9 +129,7 @@ class Columns:
                 method_named(name)
             except MethodError:
                 raise MethodError(
-                    "{method} is a method of your own, which a table alone cannot bring in. Give {option} too.".format(
-                        method=name, option=f"--method {name}"
-                    )
+                    f"{name} is a method of your own, which no table brings in by itself. Give it as in aifrecon batch --method {name} too."
                 ) from None
         return self._parsed(METHOD, [f"--{METHOD}={name}"])
 

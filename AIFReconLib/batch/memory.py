@@ -10,10 +10,10 @@ from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
+from ..recipe.recipe import DEFAULT_SPACING
 from ..reconstruction import plan
-from ..settings import DEFAULT_SPACING
-from ..terminal.options import settings_from
-from ..terminal.seen_bone_options import seen_source
+from ..terminal.recipe_options import recipe_from
+from ..terminal.reconstruction_options import seen_source
 from ..terminal.sequence_options import of_each, sequence_from
 from .table import Case, with_method
 
@@ -116,8 +116,7 @@ def _of_case(case: Case) -> int:
     has_bone = bool(arguments.bone_labels or arguments.bone_probability or seen_source(arguments))
     try:
         sequences = [sequence_from(one) for one in of_each(arguments, arguments.sequences)]
-        names = {"image_to_reference": arguments.image_to_reference, "reference": arguments.reference}
-        planned = plan(sequences, settings_from(arguments), has_bone=has_bone, **names).memory
+        planned = plan(sequences, recipe_from(arguments), has_bone=has_bone).memory
         if arguments.bone_labels and arguments.bone_labels.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
             labels = read_metafile(arguments.bone_labels, FileFormatError)
             planned += PER_LABEL * math.prod(labels.size)

@@ -21,9 +21,10 @@ from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import said
-from ..terminal.options import PARAMETERS, check_bone_options, settings_from
+from ..recipe.recipe import RULES
+from ..terminal.recipe_options import recipe_from
+from ..terminal.reconstruction_options import check_bone_options, seen_source
 from ..terminal.remedies import in_columns
-from ..terminal.seen_bone_options import seen_source
 from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns
 
@@ -281,11 +282,11 @@ class _Reading:
 
     def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> str | None:
         """What is wrong with the parameters of a reconstruction; most rows have those of another."""
-        key = repr([has_bone, bool(arguments.cosine), *(getattr(arguments, name, None) for name in PARAMETERS)])
+        key = repr([has_bone, bool(arguments.cosine), *(getattr(arguments, name, None) for name in RULES)])
         if key not in self._of_settings:
             try:
-                settings = replace(settings_from(arguments), best_cosine=bool(arguments.cosine))
-                require_bone(settings.method_for(has_bone), settings, has_bone)
+                recipe = recipe_from(arguments)
+                require_bone(recipe.method_for(has_bone), recipe, has_bone)
                 self._of_settings[key] = None
             except AIFReconError as error:
                 self._of_settings[key] = said(error)

@@ -22,10 +22,9 @@ from ..arrays import Floats, Integers, Mask, Matrix, Numbers, Reals, Singles
 from ..errors import GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import Volume, VoxelGrid
-from ..imaging.beams import ProbeGeometry
 from ..imaging.extent import grid_around_sweep
-from ..imaging.region import ImageRegion
 from ..progress import Progress, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedSequence
@@ -177,11 +176,7 @@ def bone_from_sweep(
     imaging: Imaging | None = None,
     spacing: float = SPACING,
     progress: Progress | None = None,
-    *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
+    recipe: Recipe | None = None,
 ) -> BoneMap:
     """A bone map drawn from the sweep itself, in Reference.
 
@@ -192,8 +187,9 @@ def bone_from_sweep(
         Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
     spacing : float, mm
         Of the map, not of the reconstruction.
-    region, probe, image_to_reference, reference
-        As in `reconstruct`; what `poses` or `imaging` tell comes before them.
+    progress : Progress or None
+    recipe : Recipe or None
+        As in `reconstruct`; what `poses` or `imaging` tell comes before it.
 
     Raises
     ------
@@ -209,10 +205,10 @@ def bone_from_sweep(
     `inside`: every echo tells of `SLAB` mm behind it along its own beam that they are bone, and of as many before it that they are not;
     where the mean of these signed distances, weighted by the scores, is positive, is bone. All usable frames take part.
     """
-    sequence = joined(sequence)
-    poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses
+    sequence, recipe = joined(sequence), recipe or Recipe()
+    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if poses is None else poses
     usable = poses.require_usable(sequence.name)
-    imaging = resolve_imaging(sequence, poses, True, region, probe) if imaging is None else imaging
+    imaging = resolve_imaging(sequence, poses, True, recipe) if imaging is None else imaging
     matrices = poses.image_to_reference[usable]
     grid = _padded(grid_around_sweep(matrices, sequence.frame_size, imaging.region, (spacing,) * 3, 32), round(3 * SIGMA / spacing) + 1)
     best = np.zeros(grid.voxels, dtype=np.float32)

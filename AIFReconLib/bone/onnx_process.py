@@ -6,7 +6,6 @@ import contextlib
 import faulthandler
 import json
 import os
-import shutil
 import subprocess
 import sys
 import threading
@@ -20,6 +19,7 @@ import numpy as np
 
 from ..arrays import Numbers, Singles
 from ..errors import ModelError
+from ..machine.processes import NO_WINDOW, python_program
 from ..message import shorten
 
 LONGEST = 30.0
@@ -50,13 +50,13 @@ class ModelProcess:
         code = f"import sys; sys.path[:] = sys.argv[1:]; from {__name__} import serve; serve()"
         try:
             self._process = subprocess.Popen(
-                [_python(), "-c", code, *sys.path],
+                [python_program(), "-c", code, *sys.path],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
-                # Ctrl-C is for who waits, and Windows would open a window
+                # Ctrl-C is for who waits
                 start_new_session=True,
-                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+                creationflags=NO_WINDOW,
             )
         except OSError as error:
             raise ModelError(f"{path}: no process can be started to run the model ({error!s}). Close other programs.") from None
@@ -99,12 +99,6 @@ class ModelProcess:
             raise ModelError(
                 f"{self._path}: the model was ended: it takes more than {LONGEST:g} s or more memory than it may, or crashes. Use another."
             ) from None
-
-
-def _python() -> str:
-    """The Python that runs this; within Slicer, whose program is another, the one that Slicer brings."""
-    program = sys.executable or ""
-    return program if Path(program).name.lower().startswith("python") else shutil.which("PythonSlicer") or program
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:

@@ -12,10 +12,9 @@ from ..arrays import Matrix
 from ..errors import GeometryError
 from ..geometry.volume import VoxelGrid
 from ..holes.automatic import SHARE, distances_between_frames
-from ..imaging.beams import ProbeGeometry
 from ..imaging.extent import grid_around_sweep
-from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
@@ -65,11 +64,7 @@ def bone_from_frames(
     poses: SweepPoses | None = None,
     imaging: Imaging | None = None,
     progress: Progress | None = None,
-    *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
+    recipe: Recipe | None = None,
 ) -> BoneMap:
     """A bone map of what an estimator predicts in every frame.
 
@@ -82,13 +77,13 @@ def bone_from_frames(
         `RecordedPredictions` of files, an `OnnxModel`, an `EchoEstimator`, or one of your own.
     poses, imaging : SweepPoses, Imaging or None
         Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
-    region, probe, image_to_reference, reference
-        As in `reconstruct`; what `poses` or `imaging` tell comes before them.
+    recipe : Recipe or None
+        As in `reconstruct`; what `poses` or `imaging` tell comes before it.
     """
-    sequence = joined(sequence)
-    poses = sweep_poses(sequence, image_to_reference, reference) if poses is None else poses
+    sequence, recipe = joined(sequence), recipe or Recipe()
+    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if poses is None else poses
     usable = poses.require_usable(sequence.name)
-    imaging = resolve_imaging(sequence, poses, True, region, probe) if imaging is None else imaging
+    imaging = resolve_imaging(sequence, poses, True, recipe) if imaging is None else imaging
     matrices = poses.image_to_reference[usable]
     box = grid_around_sweep(matrices, sequence.frame_size, imaging.region, (SPACING,) * 3, 40)
     sigma = sigma_for(matrices, imaging, sequence.frame_size, box)

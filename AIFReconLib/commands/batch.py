@@ -19,7 +19,8 @@ from ..batch.results import flat_rows, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
 from ..terminal.console import ProgressBar, show
-from ..terminal.options import Commands, load_method_here
+from ..terminal.options import Commands
+from ..terminal.recipe_options import load_method_here
 
 EXAMPLE = """example, a row per case; several files or methods in a cell with ; between them:
   case,sweeps,config,bone_labels,register,method

@@ -32,7 +32,7 @@ from ..live.wire.framing import Frame, Framer
 from ..machine.threads import optional_module, usable_cores
 from ..message import columns
 from ..progress import Progress, part, report
-from ..settings import DEFAULT_SPACING, ReconstructionSettings
+from ..recipe.recipe import DEFAULT_SPACING, Recipe
 from ..sweep.frames import TrackedFrame
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands
@@ -164,7 +164,7 @@ def _seconds_to_insert(method: str, sweep: list[TrackedFrame], grid: VoxelGrid, 
     """For one frame, into a volume that is there already, with its bone map."""
     rows, across = np.asarray(sweep[0].image).shape
     bone = slab_of_bone(grid) if method in BONE_METHODS else None
-    reconstructor = Reconstructor(grid, ReconstructionSettings(method=method), bone, probe=sector_probe(across, rows))
+    reconstructor = Reconstructor(grid, Recipe(method=method), bone, probe=sector_probe(across, rows))
     return _median_seconds(lambda: reconstructor.insert(sweep), repeats, progress) / len(sweep)
 
 

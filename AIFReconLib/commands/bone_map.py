@@ -6,9 +6,12 @@ import argparse
 from pathlib import Path
 
 from ..bone.map import SIGMA_VOXELS, BoneMap
+from ..errors import SettingsError
 from ..io.volume.files import check_volume_path, read_labels
+from ..recipe.recipe import AUTOMATIC
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_sigma_options, refuse_to_overwrite
+from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.reconstruction_options import add_width_options
 
 
 def add_to(commands: Commands) -> None:
@@ -22,7 +25,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
     )
-    add_sigma_options(parser, automatic=False)
+    add_width_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -30,6 +33,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, smooth, write."""
     refuse_to_overwrite([arguments.output], [arguments.labels])
     check_volume_path(arguments.output)
+    if arguments.bone_sigma_mm == AUTOMATIC:
+        raise SettingsError("--bone-sigma-mm auto compares the CT with a sweep, and there is none. Give a number.")
     voxels = SIGMA_VOXELS if arguments.bone_sigma_voxels is None else arguments.bone_sigma_voxels
     with ProgressBar() as progress:
         bone = BoneMap.from_labels(read_labels(arguments.labels), voxels, arguments.bone_sigma_mm, progress=progress)

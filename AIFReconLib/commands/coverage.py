@@ -14,7 +14,8 @@ from ..io.volume.files import read_label_names, read_labels
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_beam_option, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.options import Commands, add_beam_option, refuse_to_overwrite
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
@@ -71,15 +72,11 @@ def run(arguments: argparse.Namespace) -> None:
         labels = read_labels(arguments.bone_labels)
         placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         sequences = [sequence_from(one) for one in each]
-        region, probe = imaging_from(arguments, sequences[0].configuration, sequences[0].images)
         found = coverage(
             sequences,
             labels,
             placed,
-            region=region,
-            probe=probe,
-            image_to_reference=arguments.image_to_reference,
-            reference=arguments.reference,
+            recipe=recipe_from(arguments),
             thickness=arguments.beam_thickness,
             names=read_label_names(arguments.bone_labels),
             progress=part(progress, 0.05, 0.95),

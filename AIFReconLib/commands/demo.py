@@ -23,9 +23,9 @@ from ..io.transform.files import read_transform
 from ..io.volume.files import read_labels, read_volume
 from ..message import columns
 from ..progress import part
+from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
 from ..resolve import resolve_settings
-from ..settings import ReconstructionSettings
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands
 from .simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
@@ -85,11 +85,11 @@ def run(arguments: argparse.Namespace) -> None:
         truth = bone_truth(labels, SweepBeams.of_sequence(sequence), progress=part(progress, 0.5, 0.57))
         met = coverage(sequence, labels, progress=part(progress, 0.57, 0.6))
         metrics: dict[str, BoneMetrics] = {}
-        settings: dict[str, ReconstructionSettings] = {}
+        settings: dict[str, Recipe] = {}
         shown: dict[str, Volume] = {}
         for number, method in enumerate(METHODS):
             step = part(progress, 0.6 + 0.35 * number / len(METHODS), 0.6 + 0.35 * (number + 1) / len(METHODS))
-            asked = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
+            asked = Recipe(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
             settings[method] = resolve_settings(asked, sequence.configuration, True)
             result = reconstruct(sequence, settings[method], bone, beside=(), progress=part(step, 0.0, 0.8))
             result.intensity.write(folder / f"reconstruction-{method}.nrrd")
@@ -133,7 +133,7 @@ def _report(
     seed: int,
     files: SimulatedFiles,
     metrics: dict[str, BoneMetrics],
-    settings: dict[str, ReconstructionSettings],
+    settings: dict[str, Recipe],
     frames: int,
     size: str,
     met: Coverage,

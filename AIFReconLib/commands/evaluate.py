@@ -25,7 +25,8 @@ from ..progress import part
 from ..provenance.settings_files import made_with
 from ..sweep.joined import joined
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_beam_option, add_imaging_options, imaging_from, real_path, refuse_to_overwrite
+from ..terminal.options import Commands, add_beam_option, real_path, refuse_to_overwrite
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.sequence_options import add_tracking_options, of_each
 
 EXAMPLE = """examples:
@@ -150,15 +151,7 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
 
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
     sequence = joined(read_sequence(one.sequence, config=one.config) for one in of_each(arguments, arguments.sweep))
-    region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
-    return SweepBeams.of_sequence(
-        sequence,
-        image_to_reference=arguments.image_to_reference,
-        reference=arguments.reference,
-        region=region,
-        probe=probe,
-        thickness=arguments.beam_thickness,
-    )
+    return SweepBeams.of_sequence(sequence, recipe_from(arguments), arguments.beam_thickness)
 
 
 def _placed(volume: Volume, to_reference: Matrix | None) -> Volume:

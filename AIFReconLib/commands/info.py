@@ -14,11 +14,11 @@ from ..inspection.diagnosis import diagnose
 from ..message import columns
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
-from ..sweep.pose_tracks import LONGEST_GAP
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
+from ..terminal.sequence_options import OF_A_RECORDING, add_sequence_options, add_tracking_options, of_each, sequence_from
 
 NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""
@@ -57,13 +57,14 @@ def run(arguments: argparse.Namespace) -> int:
 def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[str, dict[str, object]]:
     """What is to be said of one sequence, for a terminal and for JSON."""
     sequence = sequence_from(arguments)
-    report = diagnose(sequence, arguments.image_to_reference, arguments.reference, progress)
+    recipe = recipe_from(arguments)
+    report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress)
     report = replace(report, findings=tuple(map(in_options, report.findings)))
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict
     try:
-        planned = plan(sequence, image_to_reference=arguments.image_to_reference, reference=arguments.reference, poses=report.poses)
+        planned = plan(sequence, recipe, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
     command = f"{program()} {shell_words(_command(arguments))}"
@@ -99,14 +100,10 @@ def _facts(planned: Plan) -> list[tuple[str, str]]:
 def _command(arguments: argparse.Namespace) -> list[str]:
     """The words of the reconstruction that was planned."""
     words = ["reconstruct", str(arguments.sequence)]
-    for option in ("config", "image_to_reference", "reference", "orientation"):
+    for option in ("config", "image_to_reference", "reference", *OF_A_RECORDING):
         if getattr(arguments, option) is not None:
             words += [f"--{option.replace('_', '-')}", str(getattr(arguments, option))]
     for name, file in (arguments.transform_sequence or {}).items():
         words += ["--transform-sequence", f"{name}={file}"]
-    if arguments.time_offset:
-        words += ["--time-offset", f"{arguments.time_offset:g}"]
-    if arguments.longest_gap != LONGEST_GAP:
-        words += ["--longest-gap", f"{arguments.longest_gap:g}"]
     name = arguments.sequence.name.partition(".")[0]
     return [*words, "--output", f"{name}-volume.nrrd"]

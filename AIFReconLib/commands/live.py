@@ -10,7 +10,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from ..compounding.needs import method_needs_bone
+from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
 from ..io.plus.configuration import read_plus_configuration
@@ -24,29 +24,26 @@ from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.statistics import StreamStatistics
 from ..machine.threads import pause
 from ..message import one_line
+from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..registration.labeled_bone import LabeledBone
+from ..resolve import asked_imaging
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
 from ..terminal.live_bone import LiveBone, add_streamed_bone_option, predictions_path
-from ..terminal.options import (
-    Commands,
-    add_bone_options,
-    add_imaging_options,
-    add_importance_option,
-    add_setting,
+from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.recipe_options import add_setting, recipe_from
+from ..terminal.reconstruction_options import (
+    SIDE_OUTPUTS,
+    add_reconstruction_options,
     bone_from,
-    imaging_from,
-    importance_from,
+    grid_from,
     labeled_bone_from,
-    refuse_to_overwrite,
-    settings_from,
+    seen_bone_inputs,
 )
 from ..terminal.remedies import in_options
-from ..terminal.seen_bone_options import seen_bone_inputs
-from ..terminal.sequence_options import add_tracking_options
-from ..terminal.settings_options import OF_A_RECORDING, add_settings_options, check_save_settings, save_settings, with_provenance
+from ..terminal.sequence_options import OF_A_RECORDING, add_tracking_options
+from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
 from ..terminal.status_line import StatusLine
-from ..terminal.volume_options import SIDE_OUTPUTS, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .reconstruct import FIRST_OPTIONS, describe
 
@@ -92,21 +89,8 @@ def add_to(commands: Commands) -> None:
         action="store_true",
         help="use the pose that comes with an image although the server never tells whether its tool is seen",
     )
-    server.add_argument(
-        "--time-offset",
-        type=float,
-        default=0.0,
-        metavar="S",
-        help="add this to the images' time stamps, as Plus's LocalTimeOffsetSec of the image device does, and interpolate the poses "
-        "[s] (default: 0)",
-    )
-    server.add_argument(
-        "--longest-gap",
-        type=float,
-        default=SynchronizerSettings.longest_gap,
-        metavar="S",
-        help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
-    )
+    add_setting(server, "time_offset", 0.0)
+    add_setting(server, "longest_gap", SynchronizerSettings.longest_gap)
     server.add_argument(
         "--tracker-frame",
         default=SynchronizerSettings.tracker_frame,
@@ -134,10 +118,7 @@ def add_to(commands: Commands) -> None:
     )
     add_setting(parser, "method")
     add_tracking_options(parser)
-    add_bone_options(parser)
-    add_importance_option(add_imaging_options(parser))
-    add_preview_option(add_volume_options(parser))
-    add_tuning_options(parser)
+    add_preview_option(add_reconstruction_options(parser, without=OF_A_RECORDING))
     add_settings_options(parser, without=OF_A_RECORDING)
     parser.show_first("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
     parser.set_defaults(run=run)
@@ -159,8 +140,9 @@ def run(arguments: argparse.Namespace) -> int:
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     started = time.perf_counter()
-    labeled = labeled_bone_from(arguments, None)
-    session, client, seen = _session(arguments, labeled)
+    recipe = recipe_from(arguments)
+    labeled = labeled_bone_from(arguments, None, recipe)
+    session, client, seen = _session(arguments, recipe, labeled)
     with seen.beside(session) if seen else nullcontext():
         result, told_by = _scan(session, client, arguments)
     statistics, error = session.statistics, session.error
@@ -179,7 +161,7 @@ def run(arguments: argparse.Namespace) -> int:
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
     files = [path for path in (*outputs.values(), *drawn) if path]
-    width = labeled.lines(result.method) if labeled and method_needs_bone(result.method) else []
+    width = labeled.lines(result.method) if labeled and method_named(result.method).needs_bone else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
     for line in filter(
         None, [*_what_else(statistics, client.statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]
@@ -195,32 +177,29 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tuple[LiveSession, OpenIGTLinkClient, LiveBone | None]:
+def _session(
+    arguments: argparse.Namespace, recipe: Recipe, labeled: LabeledBone | None
+) -> tuple[LiveSession, OpenIGTLinkClient, LiveBone | None]:
     """The session that the options ask for, its client, which is connected, and what looks for bone beside it."""
     configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
-    region, probe = imaging_from(arguments, configuration)
-    settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
-        seen = LiveBone.of(arguments, configuration, region, probe)
-        bone = seen.bone if seen else bone_from(arguments, settings.method_for(True), labeled, None, progress=progress)
+        seen = LiveBone.of(arguments, configuration, *asked_imaging(recipe, configuration))
+        bone = seen.bone if seen else bone_from(arguments, labeled, None, recipe, progress)
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
-        image_to_reference=arguments.image_to_reference,
-        reference=arguments.reference,
-        time_offset=arguments.time_offset,
-        longest_gap=arguments.longest_gap,
+        image_to_reference=recipe.image_to_reference,
+        reference=recipe.reference,
+        time_offset=recipe.time_offset,
+        longest_gap=recipe.longest_gap,
         trust_image_pose=arguments.trust_image_pose,
         tracker_frame=arguments.tracker_frame,
     )
     client = OpenIGTLinkClient(arguments.host, arguments.port)
     session = LiveSession(
         seen.source(client) if seen else client,
-        settings,
+        replace(recipe, time_offset=0.0, longest_gap=LONGEST_GAP),
         bone,
         grid_from(arguments),
-        region=region,
-        probe=probe,
-        importance=importance_from(arguments),
         configuration=configuration,
         synchronizer=synchronizer,
         record=arguments.record,

@@ -25,7 +25,8 @@ from ..progress import Progress, part, report
 from ..resolve import resolve_imaging
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_imaging_options, imaging_from, refuse_to_overwrite
+from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
 from .coverage import add_labels_options
@@ -117,11 +118,10 @@ def _patient(arguments: argparse.Namespace, progress: Progress | None) -> tuple[
         bone = guided_bone(labels, placed, names=names)
         assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
         return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
-    sequence = sequence_from(arguments)
-    region, kind = imaging_from(arguments, sequence.configuration, sequence.images)
-    poses = sweep_poses(sequence, arguments.image_to_reference, arguments.reference)
+    sequence, recipe = sequence_from(arguments), recipe_from(arguments)
+    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     usable = poses.image_to_reference[poses.require_usable(sequence.name)]
-    imaging = resolve_imaging(sequence, poses, True, region, kind)
+    imaging = resolve_imaging(sequence, poses, True, recipe)
     looks = usable[:, :3, 1] / np.linalg.norm(usable[:, :3, 1], axis=1)[:, None]
     bone, notes = bone_before(labels, placed, looks.mean(axis=0), names)
     images = images_like(usable[0], sequence.frame_size, imaging.known_probe(), imaging.region)

@@ -5,44 +5,38 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from dataclasses import replace
 from pathlib import Path
 
-from ..compounding.needs import method_needs_bone
+from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..guidance.coverage import coverage
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
 from ..io.volume.files import check_volume_path, read_label_names, read_labels
 from ..progress import part
+from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.options import (
-    Commands,
-    add_bone_options,
-    add_imaging_options,
-    add_importance_option,
-    add_setting,
+from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.recipe_options import add_setting, recipe_from
+from ..terminal.reconstruction_options import (
+    SIDE_OUTPUTS,
+    add_memory_option,
+    add_reconstruction_options,
     bone_from,
-    imaging_from,
-    importance_from,
+    grid_from,
     labeled_bone_from,
-    refuse_to_overwrite,
-    settings_from,
+    seen_bone_inputs,
 )
 from ..terminal.remedies import IN_OPTIONS, in_options
-from ..terminal.seen_bone_options import seen_bone_inputs
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
-from ..terminal.volume_options import SIDE_OUTPUTS, add_memory_option, add_tuning_options, add_volume_options, grid_from
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
 EXAMPLE = """examples:
@@ -77,13 +71,10 @@ def add_to(commands: Commands) -> None:
     add_setting(parser, "method")
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
-    add_bone_options(parser)
-    add_importance_option(add_imaging_options(parser))
-    volume = add_volume_options(parser)
+    volume = add_reconstruction_options(parser)
     add_preview_option(volume)
     add_memory_option(volume)
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
-    add_tuning_options(parser)
     add_settings_options(parser)
     parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
@@ -104,7 +95,7 @@ def run(arguments: argparse.Namespace) -> None:
     ]
     of_the_run = [*outputs.values(), arguments.preview, arguments.report, arguments.save_settings]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
-    settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
+    recipe = recipe_from(arguments)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     check_preview(arguments.preview)
@@ -113,20 +104,13 @@ def run(arguments: argparse.Namespace) -> None:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
-        region, probe = imaging_from(arguments, sequence.configuration, sequence.images)
-        labeled = labeled_bone_from(arguments, sequence, region, probe)
-        bone = bone_from(arguments, settings.method_for(True), labeled, sequence, region, probe, part(progress, 0.0, 0.1))
-        grid = grid_from(arguments)
+        labeled = labeled_bone_from(arguments, sequence, recipe)
+        bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.0, 0.1))
         result = reconstruct(
             sequence,
-            settings,
+            recipe,
             bone,
-            grid,
-            region=region,
-            probe=probe,
-            importance=importance_from(arguments),
-            image_to_reference=arguments.image_to_reference,
-            reference=arguments.reference,
+            grid_from(arguments),
             beside=[name for name in BESIDE if getattr(arguments, name)],
             memory=arguments.memory,
             progress=part(progress, 0.1, 0.95),
@@ -137,38 +121,28 @@ def run(arguments: argparse.Namespace) -> None:
             getattr(result, name).write(path)
         drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
-        lines = labeled.lines(result.method) if labeled is not None and method_needs_bone(result.method) else []
+        lines = labeled.lines(result.method) if labeled is not None and method_named(result.method).needs_bone else []
     agreement = list(map(in_options, lines))
     tracking = {
-        share.name: tracking_report(part_of_it, sweep_poses(part_of_it, arguments.image_to_reference, arguments.reference), result, number)
+        share.name: tracking_report(part_of_it, sweep_poses(part_of_it, recipe.image_to_reference, recipe.reference), result, number)
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.sweeps, strict=True))
     }
     if arguments.report:
-        said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(arguments, sequence, region, probe)}
+        said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(arguments, sequence, recipe)}
         write_text(arguments.report, json.dumps(said, indent=2) + "\n")
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
 
 
-def _met(
-    arguments: argparse.Namespace, sequence: TrackedSequence, region: ImageRegion | None, probe: ProbeGeometry | None
-) -> dict[str, object]:
+def _met(arguments: argparse.Namespace, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
     """What the sweep met of the labeled bone, for the report; nothing without labels, or where the beams are not known."""
     if not arguments.bone_labels:
         return {}
     placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     try:
-        found = coverage(
-            sequence,
-            read_labels(arguments.bone_labels),
-            placed,
-            region=region,
-            probe=probe,
-            image_to_reference=arguments.image_to_reference,
-            reference=arguments.reference,
-            names=read_label_names(arguments.bone_labels),
-        )
+        names = read_label_names(arguments.bone_labels)
+        found = coverage(sequence, read_labels(arguments.bone_labels), placed, recipe=recipe, names=names)
     except (BeamGeometryError, GeometryError) as problem:
         return {"coverage": None, "coverage_problem": str(problem)}
     return {"coverage": found.to_dict()}

@@ -17,7 +17,8 @@ from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_imaging_options, add_placing_options, imaging_from, refuse_to_overwrite
+from ..terminal.options import Commands, add_placing_options, refuse_to_overwrite
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
@@ -86,17 +87,13 @@ def run(arguments: argparse.Namespace) -> None:
         labels = read_labels(arguments.bone_labels)
         start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         sequences = [sequence_from(one) for one in each]
-        region, probe = imaging_from(arguments, sequences[0].configuration, sequences[0].images)
         found = register(
             sequences,
             labels,
             start,
             per_segment=arguments.per_segment,
             level=arguments.level or 0,
-            region=region,
-            probe=probe,
-            image_to_reference=arguments.image_to_reference,
-            reference=arguments.reference,
+            recipe=recipe_from(arguments),
             progress=part(progress, 0.05, 0.95),
         )
         written = _write(arguments, found, labels)

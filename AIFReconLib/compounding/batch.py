@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Mask, Matrix, Numbers, NumberType, Singles
+from ..geometry.transforms import image_plane_axes
 from ..progress import Progress
 
 BATCH_BYTES = 16 * 2**20
@@ -58,14 +59,7 @@ class FrameBatch:
         """Whether nothing more fits in."""
         return len(self.numbers) == len(self.images)
 
-    def add(
-        self,
-        image: Numbers,
-        image_to_ijk: Matrix,
-        axes: tuple[Singles, Singles],
-        number: int,
-        kept: Mask | None = None,
-    ) -> None:
+    def add(self, image: Numbers, pose: Matrix, image_to_ijk: Matrix, number: int, kept: Mask | None = None) -> None:
         """Copy a frame in; of its pixels only those `kept` (rows, columns) count, all by default."""
         place = len(self.numbers)
         if kept is not None:
@@ -77,7 +71,7 @@ class FrameBatch:
                 self.images[place][~finite] = 0
                 self.measured[place] = finite if kept is None else finite & kept
         self.image_to_ijk[place] = image_to_ijk
-        self.axes[place] = np.concatenate(axes)
+        self.axes[place] = np.concatenate(image_plane_axes(pose))
         self.numbers.append(number)
 
     def clear(self) -> None:

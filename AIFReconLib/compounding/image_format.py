@@ -9,33 +9,21 @@ import numpy as np
 from ..arrays import Numbers, NumberType
 from ..errors import GeometryError
 from ..message import Sentence
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from ..settings import ReconstructionSettings
-from .needs import judges_shadows
+from .methods.table import method_named
 
 
 @dataclass(frozen=True)
 class ImageKind:
-    """Size and pixel type of the images.
-
-    Parameters
-    ----------
-    shape : (rows, columns)
-    dtype : dtype
-    """
+    """Size (rows, columns) and pixel type of the images."""
 
     shape: tuple[int, int]
     dtype: NumberType
 
     @classmethod
     def of(cls, image: Numbers, number: int) -> ImageKind:
-        """That of the first image, of frame `number`.
-
-        Raises
-        ------
-        GeometryError
-            When its image is not one of gray pixels.
-        """
+        """That of the first image, of frame `number`; a GeometryError where it is not one of gray pixels."""
         if image.ndim != 2 or not image.size or image.dtype.kind not in "biuf":
             raise GeometryError(f"Input images must be gray, rows x columns of numbers; got {image.shape} {image.dtype} in frame {number}.")
         rows, columns = image.shape
@@ -53,22 +41,22 @@ class ImageKind:
         """Whether pixels are gray levels from 0 to 255."""
         return self.dtype == np.uint8
 
-    def maximum(self, settings: ReconstructionSettings) -> float:
+    def maximum(self, settings: Recipe) -> float:
         """The brightest value that an image can hold; infinite where neither the settings nor the type tell."""
         if settings.intensity_maximum is not None:
             return settings.intensity_maximum
         return float(np.iinfo(self.dtype.name).max) if self.dtype.kind in "iu" else np.inf
 
-    def output_type(self, settings: ReconstructionSettings) -> str:
+    def output_type(self, settings: Recipe) -> str:
         """The pixel type of the volume: "uint8" or "float32"."""
         return settings.output_type or ("uint8" if self.is_8_bit else "float32")
 
-    def warnings(self, method: str, settings: ReconstructionSettings) -> list[str]:
+    def warnings(self, method: str, settings: Recipe) -> list[str]:
         """What does not go well with such pixels."""
         if self.is_8_bit:
             return []
         found: list[str] = []
-        if judges_shadows(method) and settings.intensity_maximum is None:
+        if method_named(method).needs_shadows and settings.intensity_maximum is None:
             found.append(
                 Sentence(
                     f"Warning: {method} judges brightness against the full gray scale, which {self.dtype.name} images do not tell.",

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ..arrays import Mask, Matrix, Numbers
 from ..bone.map import BoneMap
 from ..errors import require_kind
-from ..geometry.transforms import image_plane_axes, pixel_spacing, why_not_an_image_pose
+from ..geometry.transforms import pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_scale
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .evidence import ScanLines
 from .layout import PixelLayout, in_fixed_point
 
 KINDS: dict[str, tuple[type, str]] = {
-    "settings": (ReconstructionSettings, "Write ReconstructionSettings(method=..., spacing=...)."),
+    "recipe": (Recipe, "Write Recipe(method=..., spacing=...)."),
     "bone": (BoneMap, "Make one: BoneMap.from_labels(labels) or BoneMap.from_probability(probability)."),
     "grid": (VoxelGrid, "A Volume has one: volume.grid; else VoxelGrid.from_spacing(origin, size, spacing)."),
     "region": (ImageRegion, "Make one: ImageRegion(ClipRectangle((x, y), (width, height)), Fan(apex, angles, radii))."),
@@ -32,28 +30,31 @@ OUTSIDE = "outside the volume"
 
 
 def require_kinds(**given: object) -> None:
-    """Return if what is given, by its name among `KINDS`, is what it is taken for; None is.
-
-    Raises
-    ------
-    InputTypeError
-        With how one gets it, for the first that is not.
-    """
+    """Return if what is given, by its name among `KINDS`, is of its kind or None; else an InputTypeError that says how one gets it."""
     for name, value in given.items():
         kind, advice = KINDS[name]
         require_kind(name, value, (kind, type(None)), advice)
 
 
+def why_not(frame: TrackedFrame) -> str | None:
+    """Why a frame cannot enter any volume; None for one that can."""
+    if frame.status != "OK":
+        return frame.status
+    if frame.image is None:
+        return "no image"
+    if frame.image_to_reference is None:
+        return "no pose"
+    problem = why_not_an_image_pose(frame.image_to_reference)
+    return f"image pose {problem}" if problem else None
+
+
 class Intake:
-    """What a reconstructor does to a frame before an engine gets it.
+    """Lays out frames and places them in the grid, before an engine gets them.
 
     Parameters
     ----------
-    grid : VoxelGrid
-    settings : ReconstructionSettings
     region : ImageRegion
         Pixels outside it never enter.
-    probe : ProbeGeometry or None
     needs_beams : bool
         Whether pixels get the direction of their beam.
     judges_shadows : bool
@@ -63,16 +64,16 @@ class Intake:
 
     Attributes
     ----------
-    layout : PixelLayout or None
-        Of the frames since `lay_out`; None before the first.
-    scan_lines : ScanLines or None
-        Of that layout.
+    filter : PixelFilter
+        Which pixels of an image may enter.
+    layout, scan_lines : PixelLayout, ScanLines or None
+        Of the frames since `lay_out`.
     """
 
     def __init__(
         self,
         grid: VoxelGrid,
-        settings: ReconstructionSettings,
+        settings: Recipe,
         region: ImageRegion,
         probe: ProbeGeometry | None,
         *,
@@ -82,35 +83,25 @@ class Intake:
     ):
         self.layout: PixelLayout | None = None
         self.scan_lines: ScanLines | None = None
+        self.filter = PixelFilter(settings.pixel_rejection, region)
         self._grid, self._settings, self._region, self._probe = grid, settings, region, probe
         self._needs_beams, self._judges_shadows, self._fixed_point = needs_beams, judges_shadows, fixed_point
-        self._filter = PixelFilter(settings.pixel_rejection, region)
         self._stretch: Matrix | None = None
-
-    @staticmethod
-    def why_not(frame: TrackedFrame) -> str | None:
-        """Why a frame cannot enter any volume; None for one that can."""
-        if frame.status != "OK":
-            return frame.status
-        if frame.image is None:
-            return "no image"
-        if frame.image_to_reference is None:
-            return "no pose"
-        problem = why_not_an_image_pose(frame.image_to_reference)
-        return f"image pose {problem}" if problem else None
 
     def fits(self, image: Numbers, pose: Matrix) -> bool:
         """Whether the layout serves an image (rows, columns) with this pose."""
-        return self.layout is not None and self.layout.fits(_size(image), pixel_spacing(pose))
+        rows, columns = image.shape
+        return self.layout is not None and self.layout.fits((columns, rows), pixel_spacing(pose))
 
     def lay_out(self, image: Numbers, pose: Matrix) -> None:
         """Make the layout that does."""
-        size, spacing = _size(image), pixel_spacing(pose)
-        scale = depth_scale(self._settings, self._region.mask(*size), self._probe, spacing)
+        rows, columns = image.shape
+        spacing = pixel_spacing(pose)
+        scale = depth_scale(self._settings, self._region.mask(columns, rows), self._probe, spacing)
         # What keeps rows straight is the pose's to do, which any engine can
         self._stretch = None if scale is None else scale.stretch
         scale = None if self._stretch is not None else scale
-        self.layout = PixelLayout.build(size, spacing, self._region, self._probe if self._needs_beams else None, scale)
+        self.layout = PixelLayout.build((columns, rows), spacing, self._region, self._probe if self._needs_beams else None, scale)
         if self._probe is not None and self._judges_shadows:
             self.scan_lines = ScanLines(self.layout, self._probe)
 
@@ -118,15 +109,6 @@ class Intake:
         """Where an image that fits the layout lies in the grid, (4, 4) float64."""
         image_to_ijk = self._grid.reference_to_ijk @ pose if self._stretch is None else self._grid.reference_to_ijk @ pose @ self._stretch
         return in_fixed_point(image_to_ijk) if self._fixed_point else image_to_ijk
-
-    def kept(self, image: Numbers) -> Mask | None:
-        """Which pixels of an image may enter, (rows, columns); None: all."""
-        return self._filter.entering(image)
-
-    def put(self, batch: FrameBatch, image: Numbers, pose: Matrix, image_to_ijk: Matrix, number: int, kept: Mask | None) -> None:
-        """Copy a frame that fits the layout into a batch; of its pixels only those `kept` count."""
-        x_axis, y_axis = image_plane_axes(pose)
-        batch.add(image, image_to_ijk, (x_axis.astype(np.float32), y_axis.astype(np.float32)), number, kept)
 
     def why_nothing_entered(self, batch: FrameBatch, place: int) -> str:
         """Of a frame of a batch none of whose pixels entered."""
@@ -136,7 +118,3 @@ class Intake:
         if self.layout is not None and self.layout.voxels(batch.image_to_ijk[place], self._grid.size)[0].size:
             return "no pixel in the volume has any weight"
         return OUTSIDE
-
-
-def _size(image: Numbers) -> tuple[int, int]:
-    return image.shape[1], image.shape[0]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from array import array
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,27 +21,24 @@ from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
 from ..message import Sentence
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from ..settings import ReconstructionSettings
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
+from .engine import Engine, Job
 from .engines import choose_engine
 from .finishing.parts import Planes
 from .finishing.results import Results
 from .image_format import ImageKind
-from .intake import OUTSIDE, Intake, require_kinds
+from .intake import OUTSIDE, Intake, require_kinds, why_not
 from .methods.table import method_named
 from .most_hits import MostHits, most_in_a_voxel
-from .needs import bone_on_grid, judges_shadows, needs_beams, require_bone
+from .needs import bone_on_grid, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import Method
-from .splat_engine import SplatEngine, check_shares, splat_engine, uses_shares
+from .splat_engine import check_shares, splat_engine, uses_shares
 from .state import BESIDE, MOST_IN_SINGLE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
-
-if TYPE_CHECKING:
-    from .compiled.numba_engine import NumbaEngine
-
 
 BESIDE_BONE = Sentence("Warning: the bone map does not overlap the volume, so incidence weights nothing.", Remedy.PLACE_THE_CT)
 
@@ -80,15 +75,6 @@ class FrameCounts:
                     self.skip(why.get(number, reason) if reason == OUTSIDE else reason, number)
 
 
-@dataclass(frozen=True)
-class _Work:
-    """What the first image decides: the kind of all images, the engine, and the batch that waits for it."""
-
-    images: ImageKind
-    engine: NumpyEngine | NumbaEngine | SplatEngine | OwnMethodEngine
-    batch: FrameBatch
-
-
 class Reconstructor:
     """Collects tracked frames into a volume.
 
@@ -96,7 +82,6 @@ class Reconstructor:
     ----------
     grid : VoxelGrid
         The voxels to fill.
-    settings : ReconstructionSettings
     bone : BoneMap or None
         Needed by the methods that weight by incidence.
     probe : ProbeGeometry or None
@@ -140,7 +125,7 @@ class Reconstructor:
     def __init__(
         self,
         grid: VoxelGrid,
-        settings: ReconstructionSettings | None = None,
+        settings: Recipe | None = None,
         bone: BoneMap | None = None,
         *,
         probe: ProbeGeometry | None = None,
@@ -153,53 +138,44 @@ class Reconstructor:
         planes: Planes | None = None,
         progress: Progress | None = None,
     ):
-        require_kinds(settings=settings, bone=bone, grid=grid, region=region, probe=probe)
-        self.settings = settings or ReconstructionSettings()
+        require_kinds(recipe=settings, bone=bone, grid=grid, region=region, probe=probe)
+        self.settings = settings or Recipe()
         self.grid = grid
         self.method = self.settings.method_for(bone is not None)
         self.counts = FrameCounts()
         self._region = region or ImageRegion()
         self.notes: list[str] = []
         method = method_named(self.method)
-        self._own = method if isinstance(method, Method) else None
         uses_bone = require_bone(self.method, self.settings, bone is not None)
         uses_beams = needs_beams(self.method, self.settings)
         if uses_beams and probe is None:
             raise BeamGeometryError(f"Method {self.method} needs the direction of the beams.", Remedy.NAME_THE_PROBE)
-        self._moves_pixels = moves_pixels = depth_factor(self.settings) != 1.0
-        if moves_pixels and probe is None:
+        self._moves_pixels = depth_factor(self.settings) != 1.0
+        if self._moves_pixels and probe is None:
             raise BeamGeometryError("A speed of sound needs the direction of the beams.", Remedy.NAME_THE_PROBE)
         check_shares(self.method, self.settings, importance)
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)
-        self._holes, self._beside = holes, beside
-        self._counted = counts_hits(self.method, beside)
+        self._holes, self._beside, self._threads = holes, beside, threads
         self._part, self._planes = planes, planes or (0, grid.size[2])
-        shadows = judges_shadows(self.method)
+        shadows = method.needs_shadows
         self._intake = Intake(
             grid, self.settings, self._region, probe, needs_beams=uses_beams, judges_shadows=shadows, fixed_point=fixed_point
         )
-        self._engine_class, note = choose_engine(self.settings.engine)
-        if note is not None:
-            self.notes.append(note)
-        curves_rows = moves_pixels and probe is not None and probe.kind == SECTOR
-        if self._own is None and self.method not in self._engine_class.methods:
-            self._engine_class = NumpyEngine
-        if curves_rows and not self._shares and self._own is None and self._engine_class is not NumpyEngine:
-            # The other engine wants rows of pixels to be straight lines
-            self._engine_class = NumpyEngine
-            self.notes.append("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same.")
-        self._threads = threads
+        self._engine_class = self._chosen_engine(self._moves_pixels and probe is not None and probe.kind == SECTOR)
         # Of 8-bit images, which take the least: what others take is known when the first has come
         self._on_grid = bone_on_grid(self.method, self.settings, bone is not None and bone.grows)
         kind = self.method, self._on_grid, self.settings.best_cosine, self._shares, True
-        require_memory(self._size_of_part(), grid.spacing, part_bytes(*kind, beside) if planes else bytes_per_voxel(*kind, beside, 1))
+        size = (*grid.size[:2], self._planes[1] - self._planes[0])
+        require_memory(size, grid.spacing, part_bytes(*kind, beside) if planes else bytes_per_voxel(*kind, beside, 1))
         self._bone = self._place_bone(bone, progress) if bone is not None and uses_bone else None
         self._state: VoxelState | None = self._empty_state(whole=True)
-        self._images: ImageKind | None = None
         self._most = 0.0
         self._hits = MostHits(grid.size) if method.widens else None
-        self._work: _Work | None = None
+        # The first image decides on these
+        self._images: ImageKind | None = None
+        self._engine: Engine | None = None
+        self._batch: FrameBatch | None = None
 
     def insert(self, frames: TrackedFrame | Iterable[TrackedFrame], progress: Progress | None = None, count: int = 1) -> None:
         """Put a frame, or several in their order, into the volume.
@@ -209,8 +185,6 @@ class Reconstructor:
 
         Parameters
         ----------
-        frames : TrackedFrame or several
-        progress : Progress or None
         count : int
             How many frames come, for the fraction that `progress` hears.
 
@@ -233,8 +207,8 @@ class Reconstructor:
                 report(share, 0.0, "Reconstructing")
                 self._add(frame, share)
         except OperationCanceled:
-            if self._work is not None:
-                self._work.batch.clear()
+            if self._batch is not None:
+                self._batch.clear()
             raise
         finally:
             self._compute(part(progress, 1.0, 1.0))
@@ -242,9 +216,7 @@ class Reconstructor:
     @property
     def engine(self) -> str:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
-        if self._own is not None:
-            return OwnMethodEngine.name
-        return (splat_engine(self.method, self.settings) if self._shares else self._engine_class).name
+        return self._engine_class.name
 
     def reconstruction(self, progress: Progress | None = None) -> Reconstruction:
         """The volume as it is now, holes filled; more frames may follow."""
@@ -263,7 +235,7 @@ class Reconstructor:
     def put_into(self, results: Results | None) -> Results:
         """Hand the voxels over to the results of the whole grid, new ones where there are none yet. No frame can follow."""
         state = self._unfinished()
-        self._state = self._bone = self._work = None
+        self._state = self._bone = self._engine = self._batch = None
         results = results or self._results()
         results.put(state, self._planes, release=True)
         return results
@@ -290,12 +262,26 @@ class Reconstructor:
             raise RuntimeError("finish() was called: this reconstructor has handed over its volume. Make a new one.")
         return self._state
 
-    def _size_of_part(self) -> tuple[int, int, int]:
-        i, j, _ = self.grid.size
-        return i, j, self._planes[1] - self._planes[0]
+    def _chosen_engine(self, curves_rows: bool) -> type[Engine]:
+        chosen, note = choose_engine(self.settings.engine)
+        if note is not None:
+            self.notes.append(note)
+        if isinstance(method_named(self.method), Method):
+            return OwnMethodEngine
+        if self._shares:
+            return splat_engine(self.method, self.settings)
+        if self.method not in chosen.methods:
+            return NumpyEngine
+        if curves_rows and chosen is not NumpyEngine:
+            # The other engine wants rows of pixels to be straight lines
+            self.notes.append("A sector's speed of sound is corrected for by the slower numpy engine. The voxels are the same.")
+            return NumpyEngine
+        return chosen
 
     def _empty_state(self, whole: bool) -> VoxelState:
-        return VoxelState.empty(math.prod(self._size_of_part()), self.method, self.settings.best_cosine, self._shares, whole, self._counted)
+        (i, j, _), (first, stop) = self.grid.size, self._planes
+        counted = counts_hits(self.method, self._beside)
+        return VoxelState.empty(i * j * (stop - first), self.method, self.settings.best_cosine, self._shares, whole, counted)
 
     def _results(self) -> Results:
         wanted = self._images.output_type(self.settings) if self._images else self.settings.output_type
@@ -312,19 +298,18 @@ class Reconstructor:
     def _add(self, frame: TrackedFrame, progress: Progress | None) -> None:
         """Put a frame into the batch; what waits there is computed when it is full or the frame does not fit to it."""
         require_kind("frames", frame, TrackedFrame, "Make one: TrackedFrame(image, image_to_reference).")
-        problem = self._intake.why_not(frame)
+        problem = why_not(frame)
         if problem is not None:
             self.counts.skip(problem, frame.number)
             return
         image, pose = frame.placed()
-        if self._work is None:
-            self._work = self._start(ImageKind.of(image, frame.number))
-        work = self._work
-        work.images.check(image, frame.number)
+        batch = self._start(ImageKind.of(image, frame.number)) if self._batch is None else self._batch
+        if self._images is not None:
+            self._images.check(image, frame.number)
         if not self._intake.fits(image, pose):
             self._compute(progress)
             self._intake.lay_out(image, pose)
-        layout, kept = self._intake.layout, self._intake.kept(image)
+        layout, kept = self._intake.layout, self._intake.filter.entering(image)
         if kept is not None and layout is not None and not layout.has_any(kept):
             self.counts.skip("nothing bright enough in the image", frame.number)
             return
@@ -340,22 +325,21 @@ class Reconstructor:
             if high < self._part[0] or low >= self._part[1]:
                 self.counts.skip(OUTSIDE, frame.number)
                 return
-        self._intake.put(work.batch, image, pose, image_to_ijk, frame.number, kept)
+        batch.add(image, pose, image_to_ijk, frame.number, kept)
         self._most += most_in_a_voxel(image_to_ijk)
-        if work.batch.full:
+        if batch.full:
             self._compute(progress)
 
     def _compute(self, progress: Progress | None) -> None:
         """Bring what waits into the volume."""
-        work, layout = self._work, self._intake.layout
-        if work is None or layout is None or not work.batch:
+        batch, layout = self._batch, self._intake.layout
+        if self._engine is None or layout is None or not batch:
             return
-        batch = work.batch
-        work.engine.state.expect(self._most)
+        self._engine.state.expect(self._most)
         self._most = 0.0
         batch.progress = progress
         try:
-            entered = work.engine.insert(batch, layout, self._intake.scan_lines)
+            entered = self._engine.insert(batch, layout, self._intake.scan_lines)
             for place, (number, pixels) in enumerate(zip(batch.numbers, entered, strict=True)):
                 if pixels:
                     self.counts.inserted += 1
@@ -364,20 +348,16 @@ class Reconstructor:
         finally:
             batch.clear()
 
-    def _start(self, images: ImageKind) -> _Work:
+    def _start(self, images: ImageKind) -> FrameBatch:
         self._images = images
         self.notes += images.warnings(self.method, self.settings)
         if not images.is_8_bit or self._moves_pixels:
             # The one that was made for 8-bit images goes first
             self._state = None
             self._state = self._empty_state(whole=False)
-        state = self._unfinished()
-        engine: NumpyEngine | NumbaEngine | SplatEngine | OwnMethodEngine
-        size, planes, maximum = self.grid.size, self._part, images.maximum(self.settings)
-        if self._own is not None:
-            engine = OwnMethodEngine(state, size, self._own, maximum, self._bone, planes)
-        elif self._shares:
-            engine = splat_engine(self.method, self.settings)(state, size, self.settings, self._importance, self._threads, planes)
-        else:
-            engine = self._engine_class(state, size, self.settings, maximum, self._bone, self._threads, planes)
-        return _Work(images, engine, FrameBatch(images.shape, images.dtype, engine.frames_at_once))
+        settings, maximum = self.settings, images.maximum(self.settings)
+        self._engine = self._engine_class(
+            Job(self._unfinished(), self.grid.size, self._planes, settings, maximum, self._bone, self._importance, self._threads)
+        )
+        self._batch = FrameBatch(images.shape, images.dtype, self._engine.frames_at_once)
+        return self._batch

@@ -7,16 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Mask, Matrix, Reals, Singles
+from ..arrays import Floats, Integers, Reals, Singles
 from ..errors import SettingsError
 from ..machine.threads import optional_module
 from ..message import listed
-from ..settings import ReconstructionSettings
+from ..recipe.recipe import Recipe
 from .batch import FrameBatch
+from .engine import Engine, Job
 from .evidence import ScanLines
 from .layout import PixelLayout
 from .methods.table import LINEAR_METHODS, method_named
-from .state import VoxelState
 
 CORNERS = np.array([(k, j, i) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 """The voxels [k, j, i] around a place, from its lower one."""
@@ -25,12 +25,12 @@ PIXELS_AT_ONCE = 65_536
 """How many pixels spread at a time: it bounds the memory, and what is used again is still in the cache."""
 
 
-def uses_shares(settings: ReconstructionSettings, importance: Reals | None) -> bool:
+def uses_shares(settings: Recipe, importance: Reals | None) -> bool:
     """Whether a reconstruction is this engine's."""
     return settings.interpolation == "linear" or importance is not None
 
 
-def check_shares(method: str, settings: ReconstructionSettings, importance: Reals | None) -> None:
+def check_shares(method: str, settings: Recipe, importance: Reals | None) -> None:
     """Raise `SettingsError` where linear interpolation or an importance mask does not fit the method."""
     chosen = method_named(method)
     if settings.interpolation == "linear" and (chosen.spread is None or settings.best_cosine):
@@ -45,82 +45,34 @@ def check_shares(method: str, settings: ReconstructionSettings, importance: Real
         raise SettingsError(f"An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.")
 
 
-class SplatEngine:
-    """Puts frames into a `VoxelState` that keeps weights.
+class SplatEngine(Engine):
+    """Puts frames into a `VoxelState` whose pixels spread (interpolation: linear), or count by their importance, or both."""
 
-    Parameters
-    ----------
-    state : VoxelState
-        Of method average (with weights), latest or maximum.
-    grid_size : (i, j, k)
-    settings : ReconstructionSettings
-        Interpolation: linear, or nearest where only `importance` is wanted.
-    importance : (rows, columns) float32 array, 0 to 1, or None
-        Weight of each pixel of an image; those of 0 do not enter.
-    threads : int or None
-        For `NumbaSplatEngine`; this one takes the caller's.
-    planes : (first, stop) or None
-        The part of the grid that the state is of; by default all of it.
-    """
+    def __init__(self, job: Job):
+        super().__init__(job)
+        if self.method.spread is None:
+            raise ValueError(f"Input state must be of a method whose pixels can spread; got {self.method.name}.")
+        self._spread_rule = self.method.spread
 
-    name = "numpy"
-    frames_at_once = 1
-
-    def __init__(
-        self,
-        state: VoxelState,
-        grid_size: tuple[int, int, int],
-        settings: ReconstructionSettings,
-        importance: Reals | None = None,
-        threads: int | None = None,
-        planes: tuple[int, int] | None = None,
-    ):
-        self.state = state
-        self._grid_size = grid_size
-        self._planes = (0, grid_size[2]) if planes is None else planes
-        self._linear = settings.interpolation == "linear"
-        self._importance = importance
-        self._method = method_named(state.method)
-        if self._method.spread is None:
-            raise ValueError(f"Input state must be of a method whose pixels can spread; got {state.method}.")
-        self._spread_rule = self._method.spread
-
-    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None = None) -> list[int]:
-        """Put frames into the volume; returns how many pixels entered of each. `scan_lines` is not looked at.
-
-        Raises
-        ------
-        SettingsError
-            When the importance mask is of another size than the images.
-        """
-        return [self._insert(batch, place, layout) for place in range(len(batch))]
-
-    def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout) -> int:
+    def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
         values = layout.values(batch.images[place])
         counts = np.ones(len(values), dtype=bool)
         if place in batch.measured:
             counts &= layout.values(batch.measured[place]) > 0
-        importance = self._weights(layout)
+        importance = weights_of(layout, self.job.importance)
         if importance is not None:
             counts &= importance > 0
-        pixels = np.flatnonzero(counts)
-        if not self._linear:
-            return self._insert_nearest(batch.image_to_ijk[place], layout, values, counts, importance)
-        entered = 0
+        image_to_ijk = batch.image_to_ijk[place]
+        if self.job.settings.interpolation != "linear":
+            pixels, voxels = layout.voxels(image_to_ijk, self.job.grid_size, self.job.planes)
+            pixels, voxels = pixels[counts[pixels]], voxels[counts[pixels]]
+            self._add(voxels, values[pixels], None if importance is None else importance[pixels])
+            return int(pixels.size)
+        pixels, entered = np.flatnonzero(counts), 0
         for start in range(0, len(pixels), PIXELS_AT_ONCE):
             some = pixels[start : start + PIXELS_AT_ONCE]
-            entered += self._spread(
-                layout.places(batch.image_to_ijk[place], some), values[some], None if importance is None else importance[some]
-            )
+            entered += self._spread(layout.places(image_to_ijk, some), values[some], None if importance is None else importance[some])
         return entered
-
-    def _insert_nearest(self, image_to_ijk: Matrix, layout: PixelLayout, values: Singles, counts: Mask, importance: Reals | None) -> int:
-        """Pixels that enter one voxel each."""
-        pixels, voxels = layout.voxels(image_to_ijk, self._grid_size, self._planes)
-        kept = counts[pixels]
-        pixels, voxels = pixels[kept], voxels[kept]
-        self._add(voxels, values[pixels], None if importance is None else importance[pixels])
-        return int(pixels.size)
 
     def _spread(self, places: Floats, values: Singles, importance: Reals | None) -> int:
         """Pixels at `places` (3, n) float64, [i, j, k] in voxels, enter the voxels around them; returns how many could.
@@ -132,21 +84,21 @@ class SplatEngine:
         """
         lower = np.floor(places)
         fraction = places - lower
-        last = np.array(self._grid_size, dtype=np.float64)[:, None] - 1
+        last = np.array(self.job.grid_size, dtype=np.float64)[:, None] - 1
         inside = ((lower >= 0) & (lower + (fraction > 0) <= last)).all(axis=0)
         if not inside.all():
             lower, fraction, values = lower[:, inside], fraction[:, inside], values[inside]
             importance = None if importance is None else importance[inside]
         if not values.size:
             return 0
-        columns, rows, _ = self._grid_size
+        columns, rows, _ = self.job.grid_size
         first = ((lower[2] * rows + lower[1]) * columns + lower[0]).astype(np.int64)
         voxels = first[:, None] + CORNERS @ (rows * columns, columns, 1)
-        stored, stop = (plane * rows * columns for plane in self._planes)
+        stored, stop = (plane * rows * columns for plane in self.job.planes)
         i, j, k = (np.stack([1 - along, along]) for along in fraction)
         # In the order of CORNERS, so that a pixel's corners stand side by side and pixels keep their order
         share = (i[:, None, None] * j[None, :, None] * k[None, None]).reshape(8, -1).T
-        least = self._method.least_share
+        least = self.method.least_share
         enough = share >= least if least > 0 else share > 0
         enough &= (voxels >= stored) & (voxels < stop)
         pixel = np.nonzero(enough)[0]
@@ -162,20 +114,27 @@ class SplatEngine:
         np.add.at(state.hits, voxels, np.uint32(1))
         self._spread_rule(state, voxels, values, np.ones(len(values)) if weights is None else weights)
 
-    def _weights(self, layout: PixelLayout) -> Singles | None:
-        """The importance of the pixels that count, (n,) float32; None where all count alike."""
-        if self._importance is None:
-            return None
-        columns, rows = layout.size
-        if self._importance.shape != (rows, columns):
-            got = f"{self._importance.shape[1]} x {self._importance.shape[0]}"
-            raise SettingsError(f"Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.")
-        return layout.values(self._importance)
+
+def weights_of(layout: PixelLayout, importance: Reals | None) -> Singles | None:
+    """The importance of the pixels that count, (n,) float32; None where all count alike.
+
+    Raises
+    ------
+    SettingsError
+        When the importance mask is of another size than the images.
+    """
+    if importance is None:
+        return None
+    columns, rows = layout.size
+    if importance.shape != (rows, columns):
+        got = f"{importance.shape[1]} x {importance.shape[0]}"
+        raise SettingsError(f"Input importance mask must be as large as the images, {columns} x {rows}; got {got}. Make it anew.")
+    return layout.values(importance)
 
 
-def splat_engine(method: str, settings: ReconstructionSettings) -> type[SplatEngine]:
+def splat_engine(method: str, settings: Recipe) -> type[Engine]:
     """The compiled engine where pixels spread, the method has a kernel, and numba is there and not ruled out; else `SplatEngine`."""
     wanted = settings.interpolation == "linear" and settings.engine != "numpy"
     module = optional_module("AIFReconLib.compounding.compiled.numba_splat") if wanted else None
-    engine: type[SplatEngine] = SplatEngine if module is None or method not in module.SPREAD_RULES else module.NumbaSplatEngine
+    engine: type[Engine] = SplatEngine if module is None or method not in module.SPREAD_RULES else module.NumbaSplatEngine
     return engine

@@ -68,7 +68,6 @@ class VoxelState:
 
     Parameters
     ----------
-    method : str
     hits : (voxels,) uint32 array
         Pixels that entered; none where they are `packed`, or not counted.
     value : (voxels,) array
@@ -102,9 +101,6 @@ class VoxelState:
 
         Parameters
         ----------
-        voxels : int
-        method : str
-        best_cosine : bool
         shares : bool
             An average keeps the sum of what pixels count.
         whole : bool
@@ -129,6 +125,11 @@ class VoxelState:
     def packed(self) -> bool:
         """Whether value and hits are one."""
         return self.value.dtype == np.uint32
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that it takes."""
+        return sum(array.nbytes for array in (self.value, self.hits, self.weight, self.cosine) if array is not None)
 
     @property
     def met(self) -> NDArray[np.unsignedinteger]:
@@ -236,28 +237,12 @@ def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     return both & np.uint32(HIT - 1), both >> np.uint32(HIT_BITS)
 
 
-def state_bytes(method: str, best_cosine: bool, shares: bool = False, whole: bool = False, counted: bool = True) -> int:
-    """Bytes per voxel of a `VoxelState`."""
-    value, weight = _bytes_kept(method, shares, whole)
-    hits = 4 if counted and not _is_packed(method, shares, whole) else 0
-    return value + weight + hits + (4 if best_cosine else 0)
-
-
-def _bytes_kept(method: str, shares: bool, whole: bool) -> tuple[int, int]:
-    """Of value and weight."""
-    kinds = method_named(method).kept(whole, shares)
-    return np.dtype(kinds.value).itemsize, 0 if kinds.weight is None else np.dtype(kinds.weight).itemsize
-
-
-def _is_packed(method: str, shares: bool, whole: bool) -> bool:
-    return method_named(method).kept(whole, shares).value is np.uint32
-
-
 def part_bytes(
     method: str, map_on_grid: bool, best_cosine: bool, shares: bool = False, whole: bool = False, beside: Collection[str] = BESIDE
 ) -> int:
     """Bytes per voxel of a part that is worked: its state, and a bone map on its voxels. Arguments as in `bytes_per_voxel`."""
-    return state_bytes(method, best_cosine, shares, whole, counts_hits(method, beside)) + (MAP_BYTES if map_on_grid else 0)
+    one = VoxelState.empty(1, method, best_cosine, shares, whole, counts_hits(method, beside))
+    return one.nbytes + (MAP_BYTES if map_on_grid else 0)
 
 
 def bytes_per_voxel(
@@ -271,30 +256,19 @@ def bytes_per_voxel(
 ) -> int:
     """Memory that a reconstruction takes at its peak, per voxel, its results included, and its bone map where that lies on the grid.
 
-    Parameters
-    ----------
-    method, best_cosine, shares, whole
-        As in `VoxelState.empty`.
-    map_on_grid : bool
-        Whether the bone map lies on every voxel.
-    beside : names of `BESIDE`
-        The results that are wanted.
-    output : int
-        Bytes of an intensity.
+    `beside` are the results that are wanted, `output` the bytes of an intensity; the others are those of `VoxelState.empty`.
 
     Notes
     -----
     The bone map is released before the results are made when a whole sequence is reconstructed at once. A snapshot of a live
     reconstruction has results, state and map at the same time, and copies of those results that are the state's own.
     """
-    value, weight = _bytes_kept(method, shares, whole)
-    part = part_bytes(method, map_on_grid, best_cosine, shares, whole, beside)
-    state, results = part - (MAP_BYTES if map_on_grid else 0), output + 1
-    kept_apart = 4 if _is_packed(method, shares, whole) and len(beside) else 0
+    one = VoxelState.empty(1, method, best_cosine, shares, whole, counts_hits(method, beside))
+    results = output + 1 + (4 if one.packed and len(beside) else 0)
     # A weight of 4 bytes is handed over as the score
-    score = 4 if "score" in beside and weight != 4 else 0
-    after = state - value + results + kept_apart + score
-    return max(part, state + results + kept_apart, after)
+    score = 4 if "score" in beside and (one.weight is None or one.weight.nbytes != 4) else 0
+    part = one.nbytes + (MAP_BYTES if map_on_grid else 0)
+    return max(part, one.nbytes + results, one.nbytes - one.value.nbytes + results + score)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -313,8 +287,6 @@ class Reconstruction(Described):
         0 empty, 1 measured, 2 filled from a neighbor.
     cosine : Volume of float32 or None
         Best cosine of incidence, when it was asked for.
-    method : str
-    frames_inserted : int
     skipped : dict of str to list of int
         Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
     said : tuple of str

@@ -19,6 +19,7 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
@@ -60,7 +61,6 @@ class SweepBeams:
     ----------
     image_to_reference : (frames, 4, 4) float64 array, pixels to mm
     frame_size : (columns, rows)
-    probe : ProbeGeometry
     region : ImageRegion
         The pixels that are ultrasound.
     thickness : float, mm
@@ -83,18 +83,14 @@ class SweepBeams:
     def of_sequence(
         cls,
         sequence: TrackedSequence | Iterable[TrackedSequence],
-        *,
-        image_to_reference: str | None = None,
-        reference: str | None = None,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
+        recipe: Recipe | None = None,
         thickness: float = BEAM_THICKNESS,
     ) -> SweepBeams:
-        """The beams of one or more sequences, from the same arguments as `reconstruct`; `thickness` in mm across the image plane."""
-        sequence = joined(sequence)
-        poses = sweep_poses(sequence, image_to_reference, reference)
+        """The beams of one or more sequences, with the recipe of `reconstruct`; `thickness` in mm across the image plane."""
+        sequence, recipe = joined(sequence), recipe or Recipe()
+        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
         usable = poses.require_usable(sequence.name)
-        imaging = resolve_imaging(sequence, poses, True, region, probe)
+        imaging = resolve_imaging(sequence, poses, True, recipe)
         return cls(poses.image_to_reference[usable], sequence.frame_size, imaging.known_probe(), imaging.region, thickness)
 
 
@@ -104,7 +100,6 @@ class BoneTruth:
 
     Parameters
     ----------
-    surface : BoneSurface
     distance : Volume of float32, mm
         Signed distance to bone, negative inside.
     border : (n,) bool array
@@ -131,10 +126,8 @@ def bone_truth(
     ----------
     labels : Volume of integers, placed in Reference
         Any label above 0 is bone; a label per vertebra tells where the interspinous gaps are.
-    sweep : SweepBeams or None
     distance : Volume of float, mm, or None
         The signed distance to bone where it is known better than labels can tell.
-    progress : Progress or None
     """
     report(progress, 0.0, "Finding the bone surface")
     distance = distance_from_labels(labels) if distance is None else distance
@@ -164,7 +157,6 @@ def look(
     Parameters
     ----------
     points_reference : (n, 3) array, mm
-    sweep : SweepBeams
     distance : Volume of float, mm
         Signed distance to bone. Beyond it there is none.
     normals_reference : (n, 3) array of unit vectors or None

@@ -10,10 +10,9 @@ import numpy as np
 from ..arrays import Floats, Mask, Matrix
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.volume import Volume
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..message import columns, one_line
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
@@ -76,11 +75,8 @@ def coverage(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
     labels_to_reference: Matrix | None = None,
+    recipe: Recipe | None = None,
     *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
     thickness: float = BEAM_THICKNESS,
     names: Mapping[int, str] | None = None,
     progress: Progress | None = None,
@@ -96,17 +92,17 @@ def coverage(
         Segmentation of the CT, one label per vertebra.
     labels_to_reference : (4, 4) array, mm, or None
         The registration, as `register` finds it; None where the labels lie in Reference.
-    region, probe, image_to_reference, reference
+    recipe : Recipe or None
         As in `reconstruct`.
     thickness : float, mm
         Full width of the beam across the image plane.
     names : mapping of int to str or None
         What the labels are called; see `read_label_names`.
     """
-    sequence = joined(sequences)
-    poses = sweep_poses(sequence, image_to_reference, reference)
+    sequence, recipe = joined(sequences), recipe or Recipe()
+    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     usable = poses.require_usable(sequence.name)
-    imaging = resolve_imaging(sequence, poses, True, region, probe)
+    imaging = resolve_imaging(sequence, poses, True, recipe)
     report(progress, 0.0, "Finding the bone surface")
     looks = poses.image_to_reference[usable][:, :3, 1]
     mean = (looks / np.linalg.norm(looks, axis=1)[:, None]).mean(axis=0)

@@ -10,9 +10,8 @@ import numpy as np
 from ..arrays import Bytes, Floats, Matrix
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..progress import Progress, part
+from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order
@@ -106,10 +105,9 @@ def guidance_of_sweep(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
     labels_to_reference: Matrix,
+    recipe: Recipe | None = None,
     *,
     grid: VoxelGrid | None = None,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
     progress: Progress | None = None,
 ) -> Guidance:
     """What recorded sweeps have met, and the next move from where the last one ended.
@@ -122,20 +120,20 @@ def guidance_of_sweep(
     labels : Volume of integers
     labels_to_reference : (4, 4) array, mm
         Rigid.
+    recipe : Recipe or None
+        As in `reconstruct`.
     grid : VoxelGrid or None
         The box that is to be reconstructed, if it is known.
-    region, probe : ImageRegion, ProbeGeometry or None
-        As in `reconstruct`.
     """
-    sequence = joined(sequences)
-    found = coverage(sequence, labels, labels_to_reference, region=region, probe=probe, progress=part(progress, 0.0, 0.5))
+    sequence, recipe = joined(sequences), recipe or Recipe()
+    found = coverage(sequence, labels, labels_to_reference, recipe=recipe, progress=part(progress, 0.0, 0.5))
     colored = ColoredBone.of(found.met.bone).placed_by(invert(np.asarray(labels_to_reference, dtype=np.float64)))
     problem = None if has_come_near(found.met) else FAR
     if grid is not None and not holds_bone(grid, found.met.bone):
         problem = NOT_IN_BOX
     if problem is not None:
         return Guidance.before(colored, found.met.bone, problem)
-    poses = sweep_poses(sequence)
+    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     order = time_order(sequence)
     order = order[np.isin(order, poses.usable)]
     advisor = Advisor(found.met, poses.image_to_reference[order], part(progress, 0.5, 1.0))

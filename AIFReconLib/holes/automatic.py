@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Integers, Mask, Matrix
 from ..geometry.volume import VoxelGrid
 from ..message import listed
-from ..settings import AUTOMATIC, ReconstructionSettings
+from ..recipe.recipe import AUTOMATIC, Recipe
 from .filling import HoleFilling
 
 FARTHEST = 4.0
@@ -37,13 +37,12 @@ STILL = 0.05
 
 
 def with_limit(
-    settings: ReconstructionSettings, configured: tuple[HoleFilling, ...], poses: Matrix, shown: Mask, grid: VoxelGrid
-) -> tuple[ReconstructionSettings, tuple[str, ...]]:
+    settings: Recipe, configured: tuple[HoleFilling, ...], poses: Matrix, shown: Mask, grid: VoxelGrid
+) -> tuple[Recipe, tuple[str, ...]]:
     """The settings with a hole limit that is a number, and what a user should know of how holes are filled.
 
     Parameters
     ----------
-    settings : ReconstructionSettings
     configured : tuple of HoleFilling
         The configuration's ways, which stay where the settings name neither a way nor a limit.
     poses, shown, grid
@@ -107,7 +106,6 @@ def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Flo
     ----------
     poses : (frames, 3, 4) array, pixels to mm
     shown : (rows, columns) bool array
-    grid : VoxelGrid
 
     Notes
     -----

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..arrays import Bytes, Floats, Numbers
 from ..progress import Progress
-from ..settings import AUTOMATIC, ReconstructionSettings
+from ..recipe.recipe import AUTOMATIC, Recipe
 from .filling import GAUSSIAN_BY_HITS, HoleFilling, within
 from .nearest import fill_holes
 from .plus_ways import fill_holes_by_kind
@@ -14,7 +14,7 @@ def fill_as_asked(
     values: Numbers,
     mask: Bytes,
     spacing: Floats,
-    settings: ReconstructionSettings,
+    settings: Recipe,
     configured: tuple[HoleFilling, ...] = (),
     progress: Progress | None = None,
     *,
@@ -28,12 +28,10 @@ def fill_as_asked(
     values, mask : [k, j, i] arrays
         See `fill_holes_by_kind`.
     spacing : (3,) array, mm along i, j, k
-    settings : ReconstructionSettings
+    settings : Recipe
         Of which `holes`, `hole_limit` (a number: see `with_limit`) and `engine` count.
     configured : tuple of HoleFilling
         What is done where the settings have neither a way nor a limit.
-    progress : Progress or None
-    threads : int or None
     score : [k, j, i] array or None
         See `fill_holes_by_kind`.
     """
@@ -47,16 +45,16 @@ def fill_as_asked(
     return fill_holes_by_kind(values, mask, (within(settings.holes, limit, spacing),), progress, engine=settings.engine, threads=threads)
 
 
-def as_configured(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:
+def as_configured(settings: Recipe, configured: tuple[HoleFilling, ...]) -> bool:
     """Whether holes are filled in the configuration's ways."""
     return settings.holes is None and bool(configured) and settings.hole_limit in (AUTOMATIC, 0)
 
 
-def copies_values(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:
+def copies_values(settings: Recipe, configured: tuple[HoleFilling, ...]) -> bool:
     """Whether what fills a hole is a measured value as it is, so that it does not matter what values are rounded to before."""
     return settings.holes in (None, "off", "nearest") and not as_configured(settings, configured)
 
 
-def asks_for_hits(settings: ReconstructionSettings, configured: tuple[HoleFilling, ...]) -> bool:
+def asks_for_hits(settings: Recipe, configured: tuple[HoleFilling, ...]) -> bool:
     """Whether it matters to filling how many pixels entered a voxel."""
     return as_configured(settings, configured) and any(way.kind == GAUSSIAN_BY_HITS for way in configured)

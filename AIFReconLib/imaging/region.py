@@ -13,10 +13,9 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import SettingsError
-from ..remedies import Remedy
 
 if TYPE_CHECKING:
-    from .beams import ProbeGeometry
+    pass
 
 
 @dataclass(frozen=True)
@@ -124,43 +123,6 @@ def extreme_pixels(mask: Mask) -> Floats:
     last = mask.shape[1] - 1 - mask[:, ::-1].argmax(axis=1)[rows]
     pixels: Floats = np.concatenate([np.stack([first, rows], axis=1), np.stack([last, rows], axis=1)]).astype(np.float64)
     return pixels
-
-
-def chosen_region(
-    configured: ImageRegion | None,
-    clip: ClipRectangle | None = None,
-    fan_angles_deg: tuple[float, float] | None = None,
-    fan_radii_px: tuple[float, float] | None = None,
-    apex_px: tuple[float, float] | None = None,
-    probe: ProbeGeometry | None = None,
-) -> ImageRegion | None:
-    """The region that a user asks for, completed by the configuration's; None where nothing is asked for.
-
-    Raises SettingsError when angles come without radii or the other way round, or no apex is known.
-
-    Parameters
-    ----------
-    fan_angles_deg, fan_radii_px : (first, last) or None
-        Of a fan; both or none.
-    apex_px : (column, row) or None
-        What the fan stands about; default: the apex of the configured fan, else that of `probe`.
-    """
-    configured = configured or ImageRegion()
-    if bool(fan_angles_deg) != bool(fan_radii_px):
-        raise SettingsError("A fan takes both angles and radii; got one of them.", Remedy.WHOLE_FAN)
-    if not clip and not fan_angles_deg:
-        return None
-    fan, detection = configured.fan, configured.fan_detection
-    if fan_angles_deg and fan_radii_px:
-        about = apex_px
-        if about is None and fan is not None:
-            about = fan.apex_px
-        elif about is None and probe is not None:
-            about = probe.apex_px
-        if about is None:
-            raise SettingsError("A fan stands about the apex of a sector probe, which is not known.", Remedy.NAME_THE_PROBE)
-        fan, detection = Fan(about, fan_angles_deg, fan_radii_px), None
-    return ImageRegion(clip or configured.clip, fan, detection)
 
 
 DEPTHS = (0.15, 0.30, 0.50, 0.70)

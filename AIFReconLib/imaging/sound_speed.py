@@ -11,8 +11,8 @@ import numpy as np
 
 from ..arrays import Floats, Mask, Matrix
 from ..errors import BeamGeometryError
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from ..settings import ReconstructionSettings
 from .beams import LINEAR, ProbeGeometry
 
 
@@ -62,9 +62,7 @@ class DepthScale:
         return moved
 
 
-def depth_scale(
-    settings: ReconstructionSettings, mask: Mask, probe: ProbeGeometry | None, spacing: tuple[float, float]
-) -> DepthScale | None:
+def depth_scale(settings: Recipe, mask: Mask, probe: ProbeGeometry | None, spacing: tuple[float, float]) -> DepthScale | None:
     """The scale that the settings ask for, of images whose ultrasound is `mask`; None where pixels are where they are shown.
 
     Raises BeamGeometryError when pixels are elsewhere and the probe is not known.
@@ -77,6 +75,6 @@ def depth_scale(
     return DepthScale.of(mask, probe, factor, spacing)
 
 
-def depth_factor(settings: ReconstructionSettings) -> float:
+def depth_factor(settings: Recipe) -> float:
     """True depth by shown depth that the settings ask for; 1 where they do not say how fast sound was."""
     return 1.0 if settings.speed_of_sound is None else settings.speed_of_sound / settings.scanner_speed_of_sound

@@ -9,15 +9,14 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 from .. import __version__
 from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume
-from ..imaging.region import ImageRegion
-from ..resolve import Imaging
-from ..settings import AUTOMATIC, ReconstructionSettings
+from ..recipe.recipe import AUTOMATIC, KEPT, RULES, ReadingSettings, Recipe
+from ..resolve import Imaging, imaging_fields
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 
@@ -26,26 +25,27 @@ SETTINGS, INPUTS, VERSION = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_ve
 
 VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
 
+_OF_REGION_AND_PROBE = ("probe", "apex_px", "clip_px", *(name for name in KEPT if name.startswith("fan_")))
+"""What is kept as it was chosen: the whole of it, whatever a configuration says later."""
+
+_OF_READING = tuple(spec.name for spec in fields(ReadingSettings))
+
 _BY_CONFIGURATION = ("method", "spacing", "skip", "interpolation", "pixel_rejection")
 """What a configuration may say of a reconstruction, by its names there and in the settings."""
 
-OF_OUTPUTS = "best_cosine"
-"""What is asked for by another output, and changes no other."""
-
 
 def kept_settings(
-    asked: ReconstructionSettings,
-    resolved: ReconstructionSettings,
+    asked: Recipe,
+    resolved: Recipe,
     result: Reconstruction,
     imaging: Imaging,
     configuration: PlusConfiguration,
-    **more: object,
 ) -> dict[str, object]:
     """The settings that give the same voxels from the same inputs, by the names that settings files have for them.
 
     Parameters
     ----------
-    asked, resolved : ReconstructionSettings
+    asked, resolved : Recipe
         As the caller gave them, and as `resolve_settings` returned them.
     result : Reconstruction
         For what it chose: hole limit and grid.
@@ -53,55 +53,37 @@ def kept_settings(
         That was used.
     configuration : PlusConfiguration
         What it says is left to it.
-    **more
-        Other settings by their names; None is not kept.
     """
-    given = {**asdict(asked), **more}
-    kept = {name: value for name, value in given.items() if value is not None and name != OF_OUTPUTS}
+    given = {name: getattr(asked, name) for name in KEPT if name not in _OF_REGION_AND_PROBE}
+    kept = {name: value for name, value in given.items() if value is not None and value is not False}
+    for name in _OF_READING:
+        if kept.get(name) == RULES[name]["default"]:
+            # Nothing was asked for, or it was done before the recording came here
+            kept.pop(name, None)
     for name in _BY_CONFIGURATION:
         value = getattr(resolved, name)
         if value is not None and value != getattr(configuration, name):
             kept.setdefault(name, value)
     if asked.hole_limit == AUTOMATIC and result.hole_limit > 0:
         kept["hole_limit"] = result.hole_limit
-    region, probe = imaging.region, imaging.probe
-    if region != configuration.imaged_region:
-        kept.update(_region_settings(region))
-    if probe is not None and probe != configuration.probe:
-        kept["probe"] = probe.kind
-        if probe.apex_px is not None:
-            kept["apex_px"] = [float(px) for px in probe.apex_px]
+    region = None if imaging.region == configuration.imaged_region else imaging.region
+    probe = None if imaging.probe == configuration.probe else imaging.probe
+    kept |= imaging_fields(region, probe)
     kept["grid_size"] = list(result.grid.size)
     kept["grid_to_reference"] = result.grid.ijk_to_reference.tolist()
-    return kept
-
-
-def _region_settings(region: ImageRegion) -> dict[str, object]:
-    """The whole of a region. A clip rectangle of no size is the full image."""
-    clip, fan, detection = region.clip, region.fan, region.fan_detection
-    kept: dict[str, object] = {"clip_px": [0.0] * 4 if clip is None else [float(px) for px in (*clip.origin_px, *clip.size_px)]}
-    if fan is not None:
-        parts = {"apex_px": fan.apex_px, "angles_deg": fan.angles_deg, "radius_px": fan.radii, "pixel_size": fan.pixel_size}
-        kept.update({f"fan_{name}": [float(number) for number in pair] for name, pair in parts.items()})
-    if detection is not None:
-        kept["fan_detection"] = [float(detection.threshold), detection.filter_radius_px]
     return kept
 
 
 def with_origin(
     result: Reconstruction,
     imaging: Imaging,
-    *,
-    asked: ReconstructionSettings,
-    resolved: ReconstructionSettings,
+    asked: Recipe,
+    resolved: Recipe,
     configuration: PlusConfiguration,
     inputs: Iterable[Path],
-    image_to_reference: str | None = None,
-    reference: str | None = None,
 ) -> Reconstruction:
     """A result as it was made, signed with its settings and inputs; see `kept_settings` and `signed`."""
-    names = {"image_to_reference": image_to_reference, "reference": reference}
-    return signed(result, kept_settings(asked, resolved, result, imaging, configuration, **names), inputs)
+    return signed(result, kept_settings(asked, resolved, result, imaging, configuration), inputs)
 
 
 def input_files(sequence: TrackedSequence) -> list[Path]:

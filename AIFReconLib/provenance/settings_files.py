@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 from .. import __version__
 from ..errors import OutputError, SettingsFileError
@@ -16,8 +15,8 @@ from ..io.disk.atomic import check_writable, write_text
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..message import shorten
-from ..settings import ReconstructionSettings
-from .kept import OF_RECONSTRUCTION, KeptSettings, understood
+from ..recipe.recipe import Recipe
+from .kept import KeptSettings, understood
 from .record import INPUTS, SETTINGS, VERSION
 
 VOLUME_SUFFIXES = (*NRRD_SUFFIXES, *METAIMAGE_SUFFIXES)
@@ -68,14 +67,12 @@ def read_settings(path: str | Path) -> KeptSettings:
     return understood(path, {key.replace("-", "_"): value for key, value in table.items()}, str(version), inputs)
 
 
-def made_with(path: Path) -> ReconstructionSettings | None:
+def made_with(path: Path) -> Recipe | None:
     """The settings that a volume was reconstructed with; None where its file does not say so, or not as it is understood here."""
     try:
-        options = read_settings(path).options
+        return read_settings(path).recipe
     except SettingsFileError:
         return None
-    of_reconstruction: dict[str, Any] = {name: options[name] for name in OF_RECONSTRUCTION if name in options}
-    return ReconstructionSettings(**of_reconstruction)
 
 
 def write_settings(settings: Mapping[str, object], path: str | Path) -> None:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from ..arrays import Floats
 from ..errors import AIFReconError, OperationCanceled
 from ..geometry.volume import Volume
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..message import Sentence, said
 from ..progress import Progress, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement, check
@@ -34,11 +33,7 @@ def compared(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume,
     labels_to_reference: Floats,
-    *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
+    recipe: Recipe | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
     """How well a sweep and placed labels agree, and what to do where they do not.
@@ -50,19 +45,11 @@ def compared(
     sequences : TrackedSequence or several in one Reference
     labels : Volume of integers
     labels_to_reference : (4, 4) array, mm
-    region, probe, image_to_reference, reference
+    recipe : Recipe or None
         As in `reconstruct`.
     """
     try:
-        echoes = sweep_echoes(
-            sequences,
-            region=region,
-            probe=probe,
-            image_to_reference=image_to_reference,
-            reference=reference,
-            most_frames=COMPARED_FRAMES,
-            progress=progress,
-        )
+        echoes = sweep_echoes(sequences, recipe, most_frames=COMPARED_FRAMES, progress=progress)
         bone = BoneField.from_labels(labels)
         report(progress, 1.0, "Looking for bone in the sweep")
         agreement = check(echoes, bone, labels_to_reference)

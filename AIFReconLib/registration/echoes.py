@@ -14,11 +14,10 @@ from ..arrays import Floats, Integers, Mask, Singles
 from ..bone.echo_bone import BoneEchoFinder
 from ..errors import GeometryError
 from ..geometry.transforms import pixel_spacing
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..machine.threads import in_parts, usable_cores
 from ..message import listed
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
@@ -85,11 +84,8 @@ def echoes_of(frame: TrackedFrame, finder: BoneEchoFinder, number: int | None = 
 
 def sweep_echoes(
     sequences: TrackedSequence | Iterable[TrackedSequence],
+    recipe: Recipe | None = None,
     *,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
     most_frames: int = MOST_FRAMES,
     progress: Progress | None = None,
 ) -> SweepEchoes:
@@ -101,14 +97,14 @@ def sweep_echoes(
     Parameters
     ----------
     sequences : TrackedSequence or several
-    region, probe, image_to_reference, reference
+    recipe : Recipe or None
         As in `reconstruct`.
     most_frames : int
         Of all sweeps together; chosen evenly.
     """
-    sweeps = sweeps_of(sequences)
+    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
     placed = []
-    for sequence, poses in zip(sweeps, poses_of_each(sweeps, image_to_reference, reference), strict=True):
+    for sequence, poses in zip(sweeps, poses_of_each(sweeps, recipe.image_to_reference, recipe.reference), strict=True):
         usable = poses.usable
         order = time_order(sequence)
         placed.append((sequence, poses, order[np.isin(order, usable)]))
@@ -117,7 +113,7 @@ def sweep_echoes(
     before = 0
     for done, (sequence, poses, order) in enumerate(placed):
         chosen = order[np.unique((np.arange(max(int(len(order) / every), 1)) * every).astype(np.int64))]
-        imaging = resolve_imaging(sequence, poses, True, region, probe)
+        imaging = resolve_imaging(sequence, poses, True, recipe)
         finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(poses.image_to_reference[chosen[0]]), imaging)
         share = part(progress, done / len(placed), (done + 1) / len(placed))
         for number in range(0, len(chosen), AT_ONCE):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
 
 import numpy as np
 
@@ -12,10 +11,8 @@ from ..bone.map import SIGMA_VOXELS, BoneMap
 from ..compounding.methods.table import method_named
 from ..errors import SettingsError
 from ..geometry.volume import Volume
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..progress import Progress, part
-from ..settings import AUTOMATIC
+from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
 from .comparison import Comparison, compared
 
@@ -33,18 +30,15 @@ class LabeledBone:
         Rigid; None where they lie in Reference already.
     sequence : TrackedSequence, several, or None
         What is reconstructed; None where it is still to come.
-    sigma_mm : float, "auto" or None
-        Width of the map, as in `BoneMap.from_labels`, or by how well CT and sweep agree. With neither it is "auto" for `weighted`, and the
-        paper's 10 voxels for the paper's methods and one's own.
-    belief : float or None
-        What the probability is multiplied with. With None it is 1, and where the width is "auto" it follows from it: see `Agreement`.
-    region, probe, image_to_reference, reference
-        As in `reconstruct`.
+    recipe : Recipe or None
+        Its `bone_sigma_voxels` and `bone_sigma_mm` are the width of the map, as in `BoneMap.from_labels`, or "auto": by how well CT and
+        sweep agree. With neither it is "auto" for `weighted`, and the paper's 10 voxels for the paper's methods and one's own. What the
+        probability is multiplied with, `bone_belief`, is 1, and where the width is "auto" it follows from that: see `Agreement`.
 
     Raises
     ------
     SettingsError
-        When `sigma_mm` is another word.
+        When the belief is out of range.
     """
 
     def __init__(
@@ -52,22 +46,13 @@ class LabeledBone:
         labels: Volume,
         labels_to_reference: Matrix | None = None,
         sequence: TrackedSequence | Iterable[TrackedSequence] | None = None,
-        *,
-        sigma_voxels: float | None = None,
-        sigma_mm: float | str | None = None,
-        belief: float | None = None,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
-        image_to_reference: str | None = None,
-        reference: str | None = None,
+        recipe: Recipe | None = None,
     ):
-        if isinstance(sigma_mm, str) and sigma_mm != AUTOMATIC:
-            raise SettingsError(f"Input sigma_mm must be a number or {AUTOMATIC}; got {sigma_mm!r}.")
-        if belief is not None and not 0 < belief <= 1:
-            raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {belief!r}.")
-        self.labels, self.labels_to_reference, self._belief = labels, labels_to_reference, belief
-        self._sequence, self._sigma_voxels, self._sigma_mm = sequence, sigma_voxels, sigma_mm
-        self._compare = partial(compared, region=region, probe=probe, image_to_reference=image_to_reference, reference=reference)
+        self._recipe = recipe = recipe or Recipe()
+        if recipe.bone_belief is not None and not 0 < recipe.bone_belief <= 1:
+            raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {recipe.bone_belief!r}.")
+        self.labels, self.labels_to_reference, self._belief = labels, labels_to_reference, recipe.bone_belief
+        self._sequence, self._sigma_voxels, self._sigma_mm = sequence, recipe.bone_sigma_voxels, recipe.bone_sigma_mm
         self._comparison: Comparison | None = None
         self._last: tuple[dict[str, float], BoneMap] | None = None
 
@@ -112,7 +97,7 @@ class LabeledBone:
         """How CT and sweep agree, looked at once; None without a sweep."""
         if self._comparison is None and self._sequence is not None:
             placed = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
-            self._comparison = self._compare(self._sequence, self.labels, placed, progress=progress)
+            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress)
         return self._comparison
 
     def lines(self, method: str, progress: Progress | None = None) -> list[str]:

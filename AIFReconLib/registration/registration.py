@@ -11,10 +11,9 @@ from ..arrays import Floats
 from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
 from ..message import Sentence, advised
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
@@ -93,10 +92,7 @@ def register(
     *,
     per_segment: bool = False,
     level: int = 0,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
-    image_to_reference: str | None = None,
-    reference: str | None = None,
+    recipe: Recipe | None = None,
     progress: Progress | None = None,
 ) -> Registration:
     """Lay a CT's bone upon the bone that a sweep shows.
@@ -112,7 +108,7 @@ def register(
         Let each label move on its own in the end.
     level : int
         Take the place so many levels higher (lower where negative) than the best one.
-    region, probe, image_to_reference, reference
+    recipe : Recipe or None
         As in `reconstruct`.
 
     Raises
@@ -124,14 +120,7 @@ def register(
     require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else _rigid(start)
     bone = BoneField.from_labels(labels)
-    echoes = sweep_echoes(
-        sequences,
-        region=region,
-        probe=probe,
-        image_to_reference=image_to_reference,
-        reference=reference,
-        progress=part(progress, 0.0, 0.5),
-    )
+    echoes = sweep_echoes(sequences, recipe, progress=part(progress, 0.0, 0.5))
     return register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
 
 

@@ -19,8 +19,8 @@ from ..live.session.session import LiveSession
 from ..live.wire.sources import MessageSource
 from ..resolve import Imaging
 from ..sweep.configuration import PlusConfiguration
+from .reconstruction_options import seen_source
 from .remedies import in_options
-from .seen_bone_options import seen_source
 
 
 def add_streamed_bone_option(server: argparse._ActionsContainer) -> None:

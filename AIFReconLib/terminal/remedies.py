@@ -68,12 +68,6 @@ IN_OPTIONS = {
 }
 """A command's options, as they are typed."""
 
-IN_COLUMNS = {
-    remedy: re.sub(r"(aifrecon [a-z].*)|--([a-z-]+)", lambda found: found[1] or found[2].replace("-", "_"), words)
-    for remedy, words in IN_OPTIONS.items()
-}
-"""The same as columns of the table of a batch."""
-
 
 def in_options(sentence: object) -> str:
     """A sentence or an error, and what to do about it, for the terminal."""
@@ -81,5 +75,6 @@ def in_options(sentence: object) -> str:
 
 
 def in_columns(sentence: object) -> str:
-    """A sentence or an error, and what to do about it, for who fills in the table of a batch."""
-    return advised(sentence, IN_COLUMNS)
+    """The same for who fills in the table of a batch, whose columns are named as the options."""
+    command, option = r"(?P<command>pip install .*|aifrecon [a-z][^.,;]*)", r"(?<![\w-])--(?P<option>[a-z][a-z-]*)"
+    return re.sub(f"{command}|{option}", lambda found: found["command"] or found["option"].replace("-", "_"), in_options(sentence))

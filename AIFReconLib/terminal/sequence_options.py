@@ -9,9 +9,12 @@ from pathlib import Path
 from ..errors import SettingsError
 from ..io.sequence.files import read_sequence
 from ..sweep.frames import TrackedSequence
-from ..sweep.pose_tracks import LONGEST_GAP
 from ..sweep.poses import ends_of
 from ..sweep.time_offset import with_time_offset
+from .recipe_options import add_setting, recipe_from
+
+OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
+"""How a recording is read, which a live scan is not."""
 
 
 class NamedFileAction(argparse.Action):
@@ -43,13 +46,8 @@ def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False)
     if several:
         meaning += "; of several sequences once, or once for each"
     tracking.add_argument("--config", type=Path, action="append" if several else "store", metavar="PLUS.xml", help=meaning)
-    tracking.add_argument(
-        "--image-to-reference",
-        metavar="NAME",
-        help="transform that places the image, as recorded or as a chain (default: ImageToReference); of several ways the one to take, "
-        "as in ImageToProbe,ProbeToReference",
-    )
-    tracking.add_argument("--reference", metavar="FRAME", help="frame to reconstruct in, e.g. Tracker (default: Reference)")
+    for name in ("image_to_reference", "reference"):
+        add_setting(tracking, name)
 
 
 def add_sequence_options(parser: argparse.ArgumentParser) -> None:
@@ -61,22 +59,8 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
         metavar="NAME=FILE",
         help="Slicer's sequence of a transform that belongs to the images, e.g. ImageToReference=Transform.seq.mha; may be repeated",
     )
-    reading.add_argument("--orientation", metavar="CODE", help="how the stored pixels run: MF, MN, UF or UN (default: as the file says)")
-    reading.add_argument(
-        "--time-offset",
-        type=float,
-        default=0.0,
-        metavar="S",
-        help="add this to the images' time stamps, as Plus's LocalTimeOffsetSec of the image device does, and interpolate the poses "
-        "(negative: images come late; positive: poses do) [s] (default: 0)",
-    )
-    reading.add_argument(
-        "--longest-gap",
-        type=float,
-        default=LONGEST_GAP,
-        metavar="S",
-        help="do not interpolate between poses farther apart than this [s] (default: %(default)g)",
-    )
+    for name in OF_A_RECORDING:
+        add_setting(reading, name)
 
 
 def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argparse.Namespace]:
@@ -104,21 +88,16 @@ def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argpar
 
 def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:
     """The sequence that the options ask for: `arguments.sequence`, with its configuration, paired transforms and time offset."""
+    recipe = recipe_from(arguments)
     sequence = read_sequence(
         arguments.sequence,
         config=arguments.config,
-        orientation=arguments.orientation,
+        orientation=recipe.orientation,
         transform_sequences=arguments.transform_sequence,
-        longest_gap=arguments.longest_gap,
-        image_frame=_image_frame(arguments),
+        longest_gap=recipe.longest_gap,
+        image_frame=ends_of(recipe.image_to_reference).source if recipe.image_to_reference else None,
     )
-    return with_time_offset(sequence, arguments.time_offset, arguments.longest_gap)
-
-
-def _image_frame(arguments: argparse.Namespace) -> str | None:
-    """What --image-to-reference calls the image, where the command has that option and it is given."""
-    name = getattr(arguments, "image_to_reference", None)
-    return ends_of(name).source if name else None
+    return with_time_offset(sequence, recipe.time_offset, recipe.longest_gap)
 
 
 def sequence_inputs(arguments: argparse.Namespace) -> list[Path | None]:

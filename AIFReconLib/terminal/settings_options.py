@@ -10,14 +10,12 @@ from pathlib import Path
 from .. import __version__
 from ..compounding.state import Reconstruction
 from ..geometry.transform_graph import capital
+from ..imaging.beams import LINEAR
 from ..provenance.kept import KeptSettings
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import check_settings_path, read_settings, write_settings
 from ..sweep.poses import ends_of
 from .one_line_parser import OneLineParser
-
-OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
-"""How a recording is read, by the names of the options."""
 
 
 def add_settings_options(parser: argparse.ArgumentParser, without: tuple[str, ...] = ()) -> None:
@@ -48,16 +46,27 @@ def _defaults_without(without: tuple[str, ...]) -> Callable[[argparse.Namespace]
         options = {name: value for name, value in kept.options.items() if name not in without}
         if given.image_to_reference and given.reference is None:
             # What is given names both ends
-            options.pop("reference", None)
+            _drop(options, "reference")
         if given.spacing or given.grid_like or _is_in_another_frame(given, kept.options):
-            kept = replace(kept, grid=None)
+            _drop(options, "grid_size", "grid_to_reference")
         if given.bone_sigma_voxels is not None:
-            options.pop("bone_sigma_mm", None)
+            _drop(options, "bone_sigma_mm")
         if given.bone_labels or given.bone_probability or given.bone_frames or given.bone_model:
-            options.pop("bone_from_sweep", None)
+            _drop(options, "bone_from_sweep")
+        if given.probe == LINEAR:
+            _drop(options, "apex_px")
+        if given.apex_px:
+            _drop(options, "probe")
+        if given.fan_angles_deg or given.fan_radius_px:
+            _drop(options, "fan_pixel_size", "fan_detection", *(["fan_apex_px"] if given.apex_px else []))
         return {**options, "kept": kept}
 
     return defaults
+
+
+def _drop(options: dict[str, object], *names: str) -> None:
+    for name in names:
+        options.pop(name, None)
 
 
 def _is_in_another_frame(given: argparse.Namespace, kept: Mapping[str, object]) -> bool:
@@ -101,12 +110,6 @@ def with_provenance(
         See `signed`.
     """
     settings = {**settings_of(result.intensity), **(bone or {})}
-    if arguments.bone_from_sweep:
-        settings["bone_from_sweep"] = True
-    if arguments.bone_frames_px:
-        settings["bone_frames_px"] = list(arguments.bone_frames_px)
-    if stream is None:
-        settings.update({name: value for name in OF_A_RECORDING if (value := getattr(arguments, name)) is not None})
     files = [path for path in inputs if path is not None]
     kept: KeptSettings | None = arguments.kept
     notes = () if kept is None else (*_about_version(kept), *other_inputs(kept.path.name, kept.inputs, files))

@@ -9,6 +9,11 @@ from pathlib import Path
 
 import pytest
 from files import write_patient
+from hypothesis import HealthCheck, settings
+
+# How fast a machine is decides nothing
+settings.register_profile("any speed", deadline=None, max_examples=50, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any speed")
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 

@@ -12,10 +12,11 @@ from functools import lru_cache
 import numpy as np
 import pyigtl
 import pytest
+from waiting import PATIENCE
 
 from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent, TransformMessage
 
-DEADLINE = 10.0
+DEADLINE = PATIENCE
 """How long a test waits for something that must happen, s."""
 
 RECORDINGS = {

@@ -14,7 +14,7 @@ from AIFReconLib.commands.parser import build_parser
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
 from AIFReconLib.message import LONGEST_SENTENCE, Sentence, advised, listed, one_line, said
 from AIFReconLib.remedies import IN_PYTHON, Remedy
-from AIFReconLib.terminal.remedies import IN_COLUMNS, IN_OPTIONS, in_columns, in_options
+from AIFReconLib.terminal.remedies import IN_OPTIONS, in_columns, in_options
 
 LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
 OF_THE_TERMINAL = ("batch", "commands", "terminal")
@@ -83,7 +83,7 @@ def test_one_line_is_left_of_several():
 # ---- the tables of remedies
 
 
-@pytest.mark.parametrize("words", [IN_PYTHON, IN_OPTIONS, IN_COLUMNS], ids=["Python", "terminal", "batch"])
+@pytest.mark.parametrize("words", [IN_PYTHON, IN_OPTIONS], ids=["Python", "terminal"])
 def test_every_remedy_has_words_and_all_doors_name_the_same_details(words):
     def details(text):
         return set(re.findall(r"(?<!\{)\{(\w+)", text))

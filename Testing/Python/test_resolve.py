@@ -12,7 +12,6 @@ from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import ConfigurationError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
@@ -20,9 +19,9 @@ from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import reconstructor_parts, resolve_settings
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
@@ -66,11 +65,6 @@ def test_an_interpolation_that_does_not_go_with_the_method_is_told():
     assert "Interpolation=LINEAR is not used: it is for methods average, latest, maximum, and this is weighted." in note
 
 
-def test_a_way_to_fill_holes_needs_a_limit():
-    with pytest.raises(SettingsError, match="hole_limit must be above 0 mm to fill holes by stick"):
-        resolved(holes="stick", hole_limit=0.0)
-
-
 def test_the_box_of_the_configuration_is_the_grid():
     grid = reconstruct(replace(tracked_sequence(), configuration=configuration(**BOX))).grid
     assert grid.size == (20, 10, 15)
@@ -110,7 +104,7 @@ def test_a_spacing_that_is_to_fit_ends_with_the_sweep():
 
 def test_in_another_reference_frame_the_box_means_nothing():
     sequence = replace(tracked_sequence(), configuration=configuration(**BOX))
-    assert reconstruct(sequence, reference="Tracker").grid.origin[2] < -800
+    assert reconstruct(sequence, ReconstructionSettings(reference="Tracker")).grid.origin[2] < -800
 
 
 def test_holes_are_filled_as_configured_and_not_where_the_caller_says_off():
@@ -134,16 +128,12 @@ def test_a_configured_importance_mask_weights_the_average(tmp_path):
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
     asks = {"uses_importance_mask": True, "importance_mask": tmp_path / "mask.png", "method": "average", "spacing": (2.0,) * 3}
     configured = reconstruct(replace(tracked_sequence(), configuration=configuration(**asks)))
-    given = reconstruct(replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)), importance=weights / 255)
+    given = reconstruct(
+        replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)), ReconstructionSettings(importance_mask=weights / 255)
+    )
     plain = reconstruct(replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)))
     np.testing.assert_array_equal(configured.intensity.array, given.intensity.array)
     assert (configured.intensity.array != plain.intensity.array).any()
-
-
-def test_an_importance_mask_without_a_file_is_asked_for():
-    sequence = replace(tracked_sequence(), configuration=configuration(uses_importance_mask=True, method="average"))
-    with pytest.raises(ConfigurationError, match=r"ImportanceMaskFilename is missing.* or give an importance mask"):
-        reconstruct(sequence)
 
 
 def test_an_importance_mask_of_the_configuration_gives_way_to_a_method_of_the_caller():
@@ -187,13 +177,6 @@ def test_a_plus_configuration_drives_the_command(recording, capsys):
     assert run(recording, "--mask", str(recording / "mask.nrrd")) == 0
     assert "Optimization=PARTIAL has no effect" in capsys.readouterr().out
     assert (read_volume(recording / "mask.nrrd").array == 2).any()
-
-
-def test_options_win_over_the_configuration(recording):
-    assert run(recording) == 0
-    configured = read_volume(recording / "volume.nrrd").array
-    assert run(recording, "--interpolation", "nearest", "--holes", "off", "--pixel-rejection", "0", "--method", "average") == 0
-    assert (read_volume(recording / "volume.nrrd").array != configured).any()
 
 
 @pytest.mark.parametrize(

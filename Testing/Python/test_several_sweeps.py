@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence
+from files import CONFIGURATION, IMAGE_TO_PROBE, tracked_sequence
 from sweeps import rigid, sphere_bone
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
-from AIFReconLib.errors import BeamGeometryError, GeometryError, NoUsableFramesError
-from AIFReconLib.evaluation.visibility import SweepBeams
+from AIFReconLib.errors import BeamGeometryError, GeometryError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
@@ -22,13 +21,14 @@ from AIFReconLib.inspection.summary import summary_lines
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.reconstruction import plan, reconstruct
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.echoes import sweep_echoes
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.joined import joined
-from AIFReconLib.sweep.poses import sweep_poses, time_order
+from AIFReconLib.sweep.poses import sweep_poses
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
 ENGINES = ["numpy", pytest.param("numba", marks=pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed"))]
@@ -97,10 +97,6 @@ def test_the_order_in_which_they_are_given_counts_where_order_counts():
     np.testing.assert_array_equal(there.hits.array, back.hits.array)
 
 
-def test_a_clock_that_began_again_does_not_mix_them():
-    assert list(time_order(joined([sweep(1, count=3), sweep(2, count=2)]))) == [0, 1, 2, 3, 4]
-
-
 def test_each_is_placed_by_its_own_configuration():
     """A second probe, calibrated otherwise and held so that its images lie where the first one's do, gives the same voxels."""
     turn = rigid((10.0, 20.0, 30.0), (5.0, -4.0, 3.0))
@@ -122,17 +118,6 @@ def test_the_report_counts_each_with_its_own_frame_numbers():
     lines = summary_lines(result, 18)
     assert "a.mha: 5 of 5 frames" in lines
     assert "b.mha: 5 of 6 frames; skipped: ProbeToTracker OUT_OF_VIEW: 1 frame (2)" in lines
-
-
-def test_a_plan_of_several_is_what_is_made_of_them():
-    planned, made = plan(three()), reconstruct(three())
-    assert planned.grid.size == made.grid.size
-    assert planned.hole_limit == made.hole_limit
-
-
-def test_beams_of_several_sweeps_are_those_of_all():
-    beams = SweepBeams.of_sequence(three())
-    np.testing.assert_array_equal(beams.image_to_reference, SweepBeams.of_sequence(concatenated(three())).image_to_reference)
 
 
 # ---- what cannot be joined
@@ -170,13 +155,7 @@ def test_configurations_that_show_other_parts_of_the_image_are_refused_unless_on
     sweeps = [sweep(1, "a.mha"), sweep(2, "b.mha", configuration=replace(CONFIGURED, region=region))]
     with pytest.raises(BeamGeometryError, match=r"a\.mha and b\.mha name different parts"):
         reconstruct(sweeps)
-    assert reconstruct(sweeps, region=region).frames_inserted == 12
-
-
-def test_a_sweep_without_any_pose_is_named():
-    lost = sweep(2, "b.mha", statuses=dict.fromkeys(range(6), TransformStatus.OUT_OF_VIEW))
-    with pytest.raises(NoUsableFramesError, match=r"b\.mha: no frame has a position"):
-        reconstruct([sweep(1, "a.mha"), lost])
+    assert reconstruct(sweeps, Recipe(**imaging_fields(region))).frames_inserted == 12
 
 
 def test_a_second_configuration_that_asks_for_another_volume_is_named():
@@ -184,11 +163,6 @@ def test_a_second_configuration_that_asks_for_another_volume_is_named():
     result = reconstruct([sweep(1, "a.mha"), second])
     assert result.grid.spacing == pytest.approx((0.9, 1.1, 1.3))
     assert "What the configuration of b.mha says of the volume is not used: that of a.mha is." in result.notes
-
-
-def test_none_is_refused():
-    with pytest.raises(GeometryError, match="one or more sweeps; got none"):
-        reconstruct([])
 
 
 # ---- from the command line
@@ -215,23 +189,6 @@ def test_the_command_line_joins_them_and_reports_on_each(recordings, results, ca
     assert [(one["sequence"], one["frames_used"]) for one in of_each] == [("sweep.igs.mha", 6), ("second.igs.mha", 6)]
     assert main(["reconstruct", second, first, "--config", config, "-q", "-o", str(results / "w.nrrd")]) == 0
     np.testing.assert_array_equal(read_volume(output).array, read_volume(results / "w.nrrd").array)
-
-
-def test_configurations_are_one_or_as_many(recordings, results, capsys):
-    sweeps, (config, other) = recordings
-    options = ["--config", config, "--config", other, "-o", results / "v.nrrd"]
-    assert "given 2 times for 3 sequence(s)" in refused(["reconstruct", *sweeps, sweeps[0], *options], capsys, results)
-
-
-def test_transforms_of_one_sequence_are_not_taken_for_several(recordings, results, capsys):
-    sweeps, (config, _) = recordings
-    options = ["--config", config, "--transform-sequence", "ImageToReference=t.mha", "-o", results / "v.nrrd"]
-    assert "belongs to one sequence" in refused(["reconstruct", *sweeps, *options], capsys, results)
-
-
-def test_no_output_overwrites_the_second_sweep(recordings, results, capsys):
-    sweeps, (config, _) = recordings
-    assert "overwrite an input" in refused(["reconstruct", *sweeps, "--config", config, "-o", sweeps[1]], capsys, results)
 
 
 def test_a_volume_of_several_sweeps_is_measured_under_all_of_them(recordings, results, patient, capsys):

@@ -15,15 +15,6 @@ class AIFReconBackgroundTest(unittest.TestCase):
 
         self.inBackground = inBackground
 
-    def test_the_caller_is_called_while_work_goes_on_that_reports_nothing(self):
-        called = threading.Event()
-
-        def progress(fraction, message):
-            called.set()
-
-        # On the caller's thread this would wait in vain
-        self.assertTrue(self.inBackground(lambda _progress: called.wait(60.0), progress))
-
     def test_the_caller_hears_what_the_work_reports_on_its_own_thread(self):
         heard, both = [], threading.Event()
 
@@ -72,13 +63,6 @@ class AIFReconBackgroundTest(unittest.TestCase):
 
         with self.assertRaises(OperationCanceled):
             self.inBackground(lambda _progress: asked.wait(60.0), progress)
-
-    def test_what_the_work_raises_is_raised(self):
-        def work(progress):
-            raise ZeroDivisionError("in the work")
-
-        with self.assertRaisesRegex(ZeroDivisionError, "in the work"):
-            self.inBackground(work, lambda fraction, message: True)
 
     @unittest.skipUnless(sys.platform == "linux", "threads have a priority of their own on Linux alone")
     def test_windows_have_the_cores_before_the_work(self):

@@ -59,13 +59,6 @@ class AIFReconBoxTest(unittest.TestCase):
         self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
         np.testing.assert_allclose(self.bounds(self.create()), self.bounds(self.parameters.ctVolume), atol=1e-3)
 
-    def test_a_new_box_is_outlined_with_handles_and_not_filled(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        display = self.create().GetDisplayNode()
-        self.assertTrue(display.GetVisibility() and display.GetOutlineVisibility() and display.GetHandlesInteractive())
-        self.assertFalse(display.GetPropertiesLabelVisibility())
-        self.assertFalse(display.GetFillVisibility())
-
     def test_a_box_without_a_size_cannot_be_reconstructed_in(self):
         box = self.create()
         self.assertFalse(self.ui.liveStartButton.enabled)
@@ -79,14 +72,6 @@ class AIFReconBoxTest(unittest.TestCase):
         self.parameters.sweep = tinyScene.addSweep()
         self.assertFalse(isEmpty(box))
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
-
-    def test_a_box_that_was_drawn_stays_as_it_is(self):
-        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Drawn")
-        roi.SetCenterWorld(1.0, 2.0, 3.0)
-        roi.SetSize(4.0, 5.0, 6.0)
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.roi = roi
-        np.testing.assert_allclose(self.bounds(roi), [[-1.0, 3.0], [-0.5, 4.5], [0.0, 6.0]])
 
     def test_a_box_that_is_drawn_while_the_panel_is_open_can_be_reconstructed_in(self):
         box = self.create()

@@ -8,7 +8,6 @@ import tempfile
 import unittest
 
 import slicer
-import vtk
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
@@ -87,27 +86,3 @@ class AIFReconErrorsTest(unittest.TestCase):
         self.addCleanup(delattr, self.widget.logic, "loadRecording")
         with self.assertRaises(KeyError):
             self.widget._recorded.onLoad()
-
-    def test_what_is_wrong_with_a_sweep_is_said_in_one_place(self):
-        sweep = tinyScene.addSweep()
-        image = sweep.GetProxyNode(sweep.GetMasterSequenceNode())
-        warp = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTransformNode", "Warp")
-        warp.SetAndObserveTransformToParent(vtk.vtkThinPlateSplineTransform())
-        image.GetParentTransformNode().SetAndObserveTransformNodeID(warp.GetID())
-        self.parameters.sweep = sweep
-        wrong = self.ui.sweepStatusLabel.text
-        self.assertFalse(self.ui.applyButton.enabled)
-        self.assertTrue(wrong)
-        self.assertNotIn(wrong, self.ui.statusLabel.text)
-        self.assertIn("see above", self.ui.statusLabel.text)
-
-    def test_how_many_frames_were_loaded_is_said_in_one_place(self):
-        from AIFReconLib import write_sequence
-
-        path = pathlib.Path(self.folder.name) / "lumbar.igs.mha"
-        write_sequence(tinyScene.makeSequence(), path)
-        self.parameters.recordingPath = path
-        self.widget._recorded.onLoad()
-        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
-        self.assertNotIn("11 of 12", self.ui.statusLabel.text)
-        self.assertIn("lumbar", self.ui.statusLabel.text)

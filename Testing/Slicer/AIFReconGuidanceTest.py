@@ -1,17 +1,12 @@
 """Self tests of guidance: bone colored by what a recorded sweep or a scan has met, shares, the next move, and sentences in their place."""
 
 import itertools
-import os
 import pathlib
 import sys
-import tempfile
-import time
 import unittest
 
 import numpy as np
 import slicer
-import vtk
-from vtk.util import numpy_support
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
@@ -23,21 +18,6 @@ OWN = ("Bone met", "Colors of bone met", "Advised probe")
 
 TOLD: dict = {}
 """What was told of the patient as it is, by the function that told it: another one after the module was reloaded."""
-
-COLOR_BLIND = {
-    "none": np.eye(3),
-    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
-    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
-}
-"""Linear RGB as it is seen: Machado, Oliveira and Fernandes (2009), severity 1."""
-
-
-def lab(linear: np.ndarray) -> np.ndarray:
-    """CIE L*a*b* of linear sRGB (n, 3), by D65."""
-    toXYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
-    x, y, z = np.cbrt(linear @ toXYZ.T / toXYZ.sum(axis=1)).T
-    return np.stack([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)], axis=1)
 
 
 class AIFReconGuidanceTest(unittest.TestCase):
@@ -117,12 +97,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def playUntil(self, condition):
         """Show the sweep again and again until something holds."""
-        deadline = time.monotonic() + 150.0
         for round_ in itertools.count():
             self.play(range(round_ % 3, FRAMES, 3))
             if waitFor(condition, 0.2):
                 return
-            self.assertLess(time.monotonic(), deadline, "it never happened")
 
     def model(self, name="Bone met"):
         """A node of ours, or None."""
@@ -159,16 +137,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertAlmostEqual((levels[reachable] == 4).mean(), found.all.below_45_deg, delta=0.06)
         self.assertIn(f"{found.all.met:.0%}", self.ui.guidanceTableLabel.text)
 
-    def test_segments_and_moves_are_told_by_the_names_of_the_segments(self):
-        segmentation = self.nodes.segmentation.GetSegmentation()
-        names = [f"Vertebra {number}" for number in range(segmentation.GetNumberOfSegments())]
-        for number, name in enumerate(names):
-            segmentation.GetNthSegment(number).SetName(name)
-        self.setToldBox()
-        for name in names:
-            self.assertIn(name, self.ui.guidanceTableLabel.text)
-        self.assertRegex(self.ui.guidanceLabel.text, r"over Vertebra \d.*; shows [\d.]+ cm² more bone")
-
     def annotation(self):
         """The texts in the corners of the 3D view."""
         return slicer.app.layoutManager().threeDWidget(0).threeDView().cornerAnnotation()
@@ -183,33 +151,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertEqual(annotation.GetText(2), text[3:])
         self.assertGreaterEqual(annotation.GetMaximumLineHeight() * 250, annotation.GetMaximumFontSize())
 
-    def test_every_letter_of_the_move_in_the_3d_view_can_be_drawn(self):
-        self.setToldBox()
-        letters = set(self.annotation().GetText(2)) - {" "}
-        self.assertTrue(letters)
-        drawn, image, size = vtk.vtkTextRenderer.GetInstance(), vtk.vtkImageData(), [0, 0]
-        for letter in letters:
-            drawn.RenderString(self.annotation().GetTextProperty(), letter, image, size, 72)
-            pixels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars())
-            self.assertTrue((pixels[:, -1] > 100).any(), letter)
-
-    def test_the_move_in_the_3d_view_is_written_in_the_font_that_the_user_has_chosen_for_views(self):
-        letters, logic = self.annotation().GetTextProperty(), slicer.app.applicationLogic()
-        with tempfile.TemporaryDirectory() as folder:
-            font = pathlib.Path(folder) / "font.ttf"
-            font.touch()
-            # Slicer has none until a language is installed that needs one
-            fonts = pathlib.Path(logic.GetFontsDirectory())
-            fonts.mkdir(exist_ok=True)
-            logic.SetFontFileName(vtk.VTK_ARIAL, os.path.relpath(font, fonts))
-            try:
-                self.setToldBox()
-                self.assertEqual(letters.GetFontFamily(), vtk.VTK_FONT_FILE)
-                self.assertTrue(font.samefile(letters.GetFontFile()))
-            finally:
-                logic.SetFontFileName(vtk.VTK_ARIAL, "")
-                letters.SetFontFamilyToArial()
-
     def test_the_ghost_stands_where_the_move_leads(self):
         self.setToldBox()
         advice = self.widget._guidance._shown.advice
@@ -219,24 +160,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue((bounds[::2] <= face[:3]).all() and (face[:3] <= bounds[1::2]).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
 
-    def test_nothing_that_is_drawn_is_translucent_which_takes_twice_as_long(self):
-        self.setToldBox()
-        for name in OWN:
-            node = self.model(name)
-            if node.IsA("vtkMRMLModelNode"):
-                self.assertEqual(node.GetDisplayNode().GetOpacity(), 1.0, name)
-
-    def test_the_3d_view_looks_at_the_side_that_takes_on_color_and_stays_where_the_user_turns_it(self):
-        self.setToldBox()
-        camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
-        looks = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
-        toFront = self.widget._guidance._shown.coverage.met.bone.patient_to_reference[:3, 1]
-        self.assertGreater(looks @ toFront / np.linalg.norm(looks), 0.999)
-        camera.SetPosition(np.add(camera.GetFocalPoint(), [300.0, 0.0, 0.0]))
-        before = camera.GetPosition()
-        self.widget._guidance._show(self.widget._guidance._shown, self.parameters.bone)
-        self.assertEqual(camera.GetPosition(), before)
-
     def test_segments_are_not_drawn_in_3d_under_the_colors_and_come_back_also_where_another_session_hid_them(self):
         from AIFReconScene.display.boneColors import BoneColors
 
@@ -244,22 +167,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setToldBox()
         self.assertEqual((display.GetVisibility3D(), display.GetVisibility()), (0, 1))
         BoneColors().clear()
-        self.assertTrue(display.GetVisibility3D())
-
-    def test_segments_that_a_saved_scene_has_hidden_are_drawn_where_no_colors_are(self):
-        from AIFReconScene.display.boneColors import HIDDEN
-
-        display = self.parameters.bone.GetDisplayNode()
-        HIDDEN.follow(display)
-        self.assertFalse(display.GetVisibility3D())
-        self.parameters.guidance = True
-        self.assertTrue(display.GetVisibility3D())
-
-    def test_segments_that_the_user_draws_in_3d_again_stay_drawn(self):
-        self.setToldBox()
-        display = self.nodes.segmentation.GetDisplayNode()
-        display.SetVisibility3D(True)
-        self.widget._guidance._show(self.widget._guidance._shown, self.parameters.bone)
         self.assertTrue(display.GetVisibility3D())
 
     def test_nothing_is_drawn_into_the_nodes_of_ct_and_segmentation(self):
@@ -278,54 +185,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertFalse(self.ui.guidanceWords.isVisibleTo(self.ui.coverageDetails))
         self.assertEqual(self.live._advised, "")
         self.assertFalse(self.annotation().GetText(2))
-
-    def test_what_it_takes_out_is_drawn_view_by_view_once_windows_have_their_turn(self):
-        self.setToldBox()
-        with tinyScene.drawingNoted() as drawn:
-            self.setBox(False)
-            self.assertTrue(waitFor(lambda: drawn == ["first", "second"]), drawn)
-            self.assertIsNone(self.model())
-
-    def test_colors_that_are_asked_for_again_at_once_stay(self):
-        self.setToldBox()
-        self.setBox(False)
-        self.setToldBox()
-        for _turn in range(5):
-            slicer.app.processEvents()
-        self.assertTrue(self.colored())
-
-    def test_every_node_that_it_made_is_taken_out_once(self):
-        self.setToldBox()
-        scene, taken = slicer.mrmlScene, []
-        before = scene.GetNumberOfNodes()
-        tag = scene.AddObserver(slicer.vtkMRMLScene.NodeAboutToBeRemovedEvent, lambda *_about: taken.append("node"))
-        self.addCleanup(scene.RemoveObserver, tag)
-        self.setBox(False)
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
-        self.assertEqual(len(taken), before - scene.GetNumberOfNodes())
-
-    def test_another_sweep_or_bone_takes_the_colors_away(self):
-        self.setToldBox()
-        self.parameters.boneSegments = [self.nodes.segmentation.GetSegmentation().GetNthSegmentID(0)]
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
-        self.ui.guidanceSweepButton.click()
-        self.assertTrue(self.colored())
-
-    def test_the_legend_says_what_the_colors_stand_for(self):
-        self.setToldBox()
-        legend = slicer.modules.colors.logic().GetColorLegendDisplayNode(self.model())
-        self.assertTrue(legend.GetVisibility() and legend.GetUseColorNamesForLabels())
-        table = self.model().GetDisplayNode().GetColorNode()
-        self.assertEqual([table.GetColorName(number).split(",")[0] for number in (1, 2, 4)], ["not hit", "grazing", "squarely"])
-
-    def test_the_colors_are_told_apart_by_the_color_blind(self):
-        from AIFReconScene.display.boneColors import COLORS
-
-        linear = np.array(COLORS) ** 2.2
-        for kind, matrix in COLOR_BLIND.items():
-            seen = lab(np.clip(linear @ np.array(matrix).T, 0.0, 1.0))
-            apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(len(seen))
-            self.assertGreater(apart.min(), 20.0, kind)
 
     def test_a_cancel_leaves_the_scene_as_it_was(self):
         from AIFReconGui.progressDialog import ProgressDialog
@@ -377,36 +236,11 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     # ---- sentences instead of colors
 
-    def test_without_bone_a_sentence_says_what_is_missing(self):
-        self.setToldBox()
-        self.parameters.bone = None
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
-        self.assertIn("bone", self.ui.guidanceLabel.text)
-        self.assertFalse(self.ui.guidanceSweepButton.enabled)
-
     def test_a_ct_that_is_not_placed_is_a_sentence(self):
         tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(400.0, 0.0, 0.0))
         self.setBox()
         self.assertIn("No frame has come near", self.ui.guidanceLabel.text)
         self.assertFalse(self.colored())
-
-    def test_a_box_without_bone_is_a_sentence(self):
-        from AIFReconScene.inputs.parameters import Region
-
-        roi = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsROINode", "Box")
-        roi.SetCenterWorld(500.0, 0.0, 0.0)
-        roi.SetSize(20.0, 20.0, 20.0)
-        self.parameters.roi, self.parameters.region = roi, Region.BOX
-        self.setBox()
-        self.assertIn("holds no bone", self.ui.guidanceLabel.text)
-
-    def test_a_ct_that_is_scaled_is_refused_in_a_sentence(self):
-        shown, display = [], slicer.util.infoDisplay
-        slicer.util.infoDisplay = lambda text, **options: shown.append(text)
-        self.addCleanup(setattr, slicer.util, "infoDisplay", display)
-        tinyScene.setMatrix(self.nodes.ctToReference, np.diag([2.0, 2.0, 2.0, 1.0]))
-        self.setBox()
-        self.assertIn("must be rigid", shown[0])
 
     # ---- a scan
 
@@ -423,22 +257,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue(self.colored())
         self.setBox(False)
         self.assertTrue(waitFor(lambda: not self.own()), self.own())
-
-    def test_the_box_can_be_set_and_taken_while_scanning(self):
-        self.start()
-        self.playUntil(self.colored)
-        self.setBox(False)
-        self.assertTrue(waitFor(lambda: not self.own()), self.own())
-        self.assertIsNone(self.live.guidance)
-        self.setBox()
-        self.playUntil(self.colored)
-
-    def test_a_scan_without_bone_says_so_and_takes_bone_that_is_chosen_later(self):
-        bone, self.parameters.bone = self.parameters.bone, None
-        self.start()
-        self.assertTrue(waitFor(lambda: "Select the bone" in self.ui.guidanceLabel.text))
-        self.parameters.bone = bone
-        self.playUntil(self.colored)
 
     def test_labels_that_change_while_scanning_are_followed(self):
         from AIFReconScene.live import liveGuidance
@@ -483,32 +301,3 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.playUntil(lambda: "No frame has come near" in self.ui.guidanceLabel.text)
 
     # ---- saved
-
-    def test_the_box_is_saved_with_the_scene_and_what_it_draws_is_not(self):
-        self.setToldBox()
-        for node in self.own():
-            self.assertFalse(node.GetSaveWithScene(), node.GetName())
-        self.assertTrue(type(self.parameters)(self.parameters.parameterNode).guidance)
-
-    def test_one_array_is_written_while_only_colors_change(self):
-        self.setToldBox()
-        node, shown = self.model(), self.widget._guidance._shown
-        mesh = node.GetPolyData()
-        self.widget._guidance._colors.show(self.nodes.segmentation, shown.colored, np.full_like(shown.levels, 4))
-        self.assertIs(self.model().GetPolyData(), mesh)
-        self.assertTrue((self.levels() == 4).all())
-
-    def test_what_is_half_drawn_goes_with_the_rest(self):
-        from AIFReconScene.display.boneColors import BoneColors
-
-        self.setToldBox()
-        shown, before, taken = self.widget._guidance._shown, slicer.mrmlScene.GetNumberOfNodes(), 0
-        while True:
-            colors = BoneColors()
-            steps, taken = colors.stepsTo(self.nodes.segmentation, shown.colored, shown.levels), taken + 1
-            done = len(list(itertools.islice(steps, taken)))
-            colors.clear()
-            self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
-            if done < taken:
-                break
-        self.assertGreater(taken, 3)

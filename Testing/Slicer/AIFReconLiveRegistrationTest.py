@@ -116,28 +116,3 @@ class AIFReconLiveRegistrationTest(unittest.TestCase):
             self.start()
         self.assertTrue(threads)
         self.assertNotIn(threading.main_thread(), threads)
-
-    def test_too_little_bone_is_told_in_a_sentence(self):
-        shown, display = [], slicer.util.infoDisplay
-        slicer.util.infoDisplay = lambda text, **options: shown.append(text)
-        self.addCleanup(setattr, slicer.util, "infoDisplay", display)
-        self.start()
-        self.ui.livePlaceButton.click()
-        self.assertIn("bone echoes so far", shown[0])
-        np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), self.true)
-
-    def test_without_bone_a_scan_says_nothing_of_a_ct(self):
-        self.parameters.bone = None
-        self.start()
-        self.assertFalse(self.ui.livePlaceButton.enabled)
-        self.assertIsNone(self.live._live.agreement.agreement)
-        self.ui.liveStopButton.click()
-
-    def test_no_thread_outlives_the_scan(self):
-        self.start()
-        self.ui.liveStopButton.click()
-        names = [thread.name for thread in threading.enumerate() if thread.name.startswith("aifrecon live")]
-        self.assertEqual(names, [])
-
-    def test_the_button_waits_for_a_scan(self):
-        self.assertFalse(self.ui.livePlaceButton.enabled)

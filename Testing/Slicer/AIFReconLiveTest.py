@@ -15,8 +15,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
 
-PATIENCE = 30.0
-"""s that a test waits for what must come."""
+PATIENCE = 1200.0
+"""s that a test waits for what must come: more than any machine needs, so that load decides nothing."""
 
 
 def waitFor(condition, seconds=PATIENCE):
@@ -105,16 +105,6 @@ class AIFReconLiveTest(unittest.TestCase):
         statistics = self.scan()
         self.assertEqual((statistics.inserted, sum(statistics.skipped.values())), (tinyScene.FRAMES - 1, 1))
 
-    def test_the_volume_is_seen_to_grow(self):
-        self.serve(rate=20.0, loop=True)
-        self.chooseBox()
-        self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.parameters.output is not None and self.parameters.output.GetImageData() is not None))
-        self.assertTrue(waitFor(lambda: slicer.util.arrayFromVolume(self.parameters.output).any()))
-        self.assertIsNotNone(self.live._live.frameNode)
-        self.assertIn("frames/s", self.ui.liveStatisticsLabel.text)
-        self.assertTrue(waitFor(lambda: re.search(r"latency \d+ ms", self.ui.liveStatisticsLabel.text)), self.ui.liveStatisticsLabel.text)
-
     def test_the_red_slice_lies_in_the_frame(self):
         self.serve(rate=20.0, loop=True)
         self.chooseBox()
@@ -128,13 +118,6 @@ class AIFReconLiveTest(unittest.TestCase):
         self.assertTrue(red.GetSliceVisible())
         self.ui.liveStopButton.click()
         self.assertFalse(red.GetSliceVisible())
-
-    def test_the_tracking_is_told_in_large_letters(self):
-        self.serve(rate=20.0, loop=True)
-        self.chooseBox()
-        self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.ui.liveStateLabel.text == "Probe seen"))
-        self.assertIn("26px", self.ui.liveStateLabel.styleSheet)
 
     def test_a_server_that_stays_connected_and_sends_nothing_more_is_told_with_the_time(self):
         self.serve(rate=60.0)
@@ -160,17 +143,6 @@ class AIFReconLiveTest(unittest.TestCase):
         self.ui.liveUseBoxButton.click()
         self.assertTrue(waitFor(lambda: self.live._live.statistics.inserted > 30))
         self.assertFalse(self.ui.liveUseBoxButton.enabled)
-
-    def test_bone_is_an_outline_as_soon_as_the_growing_volume_is_seen(self):
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        self.parameters.bone.CreateDefaultDisplayNodes()
-        display = self.parameters.bone.GetDisplayNode()
-        self.assertTrue(display.GetVisibility2DFill())
-        self.serve(rate=20.0, loop=True)
-        self.chooseBox()
-        self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.live._live.showsVolume))
-        self.assertTrue(waitFor(lambda: not display.GetVisibility2DFill()))
 
     def test_the_box_of_a_configuration_needs_no_scouting(self):
         box = 'OutputOrigin="-19.5 -3.5 -14.5" OutputSpacing="1 1 1" OutputExtent="0 39 0 39 0 29"'

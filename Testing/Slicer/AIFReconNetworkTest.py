@@ -104,14 +104,6 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.assertReconstructs(self.expected(lambda sweep: OnnxModel(path)))
         self.assertIn("bone.onnx", self.ui.statusLabel.text)
 
-    def test_a_network_comes_before_the_ct_that_is_chosen_too(self):
-        from AIFReconLib.bone.recorded_predictions import RecordedPredictions
-
-        self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
-        self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
-
     def test_what_a_scan_recorded_of_a_network_is_opened_beside_the_scan(self):
         from AIFReconLib import write_sequence
         from AIFReconLib.bone.recorded_predictions import COVERS
@@ -134,57 +126,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     # ---- the choice
 
-    def test_both_tabs_show_one_choice_and_the_fields_that_count_with_it(self):
-        for fold in (self.ui.inputsCollapsibleButton, self.ui.connectionCollapsibleButton):
-            fold.collapsed = False  # a closed one hides all that lie in it
-        self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
-        self.assertEqual(self.ui.liveBoneSourceComboBox.currentText, "An AI model in a file")
-        self.ui.liveBoneModelPathLineEdit.currentPath = "mine.onnx"
-        self.assertEqual(self.ui.boneModelPathLineEdit.currentPath, "mine.onnx")
-        self.assertFalse(self.ui.boneModelPathLineEdit.isHidden() or self.ui.liveBoneModelPathLineEdit.isHidden())
-        self.choose(self.ui.liveBoneSourceComboBox, "An AI model that runs elsewhere")
-        self.assertFalse(self.ui.bonePredictionsSelector.isHidden() or self.ui.liveBoneDeviceLineEdit.isHidden())
-        self.assertTrue(self.ui.boneModelPathLineEdit.isHidden() and self.ui.liveBoneModelPathLineEdit.isHidden())
-
-    def test_the_choice_is_saved_with_the_scene(self):
-        from AIFReconScene.inputs.boneSource import BoneSource
-
-        self.parameters.boneSource = BoneSource.PREDICTIONS
-        self.parameters.boneModelPath, self.parameters.liveBoneDevice = pathlib.Path("mine.onnx"), "Bone"
-        path = self.folder / "scene.mrml"
-        slicer.mrmlScene.Commit(str(path))
-        slicer.mrmlScene.Clear()
-        slicer.mrmlScene.SetURL(str(path))
-        self.assertTrue(slicer.mrmlScene.Connect())
-        found = self.widget.logic.getParameterNode()
-        self.assertEqual(
-            (found.boneSource, found.boneModelPath, found.liveBoneDevice), (BoneSource.PREDICTIONS, pathlib.Path("mine.onnx"), "Bone")
-        )
-
-    def test_a_scene_that_looked_for_bone_in_the_sweep_still_does(self):
-        from AIFReconScene.inputs.boneSource import BoneSource
-
-        node = self.parameters.parameterNode
-        node.SetParameter("boneFromSweep", "True")
-        self.assertEqual(self.widget.logic.getParameterNode().boneSource, BoneSource.ECHOES)
-        self.parameters.boneSource, self.parameters.bone = BoneSource.CT, tinyScene.addCT()[1]
-        node.SetParameter("boneFromSweep", "True")
-        self.assertEqual(self.widget.logic.getParameterNode().boneSource, BoneSource.CT)
-
     # ---- refusals
-
-    def test_what_is_missing_is_said_before_anything_is_pressed(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
-        self.assertRefused(self.ui.applyButton, "Select the recorded output of the AI model")
-        self.assertRefused(self.ui.liveStartButton, "Enter the name")
-        self.parameters.liveImageDevice = self.parameters.liveBoneDevice = "Image"
-        self.assertRefused(self.ui.liveStartButton, "two names")
-        self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
-        self.assertRefused(self.ui.applyButton, "Choose the file of the AI model")
-        self.ui.boneModelPathLineEdit.currentPath = "nowhere.onnx"
-        self.assertRefused(self.ui.applyButton, "There is no file nowhere.onnx.")
-        self.assertRefused(self.ui.liveStartButton, "There is no file nowhere.onnx.")
 
     def test_a_file_that_is_no_network_is_refused_in_a_sentence_and_nothing_is_made(self):
         self.model()
@@ -198,19 +140,6 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.assertIsNone(self.parameters.output)
         self.ui.liveStartButton.click()
         self.assertFalse(self.live.isRunning)
-
-    def test_predictions_of_another_size_are_refused_without_naming_options(self):
-        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-
-        from AIFReconLib.sweep.frames import TrackedSequence
-
-        half = TrackedSequence(self.said().images[:, ::2], self.said().records)
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.bonePredictions = browserFromSequence(half, "Half").GetMasterSequenceNode()
-        self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
-        self.ui.applyButton.click()
-        self.assertIn("do not fit frames", self.shown[0])
-        self.assertNotIn("--", self.shown[0])
 
     # ---- while scanning
 

@@ -1,6 +1,5 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
-import gc
 import logging
 import pathlib
 import sys
@@ -8,7 +7,6 @@ import tempfile
 import threading
 import time
 import unittest
-import weakref
 
 import numpy as np
 import slicer
@@ -39,19 +37,6 @@ class AIFReconPanelTest(unittest.TestCase):
         self.parameters.spacing = 1.0
 
     # ---- widgets and parameters
-
-    def test_a_parameter_shows_in_its_widget(self):
-        self.parameters.alpha = 0.35
-        self.assertAlmostEqual(self.ui.alphaSliderWidget.value, 0.35)
-
-    def test_a_widget_sets_its_parameter(self):
-        self.ui.holeLimitSpinBox.value = 1.5
-        self.assertAlmostEqual(self.parameters.holeLimit, 1.5)
-
-    def test_a_node_that_is_chosen_becomes_the_parameter(self):
-        sweep = tinyScene.addSweep()
-        self.ui.sweepSelector.setCurrentNode(sweep)
-        self.assertIs(self.parameters.sweep, sweep)
 
     def test_the_method_of_the_list_reaches_the_settings(self):
         from AIFReconScene.inputs.parameters import settingsFrom
@@ -86,24 +71,6 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIn("import my_methods in the Python console", self.ui.statusLabel.text)
 
-    def test_a_file_that_is_entered_becomes_the_parameter(self):
-        self.ui.recordingPathLineEdit.currentPath = "folder/sweep.igs.mha"
-        self.assertEqual(self.parameters.recordingPath, pathlib.Path("folder/sweep.igs.mha"))
-
-    def test_a_file_can_be_taken_away_again_and_may_have_any_suffix(self):
-        files = {"recordingPath": "s.mha", "configurationPath": "c.xml", "importanceMaskPath": "m.png", "boneModelPath": "n.onnx"}
-        for name, file in {**files, "liveRecordPath": "first.mhd"}.items():
-            line = getattr(self.ui, f"{name}LineEdit")
-            for path in (file, file.upper(), ""):
-                with self.subTest(name, path=path):
-                    line.currentPath = path
-                    self.assertEqual(getattr(self.parameters, name), pathlib.Path(path))
-                    self.parameters.alpha += 0.01  # the panel is brought up to date
-                    self.assertEqual(line.currentPath, path)
-
-    def test_a_path_that_is_not_chosen_is_an_empty_line(self):
-        self.assertEqual(self.ui.configurationPathLineEdit.currentPath, "")
-
     def test_only_the_chosen_segments_are_bone(self):
         self.addInputs()
         segmentation = self.parameters.bone.GetSegmentation()
@@ -116,10 +83,6 @@ class AIFReconPanelTest(unittest.TestCase):
 
     # ---- what can be pressed
 
-    def test_apply_asks_for_a_sweep_first(self):
-        self.assertFalse(self.ui.applyButton.enabled)
-        self.assertIn("sweep", self.ui.applyButton.toolTip)
-
     def test_apply_asks_for_bone_where_the_method_needs_it(self):
         from AIFReconScene.inputs.parameters import Method
 
@@ -127,44 +90,6 @@ class AIFReconPanelTest(unittest.TestCase):
         self.parameters.method = Method.WEIGHTED
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIn("needs bone", self.ui.statusLabel.text)
-
-    def test_apply_asks_for_the_box_where_one_is_wanted(self):
-        from AIFReconScene.inputs.parameters import Region
-
-        self.addInputs()
-        self.parameters.region = Region.BOX
-        self.assertFalse(self.ui.applyButton.enabled)
-        self.assertIn("box", self.ui.applyButton.toolTip)
-
-    def test_apply_refuses_to_overwrite_the_ct(self):
-        self.addInputs()
-        self.parameters.output = self.parameters.ctVolume
-        self.assertFalse(self.ui.applyButton.enabled)
-        self.assertIn("overwrite", self.ui.applyButton.toolTip)
-
-    def test_apply_is_enabled_when_nothing_is_missing(self):
-        self.addInputs()
-        self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
-
-    def test_the_panel_says_how_many_frames_have_no_valid_pose(self):
-        self.addInputs()
-        self.assertIn("11 of 12", self.ui.sweepStatusLabel.text)
-        self.assertIn("OUT_OF_VIEW", self.ui.sweepStatusLabel.text)
-
-    def test_what_the_panel_says_is_shown_letter_by_letter(self):
-        import qt
-
-        said = "l'image <b>n'est pas</b> l\u00e0 & co"
-        self.widget._live._showState(said, ("#000000", "#ffffff"))
-        self.assertEqual(self.ui.liveStateLabel.text, said)
-        for name in ("liveState", "liveStatistics", "sweepStatus", "boneStatus", "status"):
-            with self.subTest(label=name):
-                self.assertEqual(getattr(self.ui, f"{name}Label").textFormat, qt.Qt.PlainText)
-
-    def test_loading_asks_for_a_file_that_is_there(self):
-        self.parameters.recordingPath = pathlib.Path("missing.igs.mha")
-        self.assertFalse(self.ui.loadButton.enabled)
-        self.assertIn("missing.igs.mha", self.ui.loadButton.toolTip)
 
     # ---- work
 
@@ -177,40 +102,6 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertEqual(composite.GetBackgroundVolumeID(), self.parameters.ctVolume.GetID())
         self.assertEqual(composite.GetForegroundVolumeID(), output.GetID())
         self.assertAlmostEqual(composite.GetForegroundOpacity(), self.parameters.opacity)
-
-    def test_a_faster_engine_is_offered_after_a_picture_and_not_after_a_cancel_or_a_file(self):
-        from AIFReconGui.panel import recordedPanel
-
-        from AIFReconLib.errors import OperationCanceled
-
-        offered = []
-        self.addCleanup(setattr, recordedPanel, "offerSpeed", recordedPanel.offerSpeed)
-        recordedPanel.offerSpeed = lambda: offered.append(True)
-
-        def canceled(parameters, progress):
-            raise OperationCanceled("nobody wants it")
-
-        panel = self.widget._recorded
-        panel._run("Reconstruction", "failed", canceled, offersSpeed=True)
-        panel._run("Opening", "failed", lambda parameters, progress: "Opened.")
-        slicer.app.processEvents()
-        self.assertEqual(offered, [])
-        panel._run("Reconstruction", "failed", lambda parameters, progress: "Done.", offersSpeed=True)
-        slicer.app.processEvents()
-        self.assertEqual(offered, [True])
-
-    def test_the_opacity_slider_is_followed_by_the_slice_views(self):
-        self.addInputs()
-        self.ui.applyButton.click()
-        self.ui.opacitySliderWidget.value = 0.25
-        composite = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
-        self.assertAlmostEqual(composite.GetForegroundOpacity(), 0.25)
-
-    def test_an_error_names_what_the_panel_calls_it(self):
-        from AIFReconScene.panelWords import inPanelWords
-
-        said = inPanelWords("Give --probe linear, or --probe sector with --apex-px COLUMN ROW; --unknown stays.")
-        self.assertEqual(said, "Give “Probe” linear, or “Probe” sector with “Apex”; --unknown stays.")
 
     def test_a_recording_is_loaded_with_poses_and_statuses(self):
         from AIFReconLib import write_sequence
@@ -292,18 +183,6 @@ class AIFReconPanelTest(unittest.TestCase):
         again = self.widget.logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, alpha=0.4)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(again), voxels)
 
-    def test_parameters_that_are_put_away_are_let_go(self):
-        old, self.parameters = [], None
-        for _visit in range(3):
-            old.append(weakref.ref(self.widget._parameterNode))
-            self.widget.exit()
-            self.widget.enter()
-            old.append(weakref.ref(self.widget._parameterNode))
-            slicer.mrmlScene.Clear()
-        gc.collect()
-        # Each that is kept follows every change of its node: panels become slower with every visit
-        self.assertEqual([each() for each in old], [None] * len(old))
-
     def test_a_closed_scene_leaves_an_empty_panel(self):
         self.addInputs()
         slicer.mrmlScene.Clear()
@@ -314,8 +193,7 @@ class AIFReconPanelTest(unittest.TestCase):
         seen = self.logged()
         self.noteFromAThread("noted")
         self.assertNotIn("noted", dict(seen))
-        end = time.monotonic() + 10.0
-        while "noted" not in dict(seen) and time.monotonic() < end:
+        while "noted" not in dict(seen):
             slicer.app.processEvents()
             time.sleep(0.01)
         # What runs before this one may still be noted

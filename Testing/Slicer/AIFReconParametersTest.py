@@ -13,7 +13,7 @@ import tinyScene
 
 
 class AIFReconParametersTest(unittest.TestCase):
-    """The parameter node beside AIFReconLib.settings."""
+    """The parameter node beside AIFReconLib.recipe.recipe."""
 
     def setUp(self):
         slicer.mrmlScene.Clear()
@@ -35,19 +35,18 @@ class AIFReconParametersTest(unittest.TestCase):
     def test_untouched_parameters_are_the_library_s_defaults(self):
         from AIFReconScene.inputs.parameters import settingsFrom
 
-        from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+        from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
         self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING))
 
     def test_ranges_are_the_library_s(self):
-        from AIFReconGui.parameterNode import SMALLEST_WEIGHT_FLOOR
-        from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, settingsFrom
+        from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, rangeOf, settingsFrom
 
         for name, rule in PARAMETERS.items():
             value = getattr(self.parameters, camelCase(name))
             if isinstance(value, bool | SettingChoice) or rule["default"] is None:
                 continue
-            lowest = SMALLEST_WEIGHT_FLOOR if name == "weight_floor" else rule["minimum"]
+            lowest = max(rangeOf(name)[0], rule["minimum"])
             for limit, beyond in ((lowest, -1e-3), (rule["maximum"], 1e-3)):
                 with self.subTest(name=name, limit=limit):
                     setattr(self.parameters, camelCase(name), limit)
@@ -56,13 +55,6 @@ class AIFReconParametersTest(unittest.TestCase):
                         continue  # just below the range a number stands for the word
                     with self.assertRaises(ValueError):
                         setattr(self.parameters, camelCase(name), limit + beyond * abs(limit) + beyond * 1e-3)
-
-    def test_a_step_below_no_filling_leaves_the_hole_limit_to_the_library(self):
-        from AIFReconScene.inputs.parameters import settingsFrom
-
-        for asked, limit in ((-0.5, "auto"), (0.0, 0.0), (1.5, 1.5)):
-            self.parameters.holeLimit = asked
-            self.assertEqual(settingsFrom(self.parameters).hole_limit, limit)
 
     def test_choices_are_the_library_s(self):
         from AIFReconScene.inputs.parameters import PARAMETERS, camelCase
@@ -80,10 +72,6 @@ class AIFReconParametersTest(unittest.TestCase):
         settings = settingsFrom(self.parameters)
         self.assertIsNone(settings.skip)
         self.assertIsNone(settings.intensity_maximum)
-
-    def test_a_choice_is_kept_in_the_scene_by_its_name(self):
-        self.parameters.method = type(self.parameters.method)["AIF_COMPENSATED"]
-        self.assertEqual(self.parameters.parameterNode.GetParameter("method"), "AIF_COMPENSATED")
 
     def test_the_node_of_a_new_scene_changes_once(self):
         from AIFReconGui.parameterNode import parametersOf
@@ -105,8 +93,3 @@ class AIFReconParametersTest(unittest.TestCase):
         self.assertIsNotNone(self.parameters.sweep)
         self.assertIsNotNone(self.parameters.bone)
         self.assertEqual(len(changes), 1)
-
-    def test_there_is_one_set_of_parameters_in_a_scene(self):
-        again = self.logic().getParameterNode()
-        self.parameters.alpha = 0.7
-        self.assertAlmostEqual(again.alpha, 0.7)

@@ -6,11 +6,9 @@ import sys
 import tempfile
 import threading
 import unittest
-import xml.etree.ElementTree
 from unittest import mock
 
 import numpy as np
-import qt
 import slicer
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -76,35 +74,7 @@ class AIFReconPictureTest(unittest.TestCase):
         box.click()
         self.assertEqual(self.composite().GetForegroundVolumeID(), output.GetID())
 
-    def test_the_plain_echo_stays_in_view_when_apply_is_pressed_again(self):
-        self.reconstruct()
-        kept = self.measured()
-        self.parameters.showMeasured = True
-        self.ui.applyButton.click()
-        self.assertIs(self.measured(), kept)
-        self.assertEqual(self.composite().GetForegroundVolumeID(), kept.GetID())
-
-    def test_where_nothing_is_enhanced_there_is_nothing_to_toggle(self):
-        self.reconstruct()
-        from AIFReconScene.inputs.parameters import Method
-
-        kept = self.measured()
-        self.parameters.method = Method.AVERAGE
-        self.ui.applyButton.click()
-        self.assertIsNone(self.measured())
-        self.assertIsNone(kept.GetScene())
-        self.assertFalse(self.picture._ui.showMeasuredCheckBox.enabled)
-        self.assertIn("Reconstruct", self.picture._ui.showMeasuredCheckBox.toolTip)
-
     # ---- tint
-
-    def test_the_tint_is_there_when_the_run_ends(self):
-        recorded, shown = self.widget._recorded, []
-        refresh = recorded._refresh
-        recorded._refresh = lambda: (shown.append(self.composite().GetLabelVolumeID()), refresh())
-        self.addCleanup(lambda: setattr(recorded, "_refresh", refresh))
-        self.reconstruct()
-        self.assertEqual([bool(each) for each in shown], [True])
 
     def test_a_user_who_leaves_while_a_volume_is_shown_sees_nothing_of_it_that_is_the_panel_s(self):
         def leave(fraction, message):
@@ -138,13 +108,6 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Raised brightness"))
         self.widget.enter()
         self.assertTrue(self.composite().GetLabelVolumeID())
-
-    def test_labels_that_somebody_else_shows_stay(self):
-        other = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLabelMapVolumeNode", "Lesion")
-        self.composite("Green").SetLabelVolumeID(other.GetID())
-        self.reconstruct()
-        self.assertEqual(self.composite("Green").GetLabelVolumeID(), other.GetID())
-        self.assertNotEqual(self.composite("Red").GetLabelVolumeID(), other.GetID())
 
     # ---- bone in 3D
 
@@ -203,31 +166,6 @@ class AIFReconPictureTest(unittest.TestCase):
         self.assertFalse(model.GetDisplayVisibility())
         self.assertEqual((bone.GetOpacity3D(), bone.GetBackfaceCulling()), (1.0, 0))
 
-    def test_bone_of_a_scene_that_was_saved_translucent_is_opaque_again_when_the_user_leaves(self):
-        self.showBone()
-        self.parameters.bone.GetDisplayNode().SetOpacity3D(0.9)
-        self.widget.exit()
-        self.assertEqual(self.parameters.bone.GetDisplayNode().GetOpacity3D(), 0.9)
-        self.widget.enter()
-        tinyScene.saveAndOpenAgain(self)
-        display = self.widget._parameterNode.bone.GetDisplayNode()
-        self.assertLess(display.GetOpacity3D(), 0.5)
-        self.widget.exit()
-        self.assertAlmostEqual(display.GetOpacity3D(), 0.9)
-        self.widget.enter()
-
-    def test_bone_is_looked_at_from_behind_once_and_then_the_view_is_the_user_s(self):
-        model = self.showBone()
-        camera = slicer.app.layoutManager().threeDWidget(0).threeDView().cameraNode()
-        bounds = np.zeros(6)
-        model.GetRASBounds(bounds)
-        np.testing.assert_allclose(camera.GetFocalPoint(), bounds.reshape(3, 2).mean(1), atol=1e-6)
-        looks = np.subtract(camera.GetFocalPoint(), camera.GetPosition())
-        np.testing.assert_allclose(looks / np.linalg.norm(looks), tinyScene.CT_TO_WORLD[:3, 1], atol=1e-6)
-        camera.SetPosition(500.0, 0.0, 0.0)
-        self.parameters.opacity = 0.7
-        self.assertEqual(camera.GetPosition(), (500.0, 0.0, 0.0))
-
     def test_bone_in_3d_goes_with_the_volume_that_shows_it(self):
         model, output = self.showBone(), self.parameters.output
         self.parameters.output = None
@@ -268,49 +206,6 @@ class AIFReconPictureTest(unittest.TestCase):
         """Whether the probe's side is up in a slice view, the last of which is the green one."""
         return slicer.app.layoutManager().sliceWidget(name).mrmlSliceNode().GetOrientation().endswith("ProbeUp")
 
-    def test_what_is_turned_or_named_is_drawn_view_by_view_once_windows_have_their_turn(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        for box in (self.picture._ui.probeUpCheckBox, self.picture._ui.showLevelsCheckBox):
-            for way in ("on", "off"):
-                with self.subTest(box=box.objectName, way=way), tinyScene.drawingNoted() as drawn:
-                    box.click()
-                    self.assertEqual(drawn, [])
-                    self.assertTrue(waitFor(lambda drawn=drawn: drawn == ["first", "second"]), drawn)
-
-    def test_what_is_chosen_and_taken_back_at_once_changes_nothing(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        before = self.axes("Red")
-        for box in 2 * (self.picture._ui.probeUpCheckBox, self.picture._ui.showLevelsCheckBox):
-            box.click()
-        for _turn in range(20):
-            slicer.app.processEvents()
-        np.testing.assert_array_equal(self.axes("Red"), before)
-        self.assertEqual([name for name in ("Red", "Yellow", "Green") if slicer.mrmlScene.GetFirstNodeByName(f"Levels {name}")], [])
-
-    def test_a_scene_saved_with_the_probe_s_side_up_can_be_opened_again(self):
-        self.parameters.sweep = tinyScene.addSweep()
-        self.picture._ui.probeUpCheckBox.click()
-        self.assertTrue(waitFor(lambda: self.isTurned("Green")))
-        with tempfile.TemporaryDirectory() as folder:
-            scene = pathlib.Path(folder) / "scene.mrml"
-            slicer.mrmlScene.Commit(str(scene))
-            written = xml.etree.ElementTree.parse(scene).getroot()
-        turned = [name for node in written.iter("Slice") for name in node.attrib if name.endswith("ProbeUp")]
-        self.assertEqual(len(turned), 3)
-
-    def test_gray_levels_of_a_preset_are_those_of_ultrasound_and_ct_and_no_voxel_changes(self):
-        output = self.reconstruct()
-        voxels = slicer.util.arrayFromVolume(output).copy()
-        brightest = output.GetDisplayNode().GetWindowLevelMax()
-        self.picture.onWindow(1)
-        ct = self.parameters.ctVolume.GetDisplayNode()
-        self.assertEqual((ct.GetWindowLevelMin(), ct.GetWindowLevelMax()), (-200.0, 900.0))
-        for node in (output, self.measured()):
-            self.assertAlmostEqual(node.GetDisplayNode().GetWindowLevelMin(), 0.2 * brightest)
-        np.testing.assert_array_equal(slicer.util.arrayFromVolume(output), voxels)
-
     def showNames(self):
         """Set the box; the green view is the last to get its names."""
         self.picture._ui.showLevelsCheckBox.click()
@@ -333,22 +228,6 @@ class AIFReconPictureTest(unittest.TestCase):
                 self.assertEqual(self.namesIn("Green"), names)
         self.picture._ui.showLevelsCheckBox.click()
         self.assertTrue(waitFor(lambda: slicer.mrmlScene.GetFirstNodeByName("Levels Green") is None))
-
-    def test_a_slice_that_moves_before_the_names_are_looked_up_is_named_in_its_turn(self):
-        _ct, self.parameters.bone, _registration = tinyScene.addCT()
-        self.picture._ui.showLevelsCheckBox.click()
-        green = slicer.app.layoutManager().sliceWidget("Green").mrmlSliceNode()
-        green.JumpSliceByCentering(0.0, tinyScene.FACE + 4.0, 0.0)
-        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName("Levels Green"))
-        self.assertTrue(waitFor(lambda: self.namesIn("Green")))
-
-    def test_the_list_into_which_the_user_places_points_stays_the_same(self):
-        _ct, self.parameters.bone, _registration = tinyScene.addCT()
-        own = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsFiducialNode", "Landmarks")
-        slicer.modules.markups.logic().SetActiveList(own)
-        self.showNames()
-        selection = slicer.app.applicationLogic().GetSelectionNode()
-        self.assertEqual((selection.GetActivePlaceNodeID(), selection.GetActivePlaceNodeClassName()), (own.GetID(), own.GetClassName()))
 
     def test_levels_that_share_a_labelmap_are_named_each_in_its_own_place(self):
         ct, bone, registration = tinyScene.addCT()
@@ -375,31 +254,6 @@ class AIFReconPictureTest(unittest.TestCase):
 
     # ---- report
 
-    def test_the_line_says_what_is_to_be_known(self):
-        self.reconstruct()
-        self.picture._ui.copyLineButton.click()
-        line = qt.QApplication.clipboard().text()
-        self.assertNotIn("\n", line)
-        for words in (
-            self.parameters.output.GetName(),
-            f"{tinyScene.FRAMES - 1} of {tinyScene.FRAMES} frames",
-            "bone hit, its sides included: ",
-            "AIFRecon",
-        ):
-            self.assertIn(words, line)
-        self.assertRegex(line, r"; CT agrees: \d+% of the echoes lie on its bone, [\d.]+ mm off in the median; ")
-        self.assertTrue(line.endswith("Research use only: not for guiding a needle."), line)
-
-    def test_the_line_says_where_the_ct_does_not_agree(self):
-        """It lands in somebody's notes: it must not say that a CT agrees beside a red light."""
-        self.reconstruct()
-        above = self.parameters.ctVolume.GetParentTransformNode()
-        tinyScene.setMatrix(above, tinyScene.moved(0.0, 6.0, 0.0) @ tinyScene.matrixOf(above))
-        self.picture._ui.copyLineButton.click()
-        line = qt.QApplication.clipboard().text()
-        self.assertNotIn("CT agrees", line)
-        self.assertRegex(line, "CT does not agree|no bone of the CT is near")
-
     def test_the_page_stands_alone_with_pictures_sweep_agreement_coverage_and_settings(self):
         self.showBone()
         with tempfile.TemporaryDirectory() as folder:
@@ -409,21 +263,3 @@ class AIFReconPictureTest(unittest.TestCase):
         for words in ("as measured", "CT and sweep", "Bone hit by the beams", "weight_floor", "frames used".capitalize(), "AIFRecon"):
             self.assertIn(words, page)
         self.assertNotIn("://", page)
-
-    def test_where_it_cannot_be_written_one_message_says_so_and_nothing_is_left(self):
-        self.reconstruct()
-        with tempfile.TemporaryDirectory() as folder:
-            place = pathlib.Path(folder) / "missing" / "report.html"
-            said = []
-            shown, slicer.util.infoDisplay = slicer.util.infoDisplay, lambda text, **_more: said.append(text)
-            try:
-                self.picture.saveReport(place)
-            finally:
-                slicer.util.infoDisplay = shown
-            self.assertEqual(list(pathlib.Path(folder).iterdir()), [])
-        self.assertEqual(len(said), 1)
-        self.assertIn("does not exist", said[0])
-
-    def test_without_a_reconstruction_nothing_can_be_told_and_the_buttons_say_why(self):
-        self.assertFalse(self.picture._ui.saveReportButton.enabled)
-        self.assertIn("Reconstruct", self.picture._ui.saveReportButton.toolTip)

@@ -91,18 +91,6 @@ class AIFReconReconstructionTest(unittest.TestCase):
         np.testing.assert_allclose(axes, turned[:3, :3], atol=1e-6)
         self.assertOnFace(volume)
 
-    def test_choices_are_named_as_the_module_names_them_or_as_the_library_does(self):
-        asked = {"method": "average", "spacing": 1.0}
-        ours = self.logic.reconstruct(self.sweep, self.bone, holeLimit=2.0, region=self.ct, **asked)
-        theirs = self.logic.reconstruct(self.sweep, self.bone, hole_limit=2.0, inputs={"region": self.ct}, **asked)
-        np.testing.assert_array_equal(slicer.util.arrayFromVolume(ours), slicer.util.arrayFromVolume(theirs))
-
-    def test_a_choice_that_there_is_not_is_named_with_those_there_are(self):
-        from AIFReconLib.errors import SettingsError
-
-        with self.assertRaisesRegex(SettingsError, "holelimit is no choice.*boneSigmaMm.*holeLimit"):
-            self.logic.reconstruct(self.sweep, holelimit=2.0)
-
     def test_the_voxels_of_a_volume_are_used_with_its_transform(self):
         volume = self.logic.reconstruct(self.sweep, self.bone, holeLimit=0.0, inputs={"region": self.ct})
         expected = tinyScene.CT_TO_WORLD @ tinyScene.ijkToRAS(self.ct)
@@ -122,14 +110,6 @@ class AIFReconReconstructionTest(unittest.TestCase):
         _computed, _prepared, report = self.logic._computed(self._inputs(), self._settings(), (), None)
         self.assertIn("11 of 12 frames", report)
         self.assertIn("OUT_OF_VIEW", report)
-
-    def test_everything_that_is_asked_for_comes_in_one_folder(self):
-        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=1.0, keep=("score", "hits", "cosine", "mask"))
-        hierarchy = slicer.mrmlScene.GetSubjectHierarchyNode()
-        made = [node for node in slicer.util.getNodesByClass("vtkMRMLScalarVolumeNode") if node.GetAttribute("AIFRecon.Volume")]
-        self.assertEqual(len(made), 5)
-        self.assertEqual(len({hierarchy.GetItemParent(hierarchy.GetItemByDataNode(node)) for node in made}), 1)
-        self.assertIsNotNone(volume.GetDisplayNode())
 
     def test_a_volume_says_how_it_was_made_in_the_scene_and_in_a_header_that_slicer_writes(self):
         import json
@@ -158,20 +138,6 @@ class AIFReconReconstructionTest(unittest.TestCase):
             slicer.mrmlScene.Clear()
             self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(scene), True))
         self.assertEqual(slicer.util.getNode("Sweep weighted").GetAttribute("AIFRecon_settings"), text)
-
-    def test_an_output_that_is_filled_again_says_how_it_was_made_last(self):
-        volume = self.logic.reconstruct(self.sweep, spacing=1.0, method="latest")
-        volume.SetAttribute("AIFRecon_stream", "{}")
-        self.logic.reconstruct(self.sweep, spacing=1.0, method="maximum", output=volume)
-        self.assertEqual((volume.GetAttribute("AIFRecon_method"), volume.GetAttribute("AIFRecon_stream")), ("maximum", None))
-
-    def test_a_ct_does_not_say_how_it_was_made(self):
-        from AIFReconScene.volumes.volumeNodes import saveSettings
-
-        from AIFReconLib.errors import SettingsError
-
-        with self.assertRaisesRegex(SettingsError, "CT does not say how it was made"):
-            saveSettings(self.ct, "never.json")
 
     def test_a_cancel_midway_leaves_the_scene_as_it_was(self):
         from AIFReconLib.errors import OperationCanceled

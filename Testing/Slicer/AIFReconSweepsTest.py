@@ -48,17 +48,6 @@ class AIFReconSweepsTest(unittest.TestCase):
         """Names that are checked."""
         return [self.offered()[index.row()] for index in self.ui.otherSweepsComboBox.checkedIndexes()]
 
-    def test_the_list_is_there_where_there_is_another_sweep(self):
-        self.assertTrue(self.ui.otherSweepsComboBox.isHidden())
-        empty = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode", "Empty")
-        self.assertEqual(self.offered(), [])
-        tinyScene.addSweep("Second", BESIDE)
-        self.assertEqual(self.offered(), ["Second"])
-        self.assertFalse(self.ui.otherSweepsComboBox.isHidden() or self.ui.otherSweepsLabel.isHidden())
-        self.assertEqual(self.checked(), [])
-        self.parameters.sweep = empty
-        self.assertEqual(self.offered(), ["First", "Second"])
-
     def test_checked_sweeps_are_reconstructed_as_one_and_counted_each(self):
         from AIFReconLib import ReconstructionSettings, reconstruct
 
@@ -90,28 +79,12 @@ class AIFReconSweepsTest(unittest.TestCase):
         self.check("Second")
         self.assertAlmostEqual(depth() - alone, BESIDE[2])
 
-    def test_the_choice_is_saved_with_the_scene(self):
-        tinyScene.addSweep("Second", BESIDE)
-        tinyScene.addSweep("Third", FAR)
-        self.check("Second")
-        tinyScene.saveAndOpenAgain(self)
-        self.assertEqual(self.checked(), ["Second"])
-        self.assertIn("Second: 11 of 12", self.ui.sweepStatusLabel.text)
-
     def test_a_sweep_that_goes_is_chosen_no_more(self):
         second, third = tinyScene.addSweep("Second", BESIDE), tinyScene.addSweep("Third")
         self.check("Second", "Third")
         slicer.mrmlScene.RemoveNode(second)
         self.assertEqual((self.offered(), self.checked()), (["Third"], ["Third"]))
         self.assertEqual(list(self.parameters.otherSweeps), [third])
-
-    def test_a_sweep_that_becomes_the_first_is_not_taken_twice(self):
-        second = tinyScene.addSweep("Second", BESIDE)
-        self.check("Second")
-        self.parameters.sweep = second
-        self.assertEqual((self.offered(), self.checked()), (["First"], []))
-        self.ui.applyButton.click()
-        self.assertIn("11 of 12 frames", self.ui.summaryLabel.text)
 
     def test_a_chosen_sweep_that_cannot_be_placed_any_more_is_named(self):
         import vtk

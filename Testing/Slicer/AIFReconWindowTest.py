@@ -67,47 +67,6 @@ class AIFReconWindowTest(unittest.TestCase):
         self.ui.applyButton.click()
         self.assertEqual(self.width(), before)
 
-    def test_a_text_of_many_lines_squeezes_nothing(self):
-        from AIFReconGui.panel.layout import say
-
-        self.parameters.sweep = tinyScene.addSweep()
-        self.settle()
-        for label in (self.ui.statusLabel, self.ui.sweepStatusLabel):
-            label.visible = True
-            say(label, "\n".join([LONG] * 3))
-        self.settle()
-        for section in (self.ui.inputsCollapsibleButton, self.ui.applyButton, self.ui.settingsCollapsibleButton):
-            with self.subTest(section=section.objectName):
-                self.assertGreaterEqual(section.height, section.minimumSizeHint.height())
-
-    def test_a_short_text_takes_less_room_than_a_long_one_before_it(self):
-        from AIFReconGui.panel.layout import say
-
-        label = self.ui.statusLabel
-        label.visible = True
-        say(label, LONG)
-        self.settle()
-        high = label.height
-        say(label, "x")
-        self.settle()
-        self.assertLess(label.height, high)
-
-    def test_large_letters_keep_their_room_when_the_panel_was_made_wider_or_narrower_before(self):
-        self.ui.tabWidget.currentIndex = 1
-        before, dock = self.width(), self.window.findChild(qt.QDockWidget, "PanelDockWidget")
-        self.addCleanup(self.window.resizeDocks, [dock], [before], qt.Qt.Horizontal)
-        where = self.ui.liveStopButton.y
-        self.ui.tabWidget.currentIndex = 0
-        for width in (before + 100, before + 50):
-            self.window.resizeDocks([dock], [width], qt.Qt.Horizontal)
-            self.settle()
-        self.ui.tabWidget.currentIndex = 1
-        for said in ("Probe seen", "Bring what is not seen into the tracker's view"):
-            with self.subTest(said=said):
-                self.widget._live._showMove(said)
-                self.settle()
-                self.assertEqual(self.ui.liveStopButton.y, where)
-
     def test_texts_have_room_for_all_of_their_lines_when_the_panel_gets_narrower(self):
         from AIFReconGui.panel.layout import say
 
@@ -127,24 +86,6 @@ class AIFReconWindowTest(unittest.TestCase):
         self.assertGreater(label.heightForWidth(label.width), lines)
         self.assertGreaterEqual(label.minimumHeight, label.heightForWidth(label.width))
         self.assertGreaterEqual(label.height, label.heightForWidth(label.width))
-
-    def test_names_of_segments_do_not_widen_a_panel_that_is_made_anew(self):
-        before = self.width()
-        self.parameters.ctVolume, self.parameters.bone, _registration = tinyScene.addCT()
-        self.parameters.bone.GetSegmentation().AddEmptySegment("long", "Third lumbar vertebra with its facets, drawn by somebody else")
-        self.widget.onReload()
-        self.widget = slicer.modules.AIFReconWidget
-        self.assertEqual(self.width(), before)
-
-    def test_a_section_that_is_opened_does_not_widen_the_panel(self):
-        before = self.width()
-        for section in (self.ui.settingsCollapsibleButton, self.ui.compareGroupBox, self.ui.connectionCollapsibleButton):
-            with self.subTest(section=section.objectName):
-                section.collapsed = False
-                self.assertEqual(self.width(), before)
-                section.collapsed = True
-        self.ui.tabWidget.currentIndex = 1
-        self.assertEqual(self.width(), before)
 
     def isSeen(self, widget) -> bool:
         """Whether the whole of a widget is in view."""

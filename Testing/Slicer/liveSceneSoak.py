@@ -13,7 +13,7 @@ import tinyScene
 LOOK_EVERY = 100
 """Frames between two looks."""
 
-PATIENCE = 30.0
+PATIENCE = 1200.0
 
 
 @dataclass(frozen=True)

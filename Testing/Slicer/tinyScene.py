@@ -5,11 +5,9 @@ anisotropic pixels; one frame was not tracked. The CT holds the slab in coordina
 to where it belongs.
 """
 
-import contextlib
 import pathlib
 import tempfile
 import unittest
-from unittest import mock
 
 import numpy as np
 import slicer
@@ -54,22 +52,6 @@ def saveAndOpenAgain(test) -> None:
         test.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
         slicer.mrmlScene.Clear()
         test.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
-
-
-@contextlib.contextmanager
-def drawingNoted():
-    """Within, what the panel draws in turns is noted instead, in a list: two views, "first" and "second"."""
-    noted = []
-
-    def viewByView():
-        slicer.app.resumeRender()
-        for view in ("first", "second"):
-            noted.append(view)
-            yield
-
-    patched = (mock.patch(f"{module}.viewByView", viewByView) for module in ("AIFReconGui.inTurns", "AIFReconScene.display.viewByView"))
-    with next(patched), next(patched):
-        yield noted
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:

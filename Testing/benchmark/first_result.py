@@ -21,7 +21,7 @@ def first_result() -> None:
     from AIFReconLib.compounding.reconstructor import Reconstructor
     from AIFReconLib.geometry.volume import Volume, VoxelGrid
     from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
-    from AIFReconLib.settings import ReconstructionSettings
+    from AIFReconLib.recipe.recipe import ReconstructionSettings
     from AIFReconLib.sweep.frames import TrackedFrame
 
     grid = VoxelGrid.from_spacing((-64.0, 0.0, -24.0), (64, 48, 24), 2.0)

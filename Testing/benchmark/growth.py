@@ -15,7 +15,7 @@ import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from unittest.mock import patch
@@ -32,7 +32,8 @@ from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.message import columns
 from AIFReconLib.progress import report
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.terminal.console import ProgressBar
 
@@ -80,7 +81,9 @@ class Job:
         columns_and_rows = self.sweep.frame_size
         with self.surroundings():
             settings = ReconstructionSettings(method=method)
-            reconstruction.reconstruct(self.sweep, settings, self.bone, self.grid, probe=sector_probe(*columns_and_rows), beside=())
+            reconstruction.reconstruct(
+                self.sweep, replace(settings, **imaging_fields(probe=sector_probe(*columns_and_rows))), self.bone, self.grid, beside=()
+            )
 
 
 def jobs() -> Iterator[Job]:

@@ -32,7 +32,7 @@ from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.message import columns
 from AIFReconLib.progress import report
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
 

@@ -38,8 +38,8 @@ from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.registration.bone_field import BoneField
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 

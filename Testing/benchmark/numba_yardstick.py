@@ -20,7 +20,7 @@ from AIFReconLib.geometry.transforms import image_plane_axes, pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)

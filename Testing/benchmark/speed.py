@@ -36,8 +36,8 @@ from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.machine.threads import optional_module, usable_cores
 from AIFReconLib.message import columns
 from AIFReconLib.progress import Progress, report
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
 

@@ -11,7 +11,7 @@ import time
 import traceback
 from collections.abc import Callable
 
-LONGEST = 120.0
+LONGEST = 1200.0
 """s that a child may take."""
 
 

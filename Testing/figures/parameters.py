@@ -19,8 +19,8 @@ from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part
+from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ct_misregistration, multi_angle_sweep
@@ -43,7 +43,6 @@ PANEL, GAP, TITLE, CAPTION = 2.15, 0.06, 0.24, 0.34
 """Inches: width of a panel, between panels, above a row for its parameter and above each panel for its value and numbers."""
 
 DPI = 105
-HOLE_LIMITS = (0.0, 1.0, 2.0, 5.0)
 DEFAULT = ", default"
 BELIEVED_COLOR = "#45c8e8"
 

@@ -6,7 +6,6 @@ import gzip
 import zlib
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -22,9 +21,10 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.transforms import read_transform_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_labels, read_volume
-from AIFReconLib.provenance.kept import KNOWN, OF_RECONSTRUCTION
 from AIFReconLib.provenance.settings_files import read_settings
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import KEPT
+from AIFReconLib.resolve import asked_imaging
+from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 
 from . import seeds
 from .target import Target
@@ -114,10 +114,9 @@ def _check_poses(path: Path) -> None:
 
 def _check_settings(path: Path) -> None:
     kept = read_settings(path)
-    of_reconstruction: dict[str, Any] = {name: value for name, value in kept.options.items() if name in OF_RECONSTRUCTION}
-    ReconstructionSettings(**of_reconstruction)
-    assert kept.grid is None or np.isfinite(kept.grid.ijk_to_reference).all()
-    assert kept.probe is None or kept.probe.kind in ("linear", "sector")
+    grid, (_, probe) = kept.recipe.grid, asked_imaging(kept.recipe, NO_CONFIGURATION)
+    assert grid is None or np.isfinite(grid.ijk_to_reference).all()
+    assert probe is None or probe.kind in ("linear", "sector")
 
 
 def _check_matrix(matrix: np.ndarray) -> None:
@@ -185,7 +184,7 @@ XML_WORDS = tuple(
 TEXT_WORDS = tuple(
     b'x y z qx qw q1 q4 m00 m33 rx e0 time time_ms image status null true [] {} [ ] { } , ; " - # // nan quaternion matrix'.split()
 )
-SETTINGS_WORDS = tuple(f"{name} ".encode() for name in KNOWN) + TEXT_WORDS
+SETTINGS_WORDS = tuple(f"{name} ".encode() for name in KEPT) + TEXT_WORDS
 TRANSFORM_WORDS = tuple(
     b"AffineTransform_double_3_3 Euler3DTransform_float_3_3 CompositeTransform_double_3_3 BSplineTransform_double_3_3 "
     b"DisplacementFieldTransform_double_3_3 AffineTransform_double_2_2 Similarity3DTransform_double_3_3 ScaleTransform_double_3_3 "

@@ -1,4 +1,4 @@
-"""The smallest set of inputs that reaches every line that many inputs reach: what `corpus/` holds.
+"""The smallest set of inputs that reaches every line that many inputs reach: what `corpus.zip` holds.
 
     python Testing/fuzz/minimize.py [TARGET ...] [--from FOLDER] [--damaged N]
 
@@ -9,7 +9,6 @@ ones. The smallest come first, and one is kept if it reaches a line of the libra
 from __future__ import annotations
 
 import argparse
-import hashlib
 import random
 import sys
 import tempfile
@@ -19,7 +18,6 @@ from pathlib import Path
 TESTING = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTING), str(TESTING.parent)]
 
-CORPUS = Path(__file__).with_name("corpus")
 LARGEST_INPUT = 9000
 """Bytes; but a seed is kept whatever its size."""
 LIBRARY = str(TESTING.parent / "AIFReconLib")
@@ -61,6 +59,7 @@ def smallest_set(target, inputs: list[bytes], folder: Path) -> list[bytes]:
 
 def main() -> int:
     """Rewrite the corpus of the targets."""
+    from fuzz.corpus import read_corpus, write_corpus
     from fuzz.mutation import mutate
     from fuzz.registry import TARGETS
 
@@ -70,15 +69,12 @@ def main() -> int:
     parser.add_argument("--damaged", type=int, default=1500, metavar="N")
     arguments = parser.parse_args()
     warnings.simplefilter("error")
+    corpus = read_corpus()
     for name in arguments.targets or TARGETS:
         target = TARGETS[name]
         seeds = target.seeds()
-        found = [
-            path.read_bytes()
-            for folder in (CORPUS / name, arguments.more and arguments.more / name)
-            if folder and folder.is_dir()
-            for path in sorted(folder.iterdir())
-        ]
+        more = sorted((arguments.more / name).glob("*")) if arguments.more else []
+        found = [*corpus.get(name, []), *(path.read_bytes() for path in more)]
         rng = random.Random(0)
         damaged = [mutate(rng.choice(seeds), rng, target.words, seeds) for _ in range(arguments.damaged)]
         small = [data for data in (*found, *damaged) if len(data) <= LARGEST_INPUT]
@@ -86,11 +82,8 @@ def main() -> int:
             folder = Path(temporary)
             (folder / "data.raw").write_bytes(bytes(range(24)) * 3)
             kept = smallest_set(target, [*seeds, *small], folder)
-        (CORPUS / name).mkdir(parents=True, exist_ok=True)
-        for path in (CORPUS / name).iterdir():
-            path.unlink()
-        for data in kept:
-            (CORPUS / name / hashlib.sha256(data).hexdigest()[:12]).write_bytes(data)
+        corpus[name] = kept
+        write_corpus({name: inputs for name, inputs in corpus.items() if name in TARGETS})
         print(f"{name}: {len(kept)} of {len(set(small)) + len(seeds)} inputs, {sum(map(len, kept))} bytes", flush=True)
     return 0
 

@@ -22,13 +22,11 @@ class qSlicerModuleFactoryManager(QtCore.QObject):
         self._modules = modules
 
     def loadedModuleNames(self):
-        """The names of the modules."""
         return list(self._modules)
 
     registeredModuleNames = instantiatedModuleNames = loadedModuleNames
 
     def isLoaded(self, name):
-        """Whether a module was loaded."""
         return name in self._modules
 
 
@@ -48,15 +46,12 @@ class qSlicerModuleManager(QtCore.QObject):
         self._factory = qSlicerModuleFactoryManager(self.loaded)
 
     def factoryManager(self):
-        """Which modules were loaded."""
         return self._factory
 
     def modulesNames(self):
-        """The names of the modules."""
         return list(self.loaded)
 
     def module(self, name):
-        """A module by name, or None."""
         return self.loaded.get(name)
 
 
@@ -128,68 +123,53 @@ class qSlicerApplication(QtWidgets.QApplication):
         self._options = qSlicerCommandOptions()
 
     def start(self, mrml):
-        """Gives the application its scene and views, a `MRMLApplication`."""
         self._mrml = mrml
         self._layout_manager = qSlicerLayoutManager(mrml)
         self.window = qSlicerMainWindow(self._manager)
         self.window.show()
 
     def mrmlScene(self):
-        """The scene."""
         return self._mrml.scene
 
     def applicationLogic(self):
-        """The application's logic."""
         return self._mrml.applicationLogic
 
     def moduleLogic(self, name):
-        """A module's logic, by the module's name."""
         return self._mrml.logics.get(name)
 
     def moduleManager(self):
-        """The modules."""
         return self._manager
 
     def layoutManager(self):
-        """The views."""
         return self._layout_manager
 
     def commandOptions(self):
-        """What was asked for when the application was started."""
         return self._options
 
     def settings(self):
-        """The settings, in the host's temporary folder."""
         return self._settings
 
     userSettings = revisionUserSettings = defaultSettings = settings
 
     def testingEnabled(self):
-        """Whether the application runs tests."""
         return self.testing
 
     def moduleDocumentationUrl(self, name):
-        """Where a module is documented."""
         return f"{self.documentationBaseUrl}/user_guide/modules/{name.lower()}.html"
 
     def toSlicerHomeAbsolutePath(self, path):
-        """A path below the application's folder."""
         return str(QtCore.QDir(self._folder).absoluteFilePath(path))
 
     def startupEnvironment(self):
-        """The environment."""
         return QtCore.QProcessEnvironment.systemEnvironment()
 
     def pauseRender(self):
-        """Says that drawing pauses."""
         self.renderPaused.emit(True)
 
     def resumeRender(self):
-        """Says that drawing goes on."""
         self.renderPaused.emit(False)
 
     def setRenderPaused(self, paused):
-        """Says that drawing pauses or goes on."""
         self.renderPaused.emit(paused)
 
     def restart(self):

@@ -23,7 +23,6 @@ class SlotErrors:
 
     @classmethod
     def take(cls) -> list[BaseException]:
-        """Hands out the exceptions, oldest first, and forgets them."""
         errors, cls.caught = cls.caught, []
         return errors
 
@@ -119,7 +118,6 @@ class BoundSignal:
         return next(iter(self._signals))
 
     def connect(self, *slot):
-        """Connects a callable."""
         if len(slot) != 1:
             raise ValueError("Called connect with wrong number of arguments")
         return connect(self._owner, self._signature(), slot[0])
@@ -131,11 +129,9 @@ class BoundSignal:
         return disconnect(self._owner, self._signature(), *slot)
 
     def emit(self, *args):
-        """Emits the signal."""
         self(*args)
 
     def __call__(self, *args):
-        """Emits the signal."""
         for signature, attribute in self._signals.items():
             if len(parameters(signature)) == len(args):
                 native = self._owner._object

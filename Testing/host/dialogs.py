@@ -52,11 +52,9 @@ class Dialogs:
     _updates: int = 0
 
     def answer(self, default):
-        """The next prepared answer, else `default`."""
         return self.answers.pop(0) if self.answers else default
 
     def clear(self) -> None:
-        """Forget everything."""
         self.shown.clear()
         self.answers.clear()
         self.progress.clear()
@@ -67,7 +65,6 @@ class Dialogs:
         self.cancel_after, self._updates = after, 0
 
     def messages(self) -> list[str]:
-        """The texts of all dialogs shown."""
         return [dialog.text for dialog in self.shown]
 
 
@@ -78,7 +75,6 @@ class QProgressDialog(QtWidgets.QProgressDialog):
     """Qt's progress dialog, watched."""
 
     def setValue(self, value):
-        """Sets the value; Cancel may then be pressed, as a user could."""
         super().setValue(value)
         DIALOGS._updates += value > 0
         if DIALOGS.on_progress is not None:
@@ -89,7 +85,6 @@ class QProgressDialog(QtWidgets.QProgressDialog):
                 button.click()
 
     def setLabelText(self, text):
-        """Sets the text."""
         super().setLabelText(text)
         if text and DIALOGS.progress[-1:] != [text]:
             DIALOGS.progress.append(text)

@@ -67,7 +67,6 @@ class Connector:
         self._callback = None
 
     def onChanged(self, callback):
-        """Calls `callback` at every change; None ends it."""
         if self._signal is not None:
             signal = getattr(self.widget, self._signal)
             if callback is None:

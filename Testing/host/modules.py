@@ -36,11 +36,9 @@ class _Module(QtCore.QObject):
         self._values |= {"helpText": "", "acknowledgementText": "", "hidden": False, "index": -1, "associatedNodeTypes": []}
 
     def logic(self):
-        """The module's logic."""
         return self._logic
 
     def mrmlScene(self):
-        """The scene."""
         return slicer.mrmlScene
 
     def setMRMLScene(self, scene):
@@ -79,11 +77,9 @@ class qMRMLSequenceBrowserToolBar(QtWidgets.QToolBar):
         self._active = None
 
     def activeBrowserNode(self):
-        """The browser that it replays, or None."""
         return self._active if self._active is not None and self._active.GetScene() is not None else None
 
     def setActiveBrowserNode(self, node):
-        """Replays another browser, or none."""
         self._active = node
 
 
@@ -106,23 +102,18 @@ class qSlicerSequencesModule(qSlicerLoadableModule):
         self._bar = qMRMLSequenceBrowserToolBar()
 
     def toolBar(self):
-        """The tool bar."""
         return self._bar
 
     def isToolBarVisible(self):
-        """Whether the tool bar is shown."""
         return not self._bar.isHidden()
 
     def setToolBarVisible(self, visible):
-        """Shows or hides the tool bar."""
         self._bar.setVisible(visible)
 
     def setToolBarActiveBrowserNode(self, node):
-        """Has the tool bar replay a browser."""
         self._bar.setActiveBrowserNode(node)
 
     def showSequenceBrowser(self, node):
-        """Shows the tool bar with a browser."""
         self.setToolBarActiveBrowserNode(node)
         self.setToolBarVisible(True)
         return True
@@ -139,13 +130,11 @@ class qSlicerScriptedLoadableModule(_Module):
         self._values["icon"] = QtGui.QIcon()
 
     def widgetRepresentation(self):
-        """The module's panel, made at the first call."""
         if self._widget is None and hasattr(sys.modules[self._values["name"]], f"{self._values['name']}Widget"):
             self._widget = self.createNewWidgetRepresentation()
         return self._widget
 
     def createNewWidgetRepresentation(self):
-        """Another panel."""
         widget = qSlicerScriptedLoadableModuleWidget(self._values["name"])
         widget.setPythonSource(self._values["path"])
         widget.setMRMLScene(slicer.mrmlScene)
@@ -188,28 +177,23 @@ class qSlicerScriptedLoadableModuleWidget(qSlicerWidget):
         setattr(slicer.modules, f"{self._module_name}Widget", self._python)
 
     def setup(self):
-        """Has the Python object build the panel."""
         self._python.setup()
 
     def reload(self):
-        """Makes the Python object anew, of the reloaded file."""
         self.setPythonSource(self._path)
         self.setup()
 
     def enter(self):
-        """The user opens the module."""
         self._entered = True
         if hasattr(self._python, "enter"):
             self._python.enter()
 
     def exit(self):
-        """The user leaves the module."""
         self._entered = False
         if hasattr(self._python, "exit"):
             self._python.exit()
 
     def self(self):
-        """The Python object."""
         return self._python
 
     isEntered = Property(bool, lambda self: self._entered)

@@ -99,7 +99,6 @@ class MRMLApplication:
         self.temporaryFolder.cleanup()
 
     def _addDataIO(self) -> None:
-        """What reading and writing scene bundles needs: a cache folder."""
         self._cache = slicer.vtkCacheManager()
         folder = Path(self.temporaryFolder.name) / "cache"
         folder.mkdir()

@@ -18,7 +18,6 @@ class WithScene:
     _scene = None
 
     def mrmlScene(self):
-        """The scene, or None."""
         return self._scene
 
 
@@ -152,7 +151,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
             self._show()
 
     def _kinds_of(self, node) -> list[str]:
-        """The node types on account of which a node's class is listed."""
         name, children = node.GetClassName(), self._values["showChildNodeTypes"]
         hidden = any(node.IsA(kind) for kind in self._values["hideChildNodeTypes"])
         return [kind for kind in self._types if name == kind or (children and node.IsA(kind) and not hidden)]
@@ -222,7 +220,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self._box.setCurrentIndex(self._row(self._current))
 
     def _activated(self, row):
-        """The user picked an item."""
         position = row - self._values["noneEnabled"]
         if position < len(self._nodes):
             self._select(self._nodes[position] if position >= 0 else None)
@@ -259,30 +256,24 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self._update()
 
     def removeAttribute(self, kind, attribute):
-        """Takes `addAttribute` back."""
         self._attributes = [rule for rule in self._attributes if rule[:2] != (kind, attribute)]
         self._update()
 
     def setNodeTypeLabel(self, label, kind):
-        """Names a node class in the actions."""
         self._labels[kind] = label
         self._show()
 
     def nodeTypeLabel(self, kind):
-        """What the actions call a node class."""
         label = self._labels.get(kind)
         return label or (self._scene.GetTypeDisplayNameByClassName(kind) if self._scene is not None and kind else "") or "node"
 
     def nodeCount(self):
-        """The number of nodes listed."""
         return len(self._nodes)
 
     def nodeFromIndex(self, index):
-        """A node by its place in the list, or None."""
         return self._nodes[index] if 0 <= index < len(self._nodes) else None
 
     def currentNode(self):
-        """The selected node, or None."""
         return self._current
 
     def setCurrentNode(self, node):
@@ -292,14 +283,12 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self.setCurrentNodeID(node.GetID() if node is not None else "")
 
     def setCurrentNodeID(self, node_id):
-        """Selects a node by its ID; none where it is not listed."""
         if self._scene is None:
             self._requested = node_id or ""
             return
         self._select(next((node for node in self._nodes if node.GetID() == node_id), None))
 
     def setCurrentNodeIndex(self, index):
-        """Selects a node by its place in the list."""
         self._select(self.nodeFromIndex(index))
 
     def addNode(self, kind=None):
@@ -321,24 +310,20 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         return node
 
     def removeCurrentNode(self):
-        """Removes the selected node from the scene."""
         if self._current is not None:
             self.nodeAboutToBeRemoved.emit(self._current)
             self._scene.RemoveNode(self._current)
 
     def editCurrentNode(self):
-        """Says that the selected node is to be edited."""
         self.nodeAboutToBeEdited.emit(self._current)
 
     def renameCurrentNode(self):
-        """Asks for a new name."""
         name = ask_statically("QInputDialog", "")(self, "Rename", "New name:")
         if name and self._current is not None:
             self._current.SetName(name)
             self.currentNodeRenamed.emit(name)
 
     def addMenuAction(self, action):
-        """Adds an action to the menu."""
         self._actions.append(action)
         self._show()
 

@@ -92,7 +92,6 @@ class Panel:
         self.open_at_first = {each.objectName() for each in sections(self.native) if not each.property("collapsed")}
 
     def choose_inputs(self) -> None:
-        """The small sweep, its CT and bone."""
         import tinyScene
 
         parameters = self.widget._parameterNode
@@ -102,7 +101,6 @@ class Panel:
         self.host.raise_slot_errors()
 
     def lay_out(self, width=PANEL_WIDTH) -> None:
-        """Gives the panel a width, and the height that it needs then."""
         self.native.ensurePolished()
         self.native.resize(width, self.native.height())
         self.native.show()
@@ -112,11 +110,9 @@ class Panel:
             self.host.process_events()
 
     def shown(self, kind) -> list:
-        """The widgets of a class that are to be seen."""
         return [each for each in self.native.findChildren(kind) if each.isVisible()]
 
     def place(self, widget):
-        """Where a widget lies in the panel."""
         from PySide6 import QtCore
 
         return QtCore.QRect(widget.mapTo(self.native, QtCore.QPoint(0, 0)), widget.size())

@@ -51,13 +51,11 @@ class _Parameter:
         self.default = Default(getattr(owner, name)) if hasattr(owner, name) else given or Default(self.stored.default())
 
     def write(self, node, value):
-        """Writes a value that fits the type and the rules."""
         for rule in self.rules:
             rule.validate(value)
         self.stored.write(node, self.name, value)
 
     def read(self, node):
-        """The value; the default is written where there is none."""
         if not self.stored.is_in(node, self.name):
             self.write(node, self.default.value)
         return self.stored.read(node, self.name)
@@ -75,15 +73,12 @@ class _Methods:
                 parameter.write(parameterNode, parameter.default.value)
 
     def default(self, name):
-        """The default of a parameter, as an object with `value`."""
         return _known(self, name).default
 
     def getValue(self, name):
-        """A parameter's value by its name."""
         return _known(self, name).read(self.parameterNode)
 
     def setValue(self, name, value):
-        """Sets a parameter by its name."""
         with slicer.util.NodeModify(self.parameterNode):
             _known(self, name).write(self.parameterNode, value)
 
@@ -109,7 +104,6 @@ class _Methods:
         return tag
 
     def disconnectGui(self, tag):
-        """Takes `connectGui` back."""
         if tag in self._guis:
             connectors, observer = self._guis.pop(tag)
             for connector in connectors.values():
@@ -137,23 +131,18 @@ class _Methods:
             self._updating = False
 
     def StartModify(self):
-        """As the node's."""
         return self.parameterNode.StartModify()
 
     def EndModify(self, wasModified):
-        """As the node's."""
         return self.parameterNode.EndModify(wasModified)
 
     def AddObserver(self, event, callback, priority=0.0):
-        """As the node's."""
         return self.parameterNode.AddObserver(event, callback, priority)
 
     def RemoveObserver(self, tag):
-        """As the node's."""
         self.parameterNode.RemoveObserver(tag)
 
     def Modified(self):
-        """As the node's."""
         self.parameterNode.Modified()
 
 

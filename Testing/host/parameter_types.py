@@ -21,7 +21,6 @@ class Validator:
     """A rule for a parameter's value."""
 
     def validate(self, value) -> None:
-        """Raises ValueError where the value breaks the rule."""
         raise NotImplementedError
 
 
@@ -33,7 +32,6 @@ class WithinRange(Validator):
     maximum: float
 
     def validate(self, value) -> None:
-        """Raises ValueError outside."""
         if not self.minimum <= value <= self.maximum:
             raise ValueError(f"Value must be within range [{self.minimum}, {self.maximum}], is {value}")
 
@@ -45,7 +43,6 @@ class Minimum(Validator):
     minimum: float
 
     def validate(self, value) -> None:
-        """Raises ValueError below."""
         if value < self.minimum:
             raise ValueError(f"Value must be greater than {self.minimum}, is {value}")
 
@@ -57,7 +54,6 @@ class Maximum(Validator):
     maximum: float
 
     def validate(self, value) -> None:
-        """Raises ValueError above."""
         if value > self.maximum:
             raise ValueError(f"Value must be less than {self.maximum}, is {value}")
 
@@ -69,7 +65,6 @@ class Choice(Validator):
     choices: typing.Sequence
 
     def validate(self, value) -> None:
-        """Raises ValueError for anything else."""
         if value not in self.choices:
             raise ValueError(f"Value is {value}, but must be in one of the following: {self.choices}")
 
@@ -81,7 +76,6 @@ class Exclude(Validator):
     excludedValues: typing.Sequence
 
     def validate(self, value) -> None:
-        """Raises ValueError for one of them."""
         if value in self.excludedValues:
             raise ValueError(f"Value is {value}, but must not be an excluded value: excluded values {self.excludedValues}")
 
@@ -95,7 +89,6 @@ class Default:
 
     @property
     def value(self):
-        """The default."""
         return self._generator() if self._generator else self._value
 
 
@@ -106,33 +99,26 @@ class Stored:
         self.kind = kind
 
     def default(self):
-        """The value where the class names none."""
         return self.kind()
 
     def check(self, value) -> None:
-        """Raises where a value is not of the type."""
         if not isinstance(value, self.kind):
             raise TypeError(f"Value must be of type '{self.kind}', is type '{type(value)}' value '{value}'")
 
     def is_in(self, node, name) -> bool:
-        """Whether the node has the parameter."""
         return node.HasParameter(name)
 
     def write(self, node, name, value) -> None:
-        """Writes a value, after `check`."""
         self.check(value)
         node.SetParameter(name, self.text(value))
 
     def text(self, value) -> str:
-        """The words for a value."""
         return str(value)
 
     def read(self, node, name):
-        """The value."""
         return self.kind(node.GetParameter(name))
 
     def remove(self, node, name) -> None:
-        """Takes the parameter away."""
         node.UnsetParameter(name)
 
 
@@ -140,7 +126,6 @@ class StoredNumber(Stored):
     """int or float; an int will do for a float."""
 
     def check(self, value) -> None:
-        """Raises TypeError for anything but a number."""
         if value is None:
             raise ValueError("Value must not be None")
         if not isinstance(value, (int, float) if self.kind is float else int):
@@ -151,7 +136,6 @@ class StoredBool(Stored):
     """bool."""
 
     def read(self, node, name):
-        """The value."""
         return node.GetParameter(name) == "True"
 
 
@@ -159,15 +143,12 @@ class StoredEnum(Stored):
     """A member of an enumeration."""
 
     def default(self):
-        """The first member."""
         return next(iter(self.kind))
 
     def text(self, value) -> str:
-        """The member's name."""
         return value.name
 
     def read(self, node, name):
-        """The member."""
         key = node.GetParameter(name)
         if key not in self.kind.__members__:
             raise ValueError(f"Found {key!r} in parameter node but it is not a name in {self.kind!r}")
@@ -178,15 +159,12 @@ class StoredNone(Stored):
     """None, as one member of a union."""
 
     def default(self):
-        """None."""
         return
 
     def text(self, value) -> str:
-        """A word that says that it is there."""
         return "True"
 
     def read(self, node, name):
-        """None."""
         return
 
 
@@ -194,26 +172,21 @@ class StoredNode(Stored):
     """A node of the scene, by reference."""
 
     def default(self):
-        """None."""
         return
 
     def check(self, value) -> None:
-        """Raises TypeError for anything but such a node or None."""
         if value is not None:
             super().check(value)
 
     def write(self, node, name, value) -> None:
-        """Writes the reference."""
         self.check(value)
         node.SetParameter(name, "")
         node.SetNodeReferenceID(name, value.GetID() if value is not None else None)
 
     def read(self, node, name):
-        """The node."""
         return node.GetNodeReference(name)
 
     def remove(self, node, name) -> None:
-        """Takes parameter and reference away."""
         node.UnsetParameter(name)
         node.RemoveNodeReferenceIDs(name)
 
@@ -225,7 +198,6 @@ class StoredUnion(Stored):
         self.members = members
 
     def default(self):
-        """None for `A | None`, else the first type's default."""
         if len(self.members) == 2 and isinstance(self.members[1], StoredNone):
             return None
         return self.members[0].default()
@@ -242,29 +214,24 @@ class StoredUnion(Stored):
         raise TypeError(f"Unable to write value '{value}' of type '{type(value)}'")
 
     def check(self, value) -> None:
-        """Raises TypeError where no type fits."""
         self._member(value)
 
     def is_in(self, node, name) -> bool:
-        """Whether any member is there."""
         return any(member.is_in(node, f"{name}.{i}") for i, member in enumerate(self.members))
 
     def write(self, node, name, value) -> None:
-        """Writes under the member that fits, takes the others away."""
         number = self._member(value)
         with slicer.util.NodeModify(node):
             self.remove(node, name)
             self.members[number].write(node, f"{name}.{number}", value)
 
     def read(self, node, name):
-        """The value of the member that is there."""
         for number, member in enumerate(self.members):
             if member.is_in(node, f"{name}.{number}"):
                 return member.read(node, f"{name}.{number}")
         raise KeyError(f"Unable to find value for name: {name}")
 
     def remove(self, node, name) -> None:
-        """Takes every member away."""
         with slicer.util.NodeModify(node):
             for number, member in enumerate(self.members):
                 member.remove(node, f"{name}.{number}")
@@ -277,30 +244,24 @@ class ObservedList(MutableSequence):
         self._values, self._save = values, save
 
     def __getitem__(self, index):
-        """An element, or a plain list of a slice."""
         return self._values[index]
 
     def __setitem__(self, index, value):
-        """Sets an element and writes."""
         self._values[index] = value
         self._save(self._values)
 
     def __delitem__(self, index):
-        """Deletes an element and writes."""
         del self._values[index]
         self._save(self._values)
 
     def __len__(self):
-        """The number of elements."""
         return len(self._values)
 
     def insert(self, index, value):
-        """Inserts an element and writes."""
         self._values.insert(index, value)
         self._save(self._values)
 
     def __eq__(self, other):
-        """Whether the elements are the same."""
         return self._values == (other._values if isinstance(other, ObservedList) else other)
 
 
@@ -311,11 +272,9 @@ class StoredList(Stored):
         self.element = element
 
     def default(self):
-        """An empty list."""
         return []
 
     def check(self, value) -> None:
-        """Raises where an element is not of the type."""
         for each in value:
             self.element.check(each)
 
@@ -323,11 +282,9 @@ class StoredList(Stored):
         return int(node.GetParameter(f"{name}.len")) if self.is_in(node, name) else 0
 
     def is_in(self, node, name) -> bool:
-        """Whether the length is there."""
         return node.HasParameter(f"{name}.len")
 
     def write(self, node, name, value) -> None:
-        """Writes elements and length, takes elements beyond it away."""
         values = list(value)
         self.check(values)
         with slicer.util.NodeModify(node):
@@ -339,12 +296,10 @@ class StoredList(Stored):
                 self.element.remove(node, f"{name}.{number}")
 
     def read(self, node, name):
-        """A list that writes its changes back."""
         values = [self.element.read(node, f"{name}.{number}") for number in range(self._length(node, name))]
         return ObservedList(values, lambda changed: self.write(node, name, changed))
 
     def remove(self, node, name) -> None:
-        """Takes everything away."""
         for number in range(self._length(node, name)):
             self.element.remove(node, f"{name}.{number}")
         node.UnsetParameter(f"{name}.len")

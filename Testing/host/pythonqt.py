@@ -42,21 +42,17 @@ class EnumValue(int):
     """
 
     def __new__(cls, native):
-        """The value as an int."""
         value = int.__new__(cls, native.value if isinstance(native.value, int) else 0)
         value.native = native
         return value
 
     def __or__(self, other):
-        """Both flags."""
         return EnumValue(self.native | unwrap(other))
 
     def __and__(self, other):
-        """The flags that both have."""
         return EnumValue(self.native & unwrap(other))
 
     def __invert__(self):
-        """All other flags."""
         return EnumValue(~self.native)
 
 
@@ -67,7 +63,6 @@ class EnumType:
         self._native = native
 
     def __call__(self, value):
-        """The enumeration's value of that number."""
         return EnumValue(self._native(int(value)))
 
 
@@ -75,7 +70,6 @@ class PythonQtMeta(type):
     """Class attributes of wrapped classes: static methods and enumeration values."""
 
     def __getattr__(cls, name):
-        """A static method or an enumeration value of the Qt class."""
         native = cls.__dict__.get("_native") or next((base.__dict__["_native"] for base in cls.__mro__ if "_native" in base.__dict__), None)
         if native is not None and not name.startswith("_") and is_offered(native, name):
             found = getattr(native, name, None)
@@ -137,7 +131,6 @@ class Wrapper(metaclass=PythonQtMeta):
             native.destroyed.connect(functools.partial(_mark_destroyed, weakref.ref(self)))
 
     def __bool__(self):
-        """False once the Qt object is destroyed."""
         return not self._destroyed and shiboken6.isValid(self._object)
 
     def __repr__(self):
@@ -211,11 +204,9 @@ class Wrapper(metaclass=PythonQtMeta):
         return disconnect(self, signal, receiver)
 
     def className(self):
-        """The name of the C++ class."""
         return type(self._object).__name__
 
     def delete(self):
-        """Destroys the Qt object at once."""
         shiboken6.delete(self._object)
 
 

@@ -39,11 +39,9 @@ class _Dialog:
     """What a wrapper of a dialog does in place of waiting."""
 
     def exec_(self):
-        """Notes the dialog; returns the prepared answer."""
         return dialogs.execute(self._object)
 
     def exec(self):
-        """Notes the dialog; returns the prepared answer."""
         return dialogs.execute(self._object)
 
 
@@ -51,7 +49,6 @@ class QtModule(types.ModuleType):
     """Every class of QtCore, QtGui and QtWidgets under one name, wrapped when first asked for."""
 
     def __getattr__(self, name):
-        """A wrapped class of Qt."""
         if name.startswith("__"):
             raise AttributeError(name)
         native = OWN_CLASSES.get(name) or next((getattr(m, name) for m in (QtWidgets, QtGui, QtCore) if hasattr(m, name)), None)

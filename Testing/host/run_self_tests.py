@@ -1,6 +1,6 @@
 """Runs AIFRecon's self tests on the host, alone in one process: those of the module's file and Testing/Slicer/*Test.py.
 
-    python Testing/host/run_self_tests.py [-k WORD] [--list]
+    python Testing/host/run_self_tests.py [-k WORD ...] [--list]
 
 The exit status is 0 when all passed, 1 when one failed, 2 when the host cannot run here or the tests cannot be loaded.
 """
@@ -57,7 +57,6 @@ class Result(unittest.TextTestResult):
     host: SlicerHost
 
     def startTest(self, test):
-        """Begins with an empty scene, as in a fresh Slicer."""
         self.host.reset()
         self._files = self._saved()
         super().startTest(test)
@@ -77,7 +76,6 @@ class Result(unittest.TextTestResult):
                 self.addFailure(test, (type(error), error, error.__traceback__))
 
     def _saved(self) -> set[str]:
-        """Names of what lies among the user's files."""
         return {path.name for path in self.host.documents.iterdir()}
 
 
@@ -86,7 +84,7 @@ def main(arguments=None) -> int:
     parser = argparse.ArgumentParser(description="Run the module's self tests on the host.")
     parser.add_argument("--module", type=Path, default=TESTING.parent / "AIFRecon" / "AIFRecon.py", help="the scripted module")
     parser.add_argument("--tests", type=Path, default=TESTING / "Slicer", help="folder of further test files, *Test.py")
-    parser.add_argument("-k", metavar="WORD", default="", help="only tests whose name contains WORD")
+    parser.add_argument("-k", metavar="WORD", nargs="+", default=[""], help="only tests whose name contains one of these words")
     parser.add_argument("--list", action="store_true", help="only name the tests")
     options = parser.parse_args(arguments)
     if reason := missing():
@@ -98,7 +96,7 @@ def main(arguments=None) -> int:
     except Exception as error:
         print(f"The self tests cannot be loaded: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
-    cases = [case for case in cases if options.k in case.id()]
+    cases = [case for case in cases if any(word in case.id() for word in options.k)]
     if options.list or not cases:
         print("\n".join(case.id() for case in cases) or "There is no such test.")
         return 0 if cases else 2

@@ -41,7 +41,6 @@ class SampleDataLogic:
         loadFileProperties=None,
         checksums=None,
     ):
-        """Puts a data set on offer."""
         source = SampleDataSource(
             sampleName=sampleName,
             uris=uris,

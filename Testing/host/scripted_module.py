@@ -39,16 +39,13 @@ class ScriptedLoadableModule:
         slicer.selfTests[self.moduleName] = self.runTest
 
     def resourcePath(self, filename):
-        """The absolute path of a file of the module's Resources folder."""
         return str(Path(self.parent.path).parent / "Resources" / filename)
 
     def getDefaultModuleDocumentationLink(self, docPage=None):
-        """A line of HTML that leads to the documentation."""
         url = slicer.app.documentationBaseUrl + docPage if docPage else slicer.app.moduleDocumentationUrl(self.moduleName)
         return f'<p>For more information, see the <a href="{url}">online documentation</a>.</p>'
 
     def runTest(self, msec=100, **kwargs):
-        """Runs the class <module>Test."""
         module = importlib.import_module(self.__module__)
         case = getattr(module, f"{self.moduleName}Test", None)
         if case is None:
@@ -78,7 +75,6 @@ class ScriptedLoadableModuleWidget:
         slicer.app.moduleManager().connect("moduleAboutToBeUnloaded(QString)", self._onModuleAboutToBeUnloaded)
 
     def resourcePath(self, filename):
-        """The absolute path of a file of the module's Resources folder."""
         return str(Path(slicer.util.modulePath(self.moduleName)).parent / "Resources" / filename)
 
     def cleanup(self):
@@ -93,16 +89,13 @@ class ScriptedLoadableModuleWidget:
         """To be extended: builds the panel."""
 
     def onReload(self):
-        """Loads the module's file again and builds the panel anew."""
         slicer.util.reloadScriptedModule(self.moduleName)
 
     def onTest(self, **kwargs):
-        """Runs the module's self tests."""
         with slicer.util.tryWithErrorDisplay("Test failed."):
             slicer.selfTests[self.moduleName](msec=0, **kwargs)
 
     def onReloadAndTest(self, **kwargs):
-        """Reloads and runs the self tests."""
         with slicer.util.tryWithErrorDisplay("Reload and Test failed."):
             self.onReload()
             slicer.selfTests[self.moduleName](msec=0, **kwargs)
@@ -117,7 +110,6 @@ class ScriptedLoadableModuleLogic:
         self.isSingletonParameterNode = True
 
     def getParameterNode(self):
-        """The module's first parameter node; made where there is none."""
         if self.isSingletonParameterNode:
             node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
             if node:
@@ -130,14 +122,12 @@ class ScriptedLoadableModuleLogic:
         return slicer.mrmlScene.AddNode(self.createParameterNode())
 
     def getAllParameterNodes(self):
-        """The module's parameter nodes."""
         scene = slicer.mrmlScene
         count = scene.GetNumberOfNodesByClass("vtkMRMLScriptedModuleNode")
         nodes = [scene.GetNthNodeByClass(i, "vtkMRMLScriptedModuleNode") for i in range(count)]
         return [node for node in nodes if node.GetAttribute("ModuleName") == self.moduleName]
 
     def createParameterNode(self):
-        """A new parameter node, not yet in the scene."""
         if slicer.mrmlScene is None:
             return None
         node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
@@ -160,13 +150,11 @@ class ScriptedLoadableModuleTest(unittest.TestCase):
         self.moduleTestNames = [name for name in dir(self) if "test" in name and callable(getattr(self, name))]
 
     def delayDisplay(self, message, requestedDelay=None, msec=None):
-        """Shows a message for a moment."""
         slicer.util.delayDisplay(
             message, next(delay for delay in (getattr(self, "messageDelay", msec), requestedDelay, 100) if delay is not None)
         )
 
     def takeScreenshot(self, name, description, type=-1):
-        """Only shows the description."""
         self.delayDisplay(description)
 
     def runTest(self):

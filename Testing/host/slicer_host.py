@@ -165,7 +165,6 @@ class SlicerHost:
 
     @staticmethod
     def _refuse_install(requirements, *args, **kwargs):
-        """Says that nothing is installed here."""
         raise RuntimeError(f"the host does not install packages: {requirements}")
 
     # ---- modules
@@ -191,11 +190,9 @@ class SlicerHost:
         return getattr(slicer.modules, f"{name}Widget", None)
 
     def leave(self) -> None:
-        """Leaves the module that is open."""
         self._application.window.moduleSelector().selectModule("")
 
     def unload_module(self, name: str) -> None:
-        """Ends a module as closing the application does."""
         self._modules.unload_module(self._application, name)
 
     def run(self) -> int:
@@ -213,7 +210,6 @@ class SlicerHost:
     # ---- tests
 
     def process_events(self) -> None:
-        """Lets Qt handle what is waiting, deletions too."""
         from PySide6 import QtCore
 
         self._application.processEvents()
@@ -281,7 +277,6 @@ class SlicerHost:
         return native.grab()
 
     def close(self) -> None:
-        """Ends the modules, then Qt; called when the process ends."""
         atexit.unregister(self.close)
         if self._application is None:
             return

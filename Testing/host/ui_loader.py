@@ -69,7 +69,6 @@ class QUiLoader(QtUiTools.QUiLoader):
         self._made: list = []
 
     def createWidget(self, class_name, parent=None, name=""):
-        """A widget of that class; called by Qt while it loads."""
         if class_name in self.stand_ins:
             widget = self.stand_ins[class_name](parent)
             widget.setObjectName(name)

@@ -96,7 +96,6 @@ class _View:
         self.close()
 
     def close(self) -> None:
-        """Lets go of the window and stops listening to the scene."""
         if self._window is None:
             return
         self._group.SetMRMLDisplayableNode(None)

@@ -25,19 +25,15 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
         self._logic = logic
 
     def sliceLogic(self):
-        """The slice's logic."""
         return self._logic
 
     def mrmlSliceNode(self):
-        """The slice's node."""
         return self._logic.GetSliceNode()
 
     def mrmlSliceCompositeNode(self):
-        """The node that says which volumes the slice shows."""
         return self._logic.GetSliceCompositeNode()
 
     def fitSliceToBackground(self):
-        """Makes the background volume fill the view."""
         self._logic.FitSliceToBackground()
 
     def pauseRender(self):
@@ -58,22 +54,18 @@ class qMRMLThreeDView(QtWidgets.QWidget):
         self._annotation.SetMaximumLineHeight(0.07)  # as CTK's views do
 
     def cornerAnnotation(self):
-        """The texts in the corners of the view."""
         return self._annotation
 
     def scheduleRender(self):
         """Draws the view soon; here never."""
 
     def mrmlViewNode(self):
-        """The view's node."""
         return self._node
 
     def cameraNode(self):
-        """The node of the camera that looks at the view."""
         return cameraOf(self._node)
 
     def resetFocalPoint(self):
-        """Looks at the middle of what appears, from where the camera is."""
         camera = self.cameraNode()
         renderer = appearing(self._node.GetScene())
         bounds = renderer.ComputeVisiblePropBounds()
@@ -99,11 +91,9 @@ class qMRMLThreeDWidget(QtWidgets.QWidget):
         self._view = qMRMLThreeDView(node)
 
     def mrmlViewNode(self):
-        """The view's node."""
         return self._view.mrmlViewNode()
 
     def threeDView(self):
-        """What the view is drawn into."""
         return self._view
 
     def pauseRender(self):
@@ -250,7 +240,6 @@ class qSlicerLayoutManager(QtCore.QObject):
         self._watch()
 
     def stop(self):
-        """Hears of the scene no more."""
         self._mrml.scene.RemoveObserver(self._tag)
         for node, tag in self._observed.values():
             node.RemoveObserver(tag)
@@ -278,7 +267,6 @@ class qSlicerLayoutManager(QtCore.QObject):
         self._map()
 
     def _map(self):
-        """Tells every view whether the layout shows it."""
         shown = self._mrml.layoutLogic.GetViewNodes()
         shown = [shown.GetItemAsObject(i) for i in range(shown.GetNumberOfItems())]
         for node in [logic.GetSliceNode() for logic in self._logics().values()] + self._viewNodes():
@@ -293,7 +281,6 @@ class qSlicerLayoutManager(QtCore.QObject):
         return self._mrml.scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
 
     def mrmlScene(self):
-        """The scene."""
         return self._mrml.scene
 
     def _logics(self) -> dict:
@@ -306,11 +293,9 @@ class qSlicerLayoutManager(QtCore.QObject):
         return [scene.GetNthNodeByClass(i, "vtkMRMLViewNode") for i in range(scene.GetNumberOfNodesByClass("vtkMRMLViewNode"))]
 
     def sliceViewNames(self):
-        """The names of the slice views that the layout shows."""
         return [name for name, logic in self._logics().items() if logic.GetSliceNode().IsMappedInLayout()]
 
     def sliceWidget(self, name):
-        """A slice view by name, or None."""
         logic = self._logics().get(name)
         if logic is None:
             return None
@@ -332,27 +317,22 @@ class qSlicerLayoutManager(QtCore.QObject):
         return self._widgets[node.GetID()]
 
     def mrmlSliceLogics(self):
-        """The logics of all slice views."""
         return self._mrml.applicationLogic.GetSliceLogics()
 
     def layoutLogic(self):
-        """The layout's logic."""
         return self._mrml.layoutLogic
 
     def setLayout(self, layout):
-        """Shows another layout."""
         self._node().SetViewArrangement(layout)
         self.layoutChanged.emit(layout)
 
     def resetThreeDViews(self):
-        """Has every 3D view look at what appears in it."""
         for number in range(self.threeDViewCount):
             view = self.threeDWidget(number).threeDView()
             view.resetFocalPoint()
             view.resetCamera()
 
     def resetSliceViews(self):
-        """Makes what the slice views show fill them."""
         for logic in self._logics().values():
             logic.FitSliceToBackground()
 

@@ -68,18 +68,15 @@ class ctkCollapsibleButton(QtWidgets.QAbstractButton):
         return option
 
     def hitButton(self, position):
-        """Whether a click there is a click on the header."""
         return self._header().rect.contains(position)
 
     def sizeHint(self):
-        """The header and, unless collapsed, the contents."""
         header = self._header_size()
         if self._collapsed:
             return QtCore.QSize(header.width(), header.height() + self._collapsed_height)
         return super().sizeHint().expandedTo(header)
 
     def minimumSizeHint(self):
-        """As `sizeHint`."""
         return self.sizeHint() if self._collapsed else super().minimumSizeHint().expandedTo(self._header_size())
 
     def paintEvent(self, event):
@@ -128,7 +125,6 @@ class ctkCollapsibleGroupBox(QtWidgets.QGroupBox):
     collapsedHeight = Property(int, lambda self: self._collapsed_height, lambda self, h: setattr(self, "_collapsed_height", h))
 
     def paintEvent(self, event):
-        """Draws the box, with an arrow over the check box."""
         painter = QtWidgets.QStylePainter(self)
         option = QtWidgets.QStyleOptionGroupBox()
         self.initStyleOption(option)

@@ -66,19 +66,15 @@ class ctkSliderWidget(QtWidgets.QWidget):
         self._place()
 
     def reset(self):
-        """Sets the value to 0, as far as the range allows."""
         self.setValue(0.0)
 
     def setValue(self, value):
-        """Sets the value, limited to the range."""
         self._spin.setValue(value)
 
     def setSpinBoxVisible(self, visible):
-        """Shows or hides the spin box."""
         self._spin.setVisible(visible)
 
     def setDecimals(self, decimals):
-        """Sets the number of digits after the point."""
         self._spin.setDecimals(decimals)
         self.decimalsChanged.emit(decimals)
 
@@ -132,11 +128,9 @@ class ctkPathLineEdit(QtWidgets.QWidget):
         self._box.lineEdit().textChanged.connect(self._tell)
 
     def comboBox(self):
-        """The combo box inside."""
         return self._box
 
     def setCurrentPath(self, path):
-        """Sets the path."""
         self._box.lineEdit().setText(path)
 
     def _tell(self, text):
@@ -146,7 +140,6 @@ class ctkPathLineEdit(QtWidgets.QWidget):
             self.currentPathChanged.emit(text)
 
     def browse(self):
-        """Opens the dialog that the filters call for."""
         from .dialogs import ask_for_path
 
         path = ask_for_path(self, self._values["filters"], self._values["nameFilters"])
@@ -195,7 +188,6 @@ class ctkComboBox(QtWidgets.QComboBox):
     api = {"methods": ("setCurrentUserDataAsString",)}
 
     def setCurrentUserDataAsString(self, text):
-        """Selects the item with that user data."""
         self.setCurrentIndex(self.findData(text))
 
     defaultText = Property(str, lambda self: self.placeholderText(), lambda self, text: self.setPlaceholderText(text))
@@ -242,39 +234,31 @@ class ctkCheckableComboBox(QtWidgets.QComboBox):
         return [self.model().index(row, 0) for row in range(self.count())]
 
     def checkableModel(self):
-        """The model."""
         return self.model()
 
     def setCheckableModel(self, model):
-        """Sets the model."""
         self.setModel(model)
         self._watch(model)
 
     def checkedIndexes(self):
-        """The checked items."""
         return [index for index in self._indexes() if self.checkState(index) == Qt.CheckState.Checked]
 
     def allChecked(self):
-        """Whether every item is checked."""
         return len(self.checkedIndexes()) == self.count()
 
     def allPatiallyChecked(self):
-        """Whether every item is checked in part."""
         return all(self.checkState(index) == Qt.CheckState.PartiallyChecked for index in self._indexes())
 
     def noneChecked(self):
-        """Whether no item is checked."""
         return not self.checkedIndexes()
 
     def setCheckState(self, index, state):
-        """Checks an item or not."""
         if self.checkState(index) != state:
             self.model().setData(index, int(state.value), Qt.ItemDataRole.CheckStateRole)
             self.checkedIndexesChanged.emit()
             self.update()
 
     def checkState(self, index):
-        """Whether an item is checked."""
         return Qt.CheckState(int(getattr(value := index.data(Qt.ItemDataRole.CheckStateRole) or 0, "value", value)))
 
     def paintEvent(self, event):

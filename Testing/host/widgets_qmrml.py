@@ -23,7 +23,6 @@ class _PassesSceneOn(WithScene, QtWidgets.QWidget):
         super().__init__(parent)
 
     def setMRMLScene(self, scene):
-        """Sets the scene."""
         if scene is not self._scene:
             self._scene = scene
             self.mrmlSceneChanged.emit(scene)
@@ -51,11 +50,9 @@ class qMRMLSliderWidget(WithScene, ctkSliderWidget):
         self._quantity = ""
 
     def setMRMLScene(self, scene):
-        """Sets the scene."""
         self._scene = scene
 
     def setQuantity(self, quantity):
-        """Sets what is measured."""
         self._quantity = quantity
 
     quantity = Property(str, lambda self: self._quantity, setQuantity)

@@ -47,7 +47,6 @@ class qSlicerModulePanel(QtWidgets.QWidget):
         layout.addWidget(self.area)
 
     def put(self, widget):
-        """Shows a module's panel, or none."""
         before = self._inside.itemAt(0).widget()
         if before is widget:
             return
@@ -65,13 +64,11 @@ class qSlicerModulePanel(QtWidgets.QWidget):
         self.updateGeometry()
 
     def eventFilter(self, watched, event):
-        """A panel that has another size may need another width."""
         if event.type() == QtCore.QEvent.Type.Resize:
             self.updateGeometry()
         return False
 
     def minimumSizeHint(self):
-        """Wide enough for the module and the bar that scrolls it."""
         inside, bar = self.area.widget().minimumSizeHint(), self.area.verticalScrollBar().sizeHint()
         return QtCore.QSize(inside.width() + bar.width(), super().minimumSizeHint().height())
 
@@ -137,7 +134,6 @@ class qSlicerMainWindow(QtWidgets.QMainWindow):
         self.resize(*SIZE)
 
     def moduleSelector(self):
-        """What opens modules."""
         return self._selector
 
     def closeEvent(self, event):

@@ -12,10 +12,13 @@ import argparse
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.resolve import imaging_fields
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -24,6 +27,8 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import EchoEstimator, bone_from_frames
 from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.compounding.methods.average import AVERAGE
+from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume
@@ -31,10 +36,10 @@ from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.resolve import Imaging, resolve_imaging
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
@@ -65,7 +70,7 @@ class Case:
     @property
     def imaging(self) -> Imaging:
         """How its frames are read."""
-        return resolve_imaging(self.sequence, self.poses, True, None, self.probe)
+        return resolve_imaging(self.sequence, self.poses, True, Recipe(**imaging_fields(probe=self.probe)))
 
 
 def simulated(folder: Path) -> Case:
@@ -89,8 +94,8 @@ def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], 
     def seen(estimator):
         return lambda: bone_from_frames(case.sequence, estimator, poses, imaging)
 
-    yield "average", lambda: None
-    yield CT, lambda: LabeledBone(case.labels, None, case.sequence, probe=case.probe).map("weighted")
+    yield AVERAGE.name, lambda: None
+    yield CT, lambda: LabeledBone(case.labels, None, case.sequence, Recipe(**imaging_fields(probe=case.probe))).map(WEIGHTED.name)
     yield "CT, map of 4 mm", lambda: BoneMap.from_labels(case.labels, sigma_mm=4.0)
     yield RIGHT, seen(TrueBone(case.labels, imaging))
     if model is not None:
@@ -101,14 +106,14 @@ def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], 
 
 def compare(case: Case, model: Path | None) -> bool:
     """Print a line for each source; whether a network that is right gives as much of what the CT gives as it must."""
-    truth = bone_truth(case.labels, SweepBeams.of_sequence(case.sequence, probe=case.probe))
+    truth = bone_truth(case.labels, SweepBeams.of_sequence(case.sequence, Recipe(**imaging_fields(probe=case.probe))))
     print(f"| **{case.name}**, {case.spacing:g} mm | CNR | oblique CNR | coverage | oblique coverage |\n|---|---|---|---|---|", flush=True)
     found = {}
     for name, bone_of in sources(case, model):
         bone = bone_of()
-        method = "average" if bone is None else "weighted"
+        method = AVERAGE.name if bone is None else WEIGHTED.name
         settings = ReconstructionSettings(method=method, spacing=case.spacing, hole_limit=HOLE_LIMIT)
-        result = reconstruct(case.sequence, settings, bone, beside=(), probe=case.probe)
+        result = reconstruct(case.sequence, replace(settings, **imaging_fields(probe=case.probe)), bone, beside=())
         met = evaluate(result.intensity, truth, result.mask)
         numbers = f"{met.bone.cnr:.2f} | {met.oblique.cnr:.2f} | {met.bone.coverage:.1%} | {met.oblique.coverage:.1%}"
         print(f"| {name} | {numbers} |", flush=True)

@@ -37,7 +37,7 @@ from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.statistics import StreamStatistics
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 from . import stream
 from .accounts import Equation, equations
@@ -51,7 +51,7 @@ LOOKED = 0.01
 SNAPSHOT_EVERY = 1.0
 """s on the wall."""
 
-DEADLINE = 300.0
+DEADLINE = 1200.0
 """s in which the last frames must arrive and be worked on."""
 
 

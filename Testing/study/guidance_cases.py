@@ -17,8 +17,8 @@ from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import HAND, Pass, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, ScanPlan, plan_scan
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ProbePath, single_angle_sweep
@@ -138,7 +138,7 @@ class _Case:
         return self._measured(name, self._scan(poses), poses, passes)
 
     def _measured(self, name: str, scan: Scan, poses: np.ndarray, passes: int) -> Row:
-        settings = ReconstructionSettings(method="weighted", spacing=SPACING, hole_limit=HOLE_LIMIT)
+        settings = ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT)
         result = reconstruct(scan.sequence, settings, self._map)
         metrics = evaluate(result.intensity, scan.truth, result.mask)
         met = BoneMet(geometry_of(self.bone, self.probe))

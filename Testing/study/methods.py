@@ -12,7 +12,7 @@ from pathlib import Path
 
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
-from AIFReconLib.terminal.options import load_method_here
+from AIFReconLib.terminal.recipe_options import load_method_here
 
 from .command import carry_out, parsed, study_parser
 from .method_cases import Row, patient_rows

@@ -12,11 +12,12 @@ from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.registration.echoes import SweepEchoes, sweep_echoes
 from AIFReconLib.registration.registration import Registration, register_echoes
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import freehand_sweep, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
@@ -96,7 +97,7 @@ def _echoes(phantom: LumbarPhantom, path, seed: int, **options) -> SweepEchoes:
     probe = PhasedArray()
     sweep = simulate_sweep(phantom, probe, path, seed=seed, **options)
     calibrated = TrackedSequence(sweep.images, sweep.records, transforms=_calibration(probe))
-    return sweep_echoes(calibrated, probe=probe.geometry, region=probe.region)
+    return sweep_echoes(calibrated, Recipe(**imaging_fields(probe.region, probe.geometry)))
 
 
 def _calibration(probe: PhasedArray) -> dict:
@@ -111,7 +112,7 @@ def _volumes(case: _Case) -> list[Row]:
 
     def shown(labels_to_reference: np.ndarray) -> BoneMetrics:
         bone = BoneMap.from_labels(case.phantom.labels, sigma_mm=SIGMA, labels_to_reference=labels_to_reference)
-        result = reconstruct(scan.sequence, ReconstructionSettings(method="weighted", spacing=SPACING, hole_limit=HOLE_LIMIT), bone)
+        result = reconstruct(scan.sequence, ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT), bone)
         return evaluate(result.intensity, scan.truth, result.mask)
 
     exact, rows = shown(case.truth), []

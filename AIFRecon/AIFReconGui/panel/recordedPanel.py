@@ -10,7 +10,7 @@ from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import hasBone
 from AIFReconScene.inputs.parameters import fileFrom
 from AIFReconScene.sceneNodes import addedTogether
-from AIFReconScene.sweep.fileKinds import OPENED
+from AIFReconScene.sweep.fileKinds import opened
 from slicer.i18n import tr as _
 
 from AIFReconLib.message import shorten
@@ -123,7 +123,7 @@ class RecordedPanel(Follower):
 
     def _ask(self) -> list:
         """The files that the user chooses, in the folder where some were chosen before."""
-        asked = " ".join(f"*{suffix}" for suffix in OPENED)
+        asked = " ".join(f"*{suffix}" for suffix in opened())
         words = _("Recordings, calibrations, CT, segmentations ({suffixes})").format(suffixes=asked)
         folder = slicer.util.settingsValue(FOLDER_SETTING, "")
         names = qt.QFileDialog.getOpenFileNames(self._ui.openButton, _("Open recording, CT, segmentation"), folder, words)

@@ -4,7 +4,7 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError
 
-from ..inputs.parameters import imageRegionFrom, probeFrom
+from ..inputs.parameters import ProbeShape, regionFrom, settingsFrom
 from ..panelWords import inPanelWords
 from ..sweep.sweepStatus import sweepKey
 from . import sliceDisplay, threeDViews
@@ -83,7 +83,7 @@ class SceneDisplay:
 
     def _updateProbe(self, parameters) -> None:
         shown = parameters.showProbe and parameters.sweep is not None
-        state = shown and (_sweepOf(parameters), probeFrom(parameters), imageRegionFrom(parameters))
+        state = shown and (_sweepOf(parameters), settingsFrom(parameters).apex_px, parameters.probe, regionFrom(parameters))
         if not self._changed("probe", state):
             return
         if not shown:
@@ -103,7 +103,7 @@ class SceneDisplay:
         from ..sweep.sequenceReader import sequenceFromBrowser
 
         shown = parameters.showOutlines and parameters.sweep is not None
-        if not self._changed("outlines", shown and (_sweepOf(parameters), imageRegionFrom(parameters))):
+        if not self._changed("outlines", shown and (_sweepOf(parameters), regionFrom(parameters))):
             return
         if not shown:
             self._hide("Outlines")
@@ -128,19 +128,19 @@ class SceneDisplay:
         """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""
         from dataclasses import replace
 
+        from AIFReconLib import ProbeGeometry
         from AIFReconLib.resolve import resolve_imaging
         from AIFReconLib.sweep.poses import sweep_poses
 
-        from ..inputs.inputs import Inputs
         from ..sweep.sequenceReader import sequenceFromBrowser
 
-        byHand, key = probeFrom(parameters), (_sweepOf(parameters), imageRegionFrom(parameters))
+        recipe, key = settingsFrom(parameters), (_sweepOf(parameters), regionFrom(parameters))
+        byHand = None if parameters.probe == ProbeShape.AUTOMATIC else ProbeGeometry(parameters.probe.value, recipe.apex_px)
         if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            region = Inputs.fromParameters(parameters).imageRegion(sequence.configuration)
             poses = sweep_poses(sequence)
             poses.require_usable(sequence.name)
-            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None, region))
+            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None, recipe))
         imaging = self._imaging[1]
         return imaging if byHand is None else replace(imaging, probe=byHand)
 

@@ -55,8 +55,7 @@ def _aroundSweep(parameters) -> tuple | None:
         sequence = inputs.sequence()
         poses = sweep_poses(sequence)
         usable = poses.require_usable(sequence.name)
-        asked = inputs.imageRegion(sequence.configuration)
-        region = resolve_imaging(sequence, poses, False, asked).region
+        region = resolve_imaging(sequence, poses, False, inputs.recipe).region
     except AIFReconError:
         return None  # the panel says what is wrong with the sweep
     pixels = extreme_pixels(region.mask(*sequence.frame_size))

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.errors import InsufficientMemoryError, SettingsError
-from AIFReconLib.imaging.region import ClipRectangle, ImageRegion, chosen_region
 from AIFReconLib.progress import part, report
+from AIFReconLib.recipe.recipe import RULES, Recipe
 
 from ..background import inBackground
 from ..sceneNodes import proxiesOf
@@ -19,10 +18,10 @@ from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
 from .boneNodes import named
 from .boneSource import BoneSource
-from .parameters import PARAMETERS, Region, SigmaUnit, camelCase, fileFrom, imageRegionFrom, needsBone, probeFrom
+from .parameters import Region, camelCase, fileFrom, needsBone, settingsFrom
 
 if TYPE_CHECKING:
-    from AIFReconLib import BoneMap, ProbeGeometry, TrackedSequence, Volume
+    from AIFReconLib import BoneMap, TrackedSequence, Volume
     from AIFReconLib.geometry.volume import VoxelGrid
     from AIFReconLib.inspection.shown_bone import ShownBone
     from AIFReconLib.registration.labeled_bone import LabeledBone
@@ -44,23 +43,15 @@ class Inputs:
         Never changed; segments that are surfaces only are brought to its voxels.
     boneSegments : tuple of str
         IDs; empty: all.
-    boneSigmaVoxels, boneSigmaMm : float or None
-        Width of the bone map; the library's default where both are None: for `weighted`, by how well CT and sweep agree.
     region : vtkMRMLMarkupsROINode, vtkMRMLScalarVolumeNode or None
         None: around the sweep.
-    probe : ProbeGeometry or None
-        None: as configured, else as the images show.
-    clip : ClipRectangle or None
-    fanAngles, fanRadii : (float, float) or None
-        Of the fan that is ultrasound, degrees and pixels; both or none. None: as configured, else as the images show.
-    importanceMask : Path or None
-        An 8-bit gray image: the weight of each pixel in an average.
-    boneFromSweep : bool
-        Whether bone is looked for in the sweep itself. This and the next two come before `bone`, which then only judges the result.
     boneFrames : vtkMRMLSequenceNode or None
-        A network's predictions for the frames.
+        A network's predictions for the frames. They, a model, and bone that is looked for in the sweep itself come before `bone`, which
+        then only judges the result.
     boneModel : Path or None
         A network in an ONNX file.
+    recipe : Recipe
+        What says how images are read and how bone becomes a map.
     """
 
     sweep: Any
@@ -69,22 +60,14 @@ class Inputs:
     bone: Any = None
     ct: Any = None
     boneSegments: tuple = ()
-    boneSigmaVoxels: float | None = None
-    boneSigmaMm: float | None = None
     region: Any = None
-    probe: ProbeGeometry | None = None
-    clip: ClipRectangle | None = None
-    fanAngles: tuple | None = None
-    fanRadii: tuple | None = None
-    importanceMask: Path | None = None
-    boneFromSweep: bool = False
     boneFrames: Any = None
     boneModel: Path | None = None
+    recipe: Recipe = field(default_factory=Recipe)
 
     @classmethod
     def fromParameters(cls, parameters) -> Inputs:
         """What the panel's parameters name."""
-        width = {parameters.boneSigmaUnit: parameters.boneSigma}
         return cls(
             sweep=parameters.sweep,
             imageSequence=parameters.imageSequence,
@@ -92,15 +75,10 @@ class Inputs:
             bone=parameters.bone,
             ct=parameters.ctVolume,
             boneSegments=tuple(parameters.boneSegments),
-            boneSigmaVoxels=width.get(SigmaUnit.VOXELS),
-            boneSigmaMm=width.get(SigmaUnit.MM),
             region={Region.BOX: parameters.roi, Region.LIKE_VOLUME: parameters.regionVolume}.get(parameters.region),
-            probe=probeFrom(parameters),
-            importanceMask=fileFrom(parameters.importanceMaskPath),
-            boneFromSweep=parameters.boneSource == BoneSource.ECHOES,
             boneFrames=parameters.bonePredictions if parameters.boneSource == BoneSource.PREDICTIONS else None,
             boneModel=fileFrom(parameters.boneModelPath) if parameters.boneSource == BoneSource.MODEL else None,
-            **imageRegionFrom(parameters),
+            recipe=settingsFrom(parameters),
         )
 
     def nodes(self) -> tuple:
@@ -146,30 +124,24 @@ class Inputs:
         AIFReconError
             With the node that cannot be used and what to do.
         """
-        sequence = self.sequence()
-        region, grid = self.imageRegion(sequence.configuration), self.grid(settings)
+        sequence, grid = self.sequence(), self.grid(settings)
         if self.seesBone:
-            bone = self._boneOf(sequence, region, progress)
-            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance(), boneFromSweep=not self._asksNetwork)
+            return PreparedInputs(sequence, self._boneOf(sequence, settings, progress), grid, recipe=settings)
         labels = self.labels(part(progress, 0.0, 0.1))
         progress = part(progress, 0.1, 1.0)
         if labels is None:
-            bone = self.boneMap(progress)
-            return PreparedInputs(sequence, bone, grid, region, self.probe, self.importance())
+            return PreparedInputs(sequence, self.boneMap(progress), grid, recipe=settings)
         from AIFReconLib.registration.labeled_bone import LabeledBone
 
-        place = matrixToWorld(self.bone)
-        labeled = LabeledBone(
-            labels, place, sequence, sigma_voxels=self.boneSigmaVoxels, sigma_mm=self.boneSigmaMm, region=region, probe=self.probe
-        )
+        labeled = LabeledBone(labels, matrixToWorld(self.bone), sequence, settings)
         with named(self.bone):
             inBackground(lambda progress: labeled.map(settings.method_for(True), progress), progress)
-        return PreparedInputs(sequence, None, grid, region, self.probe, self.importance(), labeled)
+        return PreparedInputs(sequence, None, grid, labeled, settings)
 
     @property
     def seesBone(self) -> bool:
         """Whether the frames themselves say where bone is."""
-        return self.boneFromSweep or self._asksNetwork
+        return self.recipe.bone_from_sweep or self._asksNetwork
 
     @property
     def _asksNetwork(self) -> bool:
@@ -184,9 +156,9 @@ class Inputs:
         if self.bone is None or not isLabeled(self.bone):
             return None
         report(progress, 0.0, "Reading the CT's bone")
-        widest = self.boneSigmaMm if self._hasWidth else LARGEST_WIDTH
+        widest = self.recipe.bone_sigma_mm if self._hasWidth else LARGEST_WIDTH
         chosen = list(self.boneSegments) or None
-        width = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": widest}
+        width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": widest}
         return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, progress=progress, **width)
 
     def boneMap(self, progress=None, labels=None, method: str = ""):
@@ -199,7 +171,7 @@ class Inputs:
         if self.bone is None:
             return None
         chosen, sigmaMm = list(self.boneSegments) or None, self._settingsOfMap(method).get("bone_sigma_mm")
-        width = {"sigmaVoxels": self.boneSigmaVoxels, "sigmaMm": sigmaMm}
+        width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": sigmaMm}
         return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **width)
 
     def boneSettings(self, method: str) -> dict:
@@ -213,42 +185,24 @@ class Inputs:
 
         if not self._hasWidth:
             return {"bone_sigma_mm": UNKNOWN_WIDTH} if method and method_named(method).follows_agreement else {}
-        return {"bone_sigma_voxels": self.boneSigmaVoxels} if self.boneSigmaMm is None else {"bone_sigma_mm": self.boneSigmaMm}
+        return (
+            {"bone_sigma_voxels": self.recipe.bone_sigma_voxels}
+            if self.recipe.bone_sigma_mm is None
+            else {"bone_sigma_mm": self.recipe.bone_sigma_mm}
+        )
 
     @property
     def _hasWidth(self) -> bool:
-        return self.boneSigmaVoxels is not None or self.boneSigmaMm is not None
+        return self.recipe.bone_sigma_voxels is not None or self.recipe.bone_sigma_mm is not None
 
-    def imageRegion(self, configuration):
-        """The `ImageRegion` that is asked for, completed by the sweep's `PlusConfiguration`; None where nothing is asked for."""
-        known = self.probe or configuration.probe
-        apex = getattr(self.probe, "apex_px", None)
-        return chosen_region(configuration.imaged_region, self.clip, self.fanAngles, self.fanRadii, apex, known)
-
-    def importance(self):
-        """The weight of each pixel, (rows, columns) float32 array from 0 to 1, or None where no mask is chosen."""
-        if self.importanceMask is None:
-            return None
-        from AIFReconLib.io.plus.importance_mask import read_importance_mask
-
-        return read_importance_mask(self.importanceMask)
-
-    def _boneOf(self, sequence, region, progress):
+    def _boneOf(self, sequence, recipe, progress):
         from AIFReconLib import bone_from_sweep
 
         if self._asksNetwork:
             from ..sweep.predictedBone import predictedBone
 
-            return predictedBone(sequence, self.boneFrames, self.boneModel, region=region, probe=self.probe, progress=progress)
-        from AIFReconLib.resolve import resolve_imaging
-        from AIFReconLib.sweep.poses import sweep_poses
-
-        def work(progress):
-            poses = sweep_poses(sequence)
-            poses.require_usable(sequence.name)
-            return bone_from_sweep(sequence, poses, resolve_imaging(sequence, poses, True, region, self.probe), progress=progress)
-
-        return inBackground(work, progress)
+            return predictedBone(sequence, self.boneFrames, self.boneModel, recipe, progress)
+        return inBackground(lambda progress: bone_from_sweep(sequence, recipe=recipe, progress=progress), progress)
 
     def grid(self, settings):
         """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""
@@ -272,11 +226,8 @@ class PreparedInputs:
     sequence: TrackedSequence
     bone: BoneMap | None = None
     grid: VoxelGrid | None = None
-    imageRegion: ImageRegion | None = None
-    probe: ProbeGeometry | None = None
-    importance: np.ndarray | None = None
     labeledBone: LabeledBone | None = None
-    boneFromSweep: bool = False
+    recipe: Recipe = field(default_factory=Recipe)
 
     def comparison(self, progress=None):
         """The `Comparison` of the sweep's own bone with the labels; None without labels."""
@@ -297,12 +248,11 @@ class PreparedInputs:
 
         def work(progress):
             bone, method = self.bone, settings.method_for(True)
-            ofMap = {"bone_from_sweep": True} if self.boneFromSweep else {}
+            ofMap = {}
             if self.labeledBone is not None:
                 bone = self.labeledBone.map(method, part(progress, 0.0, 0.1))
                 ofMap = self.labeledBone.settings(method)
-            imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            result = reconstruct(self.sequence, settings, bone, self.grid, beside=beside, progress=part(progress, 0.1, 1.0), **imaging)
+            result = reconstruct(self.sequence, settings, bone, self.grid, beside=beside, progress=part(progress, 0.1, 1.0))
             return with_settings(result, ofMap)
 
         return inBackground(work, progress)
@@ -312,11 +262,10 @@ class PreparedInputs:
 
         from AIFReconLib import reconstruct
 
-        plain = replace(settings, method="average", best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
+        plain = replace(settings, method=AVERAGE.name, best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
 
         def work(progress):
-            imaging = {"region": self.imageRegion, "probe": self.probe, "importance": self.importance}
-            return reconstruct(self.sequence, plain, None, result.grid, beside=(), progress=progress, **imaging).intensity
+            return reconstruct(self.sequence, plain, None, result.grid, beside=(), progress=progress).intensity
 
         return inBackground(work, progress)
 
@@ -361,7 +310,7 @@ def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=())
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
-    """What a script chose by name: the fields of the library's settings, and the fields of `Inputs`.
+    """What a script chose by name: settings of the library's `Recipe`, and the fields of `Inputs`.
 
     Settings may be named as the module names them (``holeLimit``) or as the library does (``hole_limit``).
 
@@ -370,11 +319,11 @@ def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
     SettingsError
         When a name is neither.
     """
-    settings = {name: known for known in PARAMETERS for name in (known, camelCase(known))}
-    others = [each.name for each in fields(Inputs) if each.name not in ("sweep", "bone")]
+    settings = {name: known for known in RULES for name in (known, camelCase(known))}
+    others = [each.name for each in fields(Inputs) if each.name not in ("sweep", "bone", "recipe")]
     unknown = next((name for name in choices if name not in settings and name not in others), None)
     if unknown is not None:
-        names = ", ".join(sorted({camelCase(name) for name in PARAMETERS} | set(others)))
+        names = ", ".join(sorted({camelCase(name) for name in RULES} | set(others)))
         raise SettingsError(f"Input {unknown} is no choice. The choices are: {names}.")
     return {settings[name]: value for name, value in choices.items() if name in settings}, {
         name: value for name, value in choices.items() if name in others

@@ -1,19 +1,24 @@
 """The choices of the panel, made from the library's own list of parameters, and the way back to its settings."""
 
 import enum
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from slicer.i18n import tr as _
 
 from AIFReconLib.compounding.methods.table import METHODS, method_named, registered_methods
-from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle
-from AIFReconLib.settings import DEFAULT_SPACING, ReconstructionSettings
+from AIFReconLib.imaging.beams import LINEAR, SECTOR
+from AIFReconLib.recipe.recipe import AUTOMATIC, DEFAULT_SPACING, RULES, Recipe
+from AIFReconLib.recipe.rules import WHOLE
 
-PARAMETERS = {spec.name: dict(spec.metadata) for spec in fields(ReconstructionSettings)}
-"""Help, unit, range, choices and default of every parameter of the library, by its name there."""
+COMPOSED = {
+    *("orientation", "time_offset", "longest_gap", "probe", "apex_px", "clip_px", "fan_angles_deg", "fan_radius_px"),
+    *("importance_mask", "bone_sigma_voxels"),
+}
+"""Settings that more or other fields of the panel stand for than one of their own name."""
+
+PARAMETERS: dict[str, dict[str, Any]] = {name: dict(rule) for name, rule in RULES.items() if rule["label"] and name not in COMPOSED}
+"""The rule of every setting that is one field of the panel, by its name in the library."""
 
 PARAMETERS["spacing"]["default"] = DEFAULT_SPACING  # the panel shows a number where the library may be told nothing
 
@@ -38,12 +43,35 @@ def _choices(name: str, setting: str, automatic: bool) -> Any:
     return made(name, {"AUTOMATIC": "", **members} if automatic else members, module=__name__)
 
 
-Method: Any = _choices("Method", "method", automatic=True)
-BoneDirection: Any = _choices("BoneDirection", "bone_direction", automatic=False)
-Engine: Any = _choices("Engine", "engine", automatic=False)
-OutputType: Any = _choices("OutputType", "output_type", automatic=True)
-HoleFilling: Any = _choices("HoleFilling", "holes", automatic=True)
-Interpolation: Any = _choices("Interpolation", "interpolation", automatic=True)
+CHOICES: dict[str, Any] = {
+    name: _choices("".join(map(str.capitalize, name.split("_"))), name, automatic=rule["default"] is None)
+    for name, rule in PARAMETERS.items()
+    if rule["choices"]
+}
+"""The words of every setting that is a choice."""
+
+Method, HoleFilling, Interpolation = (CHOICES[name] for name in ("method", "holes", "interpolation"))
+
+
+def rangeOf(name: str) -> tuple[float, float | None]:
+    """The least and the largest number that the panel's field of a setting takes: with the digits that are shown, and for those that may be
+    left open from 0 on, or from a step below it."""
+    rule = PARAMETERS[name]
+    if rule["word"] is not None:
+        return AUTOMATIC_NUMBER, rule["maximum"]
+    if rule["default"] is None:
+        return 0, rule["maximum"]
+    return max(rule["minimum"], 10.0 ** -rule["decimals"]) if rule["minimum"] else 0.0, rule["maximum"]
+
+
+def defaultOf(name: str) -> Any:
+    """What the panel's field of a setting shows at first."""
+    rule = PARAMETERS[name]
+    if name in CHOICES:
+        return CHOICES[name](rule["default"] or "")
+    if rule["word"] is not None:
+        return AUTOMATIC_NUMBER
+    return (0 if rule["kind"] == WHOLE else 0.0) if rule["default"] is None else rule["default"]
 
 
 class ImageOrientation(SettingChoice):
@@ -138,6 +166,11 @@ def methodOf(parameterNode) -> str:
     return parameterNode.ownMethod or parameterNode.method.value
 
 
+def inWords(method: str) -> str:
+    """What a method does, in a few words; empty where the library chooses."""
+    return method_named(method).words if method else ""
+
+
 def needsBone(method: str) -> bool:
     """Whether a method weights by where bone is; of one that is not known nothing is asked yet."""
     return method in (*METHODS, *ownMethods()) and method_named(method).needs_bone
@@ -154,8 +187,8 @@ def camelCase(name: str) -> str:
     return first + "".join(word.capitalize() for word in others)
 
 
-def settingsFrom(parameterNode) -> ReconstructionSettings:
-    """The library's settings that the panel's parameters ask for.
+def settingsFrom(parameterNode) -> Recipe:
+    """The recipe that the panel's parameters ask for; how a recording is read is `readingFrom`'s.
 
     Raises
     ------
@@ -172,26 +205,26 @@ def settingsFrom(parameterNode) -> ReconstructionSettings:
         elif rule["default"] is None and value == 0:
             value = None
         values[name] = value
-    values["method"] = methodOf(parameterNode) or None
-    return ReconstructionSettings(**values)
+    width = {parameterNode.boneSigmaUnit: parameterNode.boneSigma}
+    return Recipe(
+        **{**values, "method": methodOf(parameterNode) or None, **regionFrom(parameterNode)},
+        probe=parameterNode.probe.value or AUTOMATIC,
+        apex_px=(parameterNode.apexColumn, parameterNode.apexRow) if parameterNode.probe == ProbeShape.SECTOR else None,
+        importance_mask=fileFrom(parameterNode.importanceMaskPath),
+        bone_sigma_voxels=width.get(SigmaUnit.VOXELS),
+        bone_sigma_mm=width.get(SigmaUnit.MM),
+        bone_from_sweep=parameterNode.boneSource.name == "ECHOES",
+    )
 
 
-def probeFrom(parameters):
-    """The probe that the panel sets by hand; None where it leaves that to the configuration and the images."""
-    if parameters.probe == ProbeShape.AUTOMATIC:
-        return None
-    apex = (parameters.apexColumn, parameters.apexRow) if parameters.probe == ProbeShape.SECTOR else None
-    return ProbeGeometry(parameters.probe.value, apex)
-
-
-def imageRegionFrom(parameters) -> dict:
-    """Clip rectangle and fan that the panel sets by hand, as fields of `Inputs`; a size or radius of 0 leaves them open."""
-    origin, size = (parameters.clipColumn, parameters.clipRow), (parameters.clipWidth, parameters.clipHeight)
+def regionFrom(parameters) -> dict:
+    """Clip rectangle and fan that the panel sets by hand, as settings; a size or radius of 0 leaves them open."""
+    clip = parameters.clipColumn, parameters.clipRow, parameters.clipWidth, parameters.clipHeight
     fan = parameters.fanLastRadius > 0
     return {
-        "clip": ClipRectangle(origin, size) if 0 not in size else None,
-        "fanAngles": (parameters.fanFirstAngle, parameters.fanLastAngle) if fan else None,
-        "fanRadii": (parameters.fanFirstRadius, parameters.fanLastRadius) if fan else None,
+        "clip_px": clip if 0 not in clip[2:] else None,
+        "fan_angles_deg": (parameters.fanFirstAngle, parameters.fanLastAngle) if fan else None,
+        "fan_radius_px": (parameters.fanFirstRadius, parameters.fanLastRadius) if fan else None,
     }
 
 

@@ -4,7 +4,7 @@ import enum
 
 from slicer.i18n import tr as _
 
-from .parameters import AUTOMATIC_NUMBER, PARAMETERS, BoneDirection, HoleFilling, Interpolation, Method, SigmaUnit, camelCase
+from .parameters import PARAMETERS, Method, SigmaUnit, camelCase, defaultOf
 
 
 class Preset(enum.Enum):
@@ -26,16 +26,10 @@ class Preset(enum.Enum):
 
 
 _STANDARD: dict = {
-    **{camelCase(name): PARAMETERS[name]["default"] for name in ("spacing", "alpha", "beta", "bone_gain", "weight_floor")},
-    "method": Method.AUTOMATIC,
+    **{camelCase(name): defaultOf(name) for name, rule in PARAMETERS.items() if rule["preset"]},
     "ownMethod": "",
-    "boneDirection": BoneDirection(PARAMETERS["bone_direction"]["default"]),
     "boneSigma": 10.0,
     "boneSigmaUnit": SigmaUnit.AUTOMATIC,
-    "holeLimit": AUTOMATIC_NUMBER,
-    "holes": HoleFilling.AUTOMATIC,
-    "interpolation": Interpolation.AUTOMATIC,
-    "skip": 0,
 }
 """The defaults of everything that a preset sets."""
 

@@ -131,7 +131,6 @@ def guidanceOfSweep(parameters, progress=None) -> Guidance:
     from AIFReconLib.guidance.guidance import guidance_of_sweep
 
     from ..background import inBackground
-    from ..inputs.parameters import settingsFrom
     from ..sweep.browserItems import checkRecorded
 
     inputs = Inputs.fromParameters(parameters)
@@ -139,5 +138,5 @@ def guidanceOfSweep(parameters, progress=None) -> Guidance:
         checkRecorded(sweep)
     place, sequence = np.asarray(rigidPlace(inputs.bone)), inputs.sequence()
     labels, progress = inputs.labels(part(progress, 0.0, 0.1)), part(progress, 0.1, 1.0)
-    more = {"grid": inputs.grid(settingsFrom(parameters)), "region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
+    more = {"grid": inputs.grid(inputs.recipe), "recipe": inputs.recipe}
     return inBackground(lambda progress: guidance_of_sweep(sequence, labels, place, progress=progress, **more), progress)

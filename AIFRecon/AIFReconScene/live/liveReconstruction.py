@@ -14,6 +14,7 @@ from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.progress import part, report
 from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
+from AIFReconLib.resolve import asked_imaging
 
 from .. import garbage
 from ..background import ALIVE_EVERY, inBackground
@@ -74,22 +75,19 @@ class LiveReconstruction:
         self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, self._source, record, share)
         bone = inputs.boneMap(share, labels, settings.method_for(True)) if self.seen is None else self.seen.bone
         self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
-        field, region = _fieldOf(labels, part(progress, 0.5, 0.6)), inputs.imageRegion(configuration)
+        field, (region, probe) = _fieldOf(labels, part(progress, 0.5, 0.6)), asked_imaging(settings, configuration)
         self.session = LiveSession(
             self._source if self.seen is None else self.seen.source,
             settings,
             bone,
             grid,
-            region=region,
-            probe=inputs.probe,
-            importance=inputs.importance(),
             configuration=configuration,
             synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
             record=record,
         )
         self._snapshots = SnapshotMaker(self.session)
         self._boneAt = None if field is None else matrixToWorld(parameters.bone)
-        imaging = {"configuration": configuration, "region": region, "probe": inputs.probe}
+        imaging = {"configuration": configuration, "region": region, "probe": probe}
         self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, **imaging)
         self._parameters, self._imaging = parameters, imaging
         self.guidance = None

@@ -201,8 +201,7 @@ def _coverage(parameters, progress) -> tuple:
     try:
         inputs, place = Inputs.fromParameters(parameters), rigidPlace(bone)
         sequence, labels, names = inputs.sequence(), inputs.labels(), boneNames(bone, list(parameters.boneSegments) or None)
-        imaging = {"region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
-        found = inBackground(lambda progress: coverage(sequence, labels, place, names=names, progress=progress, **imaging), progress)
+        found = inBackground(lambda progress: coverage(sequence, labels, place, inputs.recipe, names=names, progress=progress), progress)
     except OperationCanceled:
         raise
     except AIFReconError as error:
@@ -227,9 +226,7 @@ def _percent(share: float) -> str:
 
 
 def _settings(output):
-    """The `ReconstructionSettings` that a volume says it was made with."""
-    from AIFReconLib import ReconstructionSettings
-    from AIFReconLib.provenance.kept import OF_RECONSTRUCTION, understood
+    """The `Recipe` that a volume says it was made with."""
+    from AIFReconLib.provenance.kept import understood
 
-    kept = understood(Path(output.GetName()), json.loads(output.GetAttribute(SETTINGS_ATTRIBUTE)), "", ())
-    return ReconstructionSettings(**{name: value for name, value in kept.options.items() if name in OF_RECONSTRUCTION})
+    return understood(Path(output.GetName()), json.loads(output.GetAttribute(SETTINGS_ATTRIBUTE)), "", ()).recipe

@@ -9,7 +9,7 @@ from AIFReconLib.progress import part
 
 from ..background import inBackground
 from ..inputs.inputs import Inputs
-from ..inputs.parameters import RegistrationStart
+from ..inputs.parameters import RegistrationStart, regionFrom
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
 
@@ -111,12 +111,11 @@ class CTRegistration:
         inputs = Inputs.fromParameters(parameters)
         for sweep in inputs.sweeps:
             checkRecorded(sweep)
-        asked = inputs.probe, inputs.clip, inputs.fanAngles, inputs.fanRadii
+        asked = (parameters.probe, inputs.recipe.apex_px, *regionFrom(parameters).values())
         key = sweepKey(inputs.sweep, inputs.imageSequence), *map(sweepKey, inputs.otherSweeps), asked
         if self._key != key:
             sequence = inputs.sequence()
-            imaging = {"region": inputs.imageRegion(sequence.configuration), "probe": inputs.probe}
-            self._echoes = inBackground(lambda progress: sweep_echoes(sequence, progress=progress, **imaging), progress)
+            self._echoes = inBackground(lambda progress: sweep_echoes(sequence, inputs.recipe, progress=progress), progress)
             self._key = key
         return self._echoes
 

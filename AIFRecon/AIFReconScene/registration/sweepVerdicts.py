@@ -117,10 +117,11 @@ def _key(name: str, parameters) -> tuple:
 def _coverageOf(prepared, names: dict, progress) -> Verdict:
     from AIFReconLib.guidance.coverage import coverage
 
-    more = {"region": prepared.imageRegion, "probe": prepared.probe}
     bone = prepared.labeledBone
     try:
-        return _verdictOn(coverage(prepared.sequence, bone.labels, bone.labels_to_reference, progress=progress, **more), names)
+        return _verdictOn(
+            coverage(prepared.sequence, bone.labels, bone.labels_to_reference, recipe=prepared.recipe, progress=progress), names
+        )
     except OperationCanceled:
         raise
     except AIFReconError as error:

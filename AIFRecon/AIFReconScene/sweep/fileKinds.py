@@ -17,7 +17,12 @@ SUFFIXES = {
 }
 """What names tell; others are looked into."""
 
-OPENED = (*SUFFIXES, ".mha", ".mhd", ".nrrd", ".nhdr")
+
+def opened() -> tuple[str, ...]:
+    """Suffixes of all files that are opened."""
+    from AIFReconLib.io.sequence.files import recording_suffixes
+
+    return (*SUFFIXES, *recording_suffixes())
 
 
 def kindOf(path: Path) -> str:
@@ -29,16 +34,12 @@ def kindOf(path: Path) -> str:
         When it is none that is known, or cannot be read.
     """
     from AIFReconLib.bone.recorded_predictions import COVERS
-    from AIFReconLib.errors import FileFormatError
-    from AIFReconLib.io.metafile.opening import read_metafile
-    from AIFReconLib.io.sequence.slicer import is_slicer_sequence
+    from AIFReconLib.io.sequence.files import kind_of_recording
 
     told = next((kind for suffix, kind in SUFFIXES.items() if path.name.lower().endswith(suffix)), None)
     if told is not None:
         return told
-    header = read_metafile(path, FileFormatError)
-    ofFrames = [name for name in header.fields if name.startswith("Seq_Frame")]
-    if any(name.endswith(f"_{COVERS}") for name in ofFrames):
-        return PREDICTIONS
-    tracked = is_slicer_sequence(header) or bool(ofFrames)
-    return RECORDING if tracked else VOLUME
+    ofFrames = kind_of_recording(path).frame_fields(path)
+    if ofFrames is None:
+        return VOLUME
+    return PREDICTIONS if COVERS in ofFrames else RECORDING

@@ -34,9 +34,7 @@ def predictionsFromNode(sequenceNode) -> TrackedSequence:
     return TrackedSequence(images, [FrameRecord(timestamp=times[number] if times else None, fields=fields) for number in range(count)])
 
 
-def predictedBone(
-    sequence: TrackedSequence, predictions=None, model: "Path | None" = None, rectangle=None, region=None, probe=None, progress=None
-) -> "BoneMap":
+def predictedBone(sequence: TrackedSequence, predictions=None, model: "Path | None" = None, recipe=None, progress=None) -> "BoneMap":
     """The `BoneMap` of what a network says of a sweep's frames, found on a thread of its own.
 
     Parameters
@@ -47,10 +45,8 @@ def predictedBone(
         What was predicted, one image for each frame or with their times.
     model : Path or None
         An ONNX file, where there are no predictions. It needs onnxruntime.
-    rectangle : (x, y, width, height) or None
-        What a prediction covers, in pixels of a frame.
-    region, probe : ImageRegion, ProbeGeometry or None
-        As for a reconstruction.
+    recipe : Recipe or None
+        As for a reconstruction; `bone_frames_px` says what a prediction covers.
 
     Raises
     ------
@@ -66,8 +62,12 @@ def predictedBone(
     recorded = None if predictions is None else _inMemory(predictionsFromNode(predictions))
 
     def work(progress):
-        estimator = OnnxModel(model, usable_cores()) if recorded is None else RecordedPredictions(sequence, recorded, rectangle)
-        return bone_from_frames(sequence, estimator, region=region, probe=probe, progress=progress)
+        estimator = (
+            OnnxModel(model, usable_cores())
+            if recorded is None
+            else RecordedPredictions(sequence, recorded, recipe.bone_frames_px if recipe else None)
+        )
+        return bone_from_frames(sequence, estimator, recipe=recipe, progress=progress)
 
     return inBackground(work, progress)
 

@@ -37,7 +37,7 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     Parameters
     ----------
     inputs : Inputs
-    settings : ReconstructionSettings
+    settings : Recipe
         Its method is replaced by each in turn.
     progress : callable or None
 
@@ -85,8 +85,7 @@ def _metrics(labels, prepared, results, progress) -> dict:
     # Every method fills the same voxels, so one mask tells for all of them
     mask = next(iter(results.values())).mask
     volumes = {method: result.intensity for method, result in results.items()}
-    imaging = {"region": prepared.imageRegion, "probe": prepared.probe}
-    return measureVolumes(volumes, labels, prepared.sequence, mask=mask, progress=progress, **imaging)
+    return measureVolumes(volumes, labels, prepared.sequence, mask=mask, recipe=prepared.recipe, progress=progress)
 
 
 def _shareWindow(nodes) -> None:

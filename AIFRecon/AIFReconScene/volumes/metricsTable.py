@@ -6,9 +6,8 @@ import slicer
 import vtk
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.sweep.frames import TrackedSequence
 
 from ..background import inBackground
@@ -20,8 +19,7 @@ def measureVolumes(
     sequence: TrackedSequence | None = None,
     *,
     mask: Volume | None = None,
-    region: ImageRegion | None = None,
-    probe: ProbeGeometry | None = None,
+    recipe: Recipe | None = None,
     progress: Progress | None = None,
 ) -> dict:
     """Bone metrics of several volumes of one sweep, each a `BoneMetrics`, by name.
@@ -35,7 +33,7 @@ def measureVolumes(
         Decides which bone could be reached; without one all bone counts.
     mask : Volume or None
         Not 0 where something was measured.
-    region, probe
+    recipe : Recipe or None
         As for `reconstruct`.
     progress : Progress or None
     """
@@ -43,7 +41,7 @@ def measureVolumes(
     from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
 
     def work(progress):
-        beams = SweepBeams.of_sequence(sequence, region=region, probe=probe) if sequence is not None else None
+        beams = SweepBeams.of_sequence(sequence, recipe) if sequence is not None else None
         truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
         results = {}
         for number, (name, volume) in enumerate(volumes.items()):

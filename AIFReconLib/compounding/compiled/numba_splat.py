@@ -1,7 +1,6 @@
 """Linear interpolation on all processor cores: the same voxels as `SplatEngine`, to the last bit.
 
-As in `numba_engine`, a batch of frames is put into the volume slab by slab. Slabs share no voxel: a pixel whose corners lie in two of them
-is met in both, and gives each its own.
+Slabs share no voxel: a pixel whose corners lie in two of them is met in both, and gives each its own.
 """
 
 from __future__ import annotations
@@ -10,19 +9,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...arrays import Floats, Integers, Mask, Reals, Singles
+from ...arrays import Floats, Integers, Mask
 from ...machine.numba_compile import compiled, inlined
-from ...machine.threads import Pace, checked_threads, in_parts
-from ...settings import ReconstructionSettings
-from ..batch import BATCH_FRAMES, FrameBatch
+from ..batch import FrameBatch
+from ..engine import Job
 from ..evidence import ScanLines
 from ..layout import CENTER_TOLERANCE, PixelLayout
 from ..methods import average, latest, maximum
-from ..splat_engine import SplatEngine
-from ..state import VoxelState
+from ..splat_engine import weights_of
 from .groups import Pixels, Slab, SplatFrames, Voxels
 from .numba_kernels import OFFSET, ROW, START, STOP, clip_to_slab, clip_to_volume
-from .slabs import cut_into_slabs
+from .slabs import SlabEngine, cut_into_slabs
 
 AVERAGE, LATEST, MAXIMUM = range(3)
 SPREAD_RULES = {average.AVERAGE.name: AVERAGE, latest.LATEST.name: LATEST, maximum.MAXIMUM.name: MAXIMUM}
@@ -83,9 +80,6 @@ def spread(
     Parameters
     ----------
     rule : AVERAGE, LATEST or MAXIMUM
-    frames : SplatFrames
-    slab : Slab
-    pixels : Pixels
     tolerance : float, voxels
         As in `PixelLayout.places`.
     least_share : float
@@ -157,72 +151,44 @@ def spread(
                     value[voxel] = pixel if rule == LATEST else max(value[voxel], pixel)
 
 
-class NumbaSplatEngine(SplatEngine):
-    """`SplatEngine`, compiled, of which it takes the arguments; on `threads` threads, by default on every core."""
+class NumbaSplatEngine(SlabEngine):
+    """`SplatEngine` for linear interpolation, compiled."""
 
-    name = "numba"
-    frames_at_once = BATCH_FRAMES
-
-    def __init__(
-        self,
-        state: VoxelState,
-        grid_size: tuple[int, int, int],
-        settings: ReconstructionSettings,
-        importance: Reals | None = None,
-        threads: int | None = None,
-        planes: tuple[int, int] | None = None,
-    ):
-        super().__init__(state, grid_size, settings, importance, planes=planes)
-        self.threads = checked_threads(threads)
-        self._pace = Pace()
-        first, stop = self._planes
-        self._size = np.array([*grid_size, first, stop], dtype=np.int64)
+    def __init__(self, job: Job):
+        super().__init__(job)
+        (first, stop), (i, j, k) = job.planes, job.grid_size
+        self._size = np.array([i, j, k, first, stop], dtype=np.int64)
         # A corner of a pixel beside these planes may lie in them
-        self._bounds = np.array([(0, 0, max(first - 1, 0)), (*grid_size[:2], min(stop + 1, grid_size[2]))], dtype=np.float64)
+        self._bounds = np.array([(0, 0, max(first - 1, 0)), (i, j, min(stop + 1, k))], dtype=np.float64)
 
-    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None = None) -> list[int]:
-        """As `SplatEngine.insert`."""
-        importance = self._weights(layout)
-        counting = None if importance is None else layout.filled(importance > 0)
-        if importance is None:
-            importance = np.empty(0, np.float32)
-        if not batch.measured:
-            return self._insert_alike(batch, slice(0, len(batch)), layout, counting, importance)
-        entered: list[int] = []
-        for place in range(len(batch)):
-            both = counting
-            if place in batch.measured:
-                kept = layout.within_window(batch.measured[place])
-                both = kept if counting is None else kept & counting
-            entered += self._insert_alike(batch, slice(place, place + 1), layout, both, importance)
-        return entered
+    def _counting(self, layout: PixelLayout) -> Mask | None:
+        importance = weights_of(layout, self.job.importance)
+        return None if importance is None else layout.filled(importance > 0)
 
-    def _insert_alike(self, batch: FrameBatch, frames: slice, layout: PixelLayout, counting: Mask | None, importance: Singles) -> list[int]:
-        """Frames of which the same pixels of the window count, (rows, columns) bool; None: all of the layout's."""
+    def _insert_alike(
+        self, batch: FrameBatch, frames: slice, layout: PixelLayout, scan_lines: ScanLines | None, counting: Mask | None
+    ) -> list[int]:
         images, matrices = batch.images[frames], batch.image_to_ijk[frames]
         pieces = layout.pieces if counting is None else layout.pieces_within(layout.mask & counting)
         axis, edges = cut_into_slabs(matrices, layout, self._bounds)
         spans = np.empty((len(images), len(pieces), 4), np.int32)
         if layout.moved is None:
             clip_to_volume(matrices, pieces, self._bounds, axis, spans)
-        entered = np.zeros((len(edges) - 1, len(images)), np.int64)
-        state = self.state
-        coordinates = np.empty((2, 0)) if layout.moved is None else layout.moved
+        state, importance = self.state, weights_of(layout, self.job.importance)
+        pixels = np.empty((2, 0)) if layout.moved is None else layout.moved, np.empty(0, np.float32) if importance is None else importance
         voxels = state.value, state.hits, np.empty(0) if state.weight is None else state.weight
 
-        def put(part: int) -> Iterator[None]:
-            slab = axis, int(edges[part]), int(edges[part + 1])
+        def put(slab: Slab, entered: Integers) -> Iterator[None]:
             columns = np.empty((len(images), len(pieces), 2), np.int32)
             if layout.moved is None:
                 # A pixel's corners are one voxel from the voxel that is nearest to it
                 clip_to_slab(matrices, pieces, spans, (axis, slab[1] - 1, slab[2] + 1), columns)
             else:
                 columns[:] = pieces[:, [START, STOP]]
-            rule, least = SPREAD_RULES[state.method], self._method.least_share
+            rule, least = SPREAD_RULES[self.method.name], self.method.least_share
             for some in self._pace.steps(len(images)):
                 where = images[some], matrices[some], pieces, columns[some], self._size
-                spread(rule, where, slab, (coordinates, importance), CENTER_TOLERANCE, least, voxels, entered[part, some])
+                spread(rule, where, slab, pixels, CENTER_TOLERANCE, least, voxels, entered[some])
                 yield
 
-        in_parts(put, len(edges) - 1, self.threads, batch.progress, "Reconstructing")
-        return [int(n) for n in entered.sum(axis=0)]
+        return self._in_slabs(put, axis, edges, len(images), batch.progress)

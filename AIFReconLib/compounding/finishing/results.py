@@ -12,7 +12,7 @@ from ...holes.automatic import with_limit
 from ...holes.fill import asks_for_hits, copies_values, fill_as_asked
 from ...holes.filling import HoleFilling
 from ...progress import Progress
-from ...settings import ReconstructionSettings
+from ...recipe.recipe import Recipe
 from ..state import BESIDE, VoxelState
 from .values import finish_values
 
@@ -25,22 +25,18 @@ class Results:
 
     Parameters
     ----------
-    grid : VoxelGrid
-    settings : ReconstructionSettings
     output_type : "uint8", "float32" or None
         Of the intensity; None before any image is known.
     beside : names of `BESIDE`
         Which volumes are wanted beside intensity and mask, and the cosine where the states have it.
     configured : tuple of HoleFilling
         As in `fill_as_asked`.
-    threads : int or None
-
     """
 
     def __init__(
         self,
         grid: VoxelGrid,
-        settings: ReconstructionSettings,
+        settings: Recipe,
         output_type: str | None,
         beside: Collection[str],
         configured: tuple[HoleFilling, ...] = (),
@@ -105,7 +101,6 @@ class Results:
         ----------
         poses, shown
             As in `automatic_limit`.
-        progress : Progress or None
         """
         settings, said = with_limit(self._settings, self._configured, poses, shown, self.grid)
         values = self._room("intensity", self._first_type)
@@ -143,9 +138,7 @@ def rounded(values: Numbers, dtype: NumberType) -> Numbers:
     return result
 
 
-def bytes_of_results(
-    settings: ReconstructionSettings, configured: tuple[HoleFilling, ...], output_type: str, beside: Collection[str]
-) -> int:
+def bytes_of_results(settings: Recipe, configured: tuple[HoleFilling, ...], output_type: str, beside: Collection[str]) -> int:
     """What `Results` take per voxel."""
     output = np.dtype(output_type).itemsize
     # Rounded to another array where that has to wait for the holes

@@ -4,78 +4,60 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import Integers, Singles
-from ...bone.placed.on_grid import PlacedBone
+from ...arrays import Singles
 from ..batch import FrameBatch
-from ..evidence import FrameEvidence, ScanLines
+from ..engine import Engine, Job
+from ..evidence import ScanLines
 from ..layout import PixelLayout
-from ..state import VoxelState
 from .method import Method
 
 
-class OwnMethodEngine:
-    """Puts frames into a `VoxelState` as a method of one's own says.
+class OwnMethodEngine(Engine):
+    """Puts frames into a `VoxelState` that keeps weights as a method of one's own says.
 
-    Parameters
-    ----------
-    state : VoxelState
-        One that keeps weights.
-    grid_size : (i, j, k)
-    method : Method
-    maximum : float
-        Brightest value an image can hold, which shadows are judged by.
-    bone : PlacedBone or None
-        Needed by a method that looks at bone, and where the state keeps the best cosine.
-    planes : (first, stop) or None
-        The part of the grid that the state is of, and the bone; by default all of it, which a method that looks at bone needs.
+    Of a frame for which the method fails, or answers what cannot be added up (a MethodError), nothing enters.
     """
 
-    name = "numpy"
-    frames_at_once = 1
-
-    def __init__(
-        self,
-        state: VoxelState,
-        grid_size: tuple[int, int, int],
-        method: Method,
-        maximum: float,
-        bone: PlacedBone | None,
-        planes: tuple[int, int] | None = None,
-    ):
-        self.state = state
-        self.method = method
-        self._grid_size, self._planes = grid_size, planes
-        self._maximum = maximum
-        self._bone = bone
-
-    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
-        """Put frames into the volume; returns how many pixels entered of each.
-
-        Raises
-        ------
-        MethodError
-            When the method fails, or answers what cannot be added up. Nothing of that frame has entered.
-        """
-        return [self._insert(batch, place, layout, scan_lines) for place in range(len(batch))]
+    def __init__(self, job: Job):
+        super().__init__(job)
+        if not isinstance(self.method, Method):
+            raise ValueError(f"Input state must be of a method of one's own; got {self.method.name}.")
+        self._own = self.method
 
     def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
-        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self._grid_size, self._planes)
-        if place in batch.measured:
-            measured = layout.values(batch.measured[place])[pixels] > 0
-            pixels, voxels = pixels[measured], voxels[measured]
+        pixels, voxels = self._entering(batch, place, layout)
         if not pixels.size:
             return 0
-        # Bone that is there for the sake of the best cosine alone must change no voxel
-        expected = self._bone if self.method.needs_bone else None
-        frame = _Frame(batch, place, layout, scan_lines, self._maximum, pixels, voxels, self._bone, expected)
-        number = batch.numbers[place]
-        answer = self.method.weigh({name: frame.array(name) for name in self.method.arrays}, number)
+        number, method, state, bone = batch.numbers[place], self._own, self.state, self.job.bone
+
+        def in_volume(values: Singles) -> Singles:
+            """Values of the pixels in the volume, (m,), in the window; 0 elsewhere."""
+            if values.size == layout.inside.size:
+                return layout.filled(values)
+            whole = np.zeros(layout.inside.size, np.float32)
+            whole[pixels] = values
+            return layout.filled(whole)
+
+        given: dict[str, Singles] = {}
+        cosine: Singles | None = None
+        if bone is not None and (state.cosine is not None or method.needs_bone):
+            probability, directions = bone.at(voxels)
+            cosine = layout.beams(pixels, batch.axes[place]).cosine(directions)
+            given |= {"cosine": cosine, "probability": probability}
+        # Each is the method's to change
+        arrays = {name: in_volume(given[name]) for name in method.arrays if name in given}
+        if "intensity" in method.arrays:
+            arrays["intensity"] = layout.within_window(batch.images[place]).astype(np.float32)
+        if method.needs_shadows:
+            # Bone that is there for the sake of the best cosine alone must change no voxel
+            expected = bone if method.needs_bone else None
+            evidence = self._evidence(layout.values(batch.images[place]), batch.image_to_ijk[place], scan_lines, expected)
+            arrays |= {"reach": layout.filled(evidence.reach), "onset": layout.filled(evidence.onset)}
+        answer = method.weigh({name: arrays[name] for name in method.arrays}, number)
         # A view is enough where all enter
         chosen = slice(None) if pixels.size == layout.mask.size else layout.inside[pixels]
         weight, value = (array.reshape(-1)[chosen] for array in answer)
-        self.method.check(weight, value, number)
-        state = self.state
-        cosine = None if state.cosine is None else frame.cosine
+        method.check(weight, value, number)
         if not weight.all():
             counts = weight > 0
             weight, value, voxels = weight[counts], value[counts], voxels[counts]
@@ -88,64 +70,3 @@ class OwnMethodEngine:
         np.add.at(state.weights, voxels, shares)
         np.add.at(state.value, voxels, np.multiply(shares, value, out=shares))
         return voxels.size
-
-
-class _Frame:
-    """One frame as a method sees it; the pixels in the volume are `pixels` (m,), numbers of the layout's, in `voxels` (m,).
-
-    `expected` is the bone whose word counts where onsets compete, if any.
-    """
-
-    def __init__(
-        self,
-        batch: FrameBatch,
-        place: int,
-        layout: PixelLayout,
-        scan_lines: ScanLines | None,
-        maximum: float,
-        pixels: Integers,
-        voxels: Integers,
-        bone: PlacedBone | None,
-        expected: PlacedBone | None,
-    ):
-        self._image, self._axes, self._layout = batch.images[place], batch.axes[place], layout
-        self._scan_lines, self._maximum, self._image_to_ijk = scan_lines, maximum, batch.image_to_ijk[place]
-        self._pixels, self._voxels, self._bone, self._expected = pixels, voxels, bone, expected
-        self._evidence: FrameEvidence | None = None
-
-    def array(self, name: str) -> Singles:
-        """One of `ARRAYS`, (rows, columns) float32 of the window in which pixels count; the caller's to change."""
-        if name == "intensity":
-            return self._layout.within_window(self._image).astype(np.float32)
-        if name == "cosine":
-            return self._in_volume(self.cosine)
-        if name == "probability":
-            return self._in_volume(self._bone_map.at(self._voxels)[0])
-        if self._evidence is None:
-            if self._scan_lines is None:
-                raise ValueError("Input scan_lines must be given for a method that looks at shadows; got None.")
-            expected = None
-            if self._expected is not None:
-                expected = self._scan_lines.expected(self._expected.map_probability, self._expected.ijk_to_map @ self._image_to_ijk)
-            self._evidence = self._scan_lines.evidence(self._layout.values(self._image), self._maximum, expected)
-        return self._layout.filled(self._evidence.reach if name == "reach" else self._evidence.onset)
-
-    @property
-    def cosine(self) -> Singles:
-        """Cosine of incidence of the pixels in the volume, (m,)."""
-        directions = self._bone_map.at(self._voxels)[1]
-        return self._layout.beams(self._pixels, self._axes).cosine(directions)
-
-    @property
-    def _bone_map(self) -> PlacedBone:
-        if self._bone is None:
-            raise ValueError("Input bone must be given for a method that looks at it; got None.")
-        return self._bone
-
-    def _in_volume(self, values: Singles) -> Singles:
-        """Values of the pixels in the volume, (m,), in the window; 0 elsewhere."""
-        if values.size == self._layout.inside.size:
-            return self._layout.filled(values)
-        whole = np.zeros(self._layout.inside.size, np.float32)
-        whole[self._pixels] = values
-        return self._layout.filled(whole)

@@ -31,12 +31,14 @@ def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> st
 
 
 def short_cause(error: Exception) -> str:
-    """The last meaningful line of a SimpleITK exception, without addresses and source paths."""
+    """The sentence of a SimpleITK exception that says what was wrong, without addresses, source paths and functions."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    itk = [line for line in lines if "ERROR:" in line]
-    text = (itk or lines or [type(error).__name__])[-1]
-    text = re.sub(r"^.*?ERROR:\s*", "", text)
+    # NRRD's reader tells the way to the error, and that last
+    said = [line for line in lines if line.startswith("[nrrd]")] or [line for line in lines if "ERROR:" in line]
+    text = (said or lines or [type(error).__name__])[-1]
+    text = re.sub(r"^(.*?ERROR:|\[nrrd\] \w+:)\s*", "", text)
     text = re.sub(r"\(0x[0-9a-f]+\)", "", text)
+    text = re.sub(r"\S*aifrecon-\w+[/\\]copy[.\w]*", "it", text)  # of a local_copy
     return shorten(text.rstrip(" .:"), 160)
 
 

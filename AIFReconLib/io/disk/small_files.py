@@ -36,7 +36,7 @@ def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
 
 
 @contextlib.contextmanager
-def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] | None) -> Iterator[Path]:
+def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] | None, beside: Path | None = None) -> Iterator[Path]:
     """A whole copy of the file on this computer's own disk, while the block runs; its name has the same suffixes.
 
     Parameters
@@ -45,6 +45,8 @@ def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] |
     error : type of FileFormatError
     seen : tuple or None
         `file_stamp` of the file before it was looked at: the copy is of that one.
+    beside : Path or None
+        The data file that it names, copied under its own name.
 
     Raises
     ------
@@ -57,6 +59,8 @@ def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] |
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="aifrecon-"))
             copy = Path(folder, "copy").with_suffix("".join(path.suffixes[-2:]).lower())
             shutil.copyfile(path, copy)
+            if beside is not None:
+                shutil.copyfile(beside, Path(folder, beside.name))
         except OSError as cause:
             raise error(
                 f"{path}: the file cannot be copied to be read ({cause.strerror}). Copy it to another disk, or free some space for "

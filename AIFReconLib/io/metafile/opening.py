@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...errors import FileFormatError
-from ...remedies import Remedy
 from ..disk.regular_files import require_regular_file, stamp
 from .frame_lines import OutOfOrder
 from .header import HeaderLines
@@ -20,7 +19,7 @@ NRRD_SUFFIXES = (".nrrd", ".nhdr")
 
 
 def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
-    """The header of a MetaImage or NRRD file, by its suffix.
+    """The header of a MetaImage file, or by its suffix of an NRRD file.
 
     Parameters
     ----------
@@ -29,14 +28,11 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
         What to raise when the file cannot be used.
     """
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise error(f"{path}: its suffix must be one of {', '.join(METAIMAGE_SUFFIXES + NRRD_SUFFIXES)}.", Remedy.IMPORT_IT)
     require_regular_file(path, error)
     try:
         with open(path, "rb") as file:
             before = os.fstat(file.fileno())
-            parse = parse_metaimage if suffix in METAIMAGE_SUFFIXES else parse_nrrd
+            parse = parse_nrrd if path.suffix.lower() in NRRD_SUFFIXES else parse_metaimage
             try:
                 metafile = parse(HeaderLines(file, path, error, in_memory=False))
             except OutOfOrder:

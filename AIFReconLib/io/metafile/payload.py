@@ -149,5 +149,3 @@ def check_payload(metafile: Metafile) -> None:
             stream.finish(file)
         except PayloadError as error:
             raise metafile.failure(f"the pixel data {error}. Copy or write the file again.") from error
-        except OSError as error:
-            raise metafile.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error

@@ -19,6 +19,7 @@ from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ...message import one_line, shorten
 from ...sweep.frames import FrameRecord, RecordsOnDemand
+from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
@@ -29,8 +30,8 @@ MOST_DIGITS = 12
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
 IMAGE_STATUS, IMAGE_STATUS_IN_NRRD = "ImageStatus", "Status"
 """NRRD files may have either: older ones of this library have the first."""
-_MATRIX_SUFFIX = "Transform"
-_STATUS_SUFFIX = "TransformStatus"
+MATRIX_SUFFIX = "Transform"
+STATUS_SUFFIX = "TransformStatus"
 
 
 def split_fields(
@@ -50,15 +51,15 @@ def split_fields(
     SequenceFormatError
         Names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
     """
-    per_frame, header = _by_frame(metafile, metafile.fields.items(), frames)
+    per_frame, header = by_frame(metafile, metafile.fields.items(), frames)
     transforms, fields = _take_transforms(metafile, None, header)
     if metafile.frame_lines is None:
         return [_record(metafile, number, per_frame.get(number, {}), spacing) for number in range(frames)], fields, transforms
     if len(metafile.frame_lines) > frames:
-        _by_frame(metafile, metafile.frame_fields(len(metafile.frame_lines) - 1), frames)
+        by_frame(metafile, metafile.frame_fields(len(metafile.frame_lines) - 1), frames)
 
     def record(number: int) -> FrameRecord:
-        of_frame, _ = _by_frame(metafile, metafile.frame_fields(number), frames)
+        of_frame, _ = by_frame(metafile, metafile.frame_fields(number), frames)
         return _record(metafile, number, of_frame.get(number, {}), spacing)
 
     records = RecordsOnDemand(frames, record)
@@ -66,7 +67,9 @@ def split_fields(
     return records, fields, transforms
 
 
-def _by_frame(metafile: Metafile, fields: Iterable[tuple[str, str]], frames: int) -> tuple[dict[int, dict[str, str]], dict[str, str]]:
+def by_frame(
+    header_of: Metafile | HeaderLines, fields: Iterable[tuple[str, str]], frames: int
+) -> tuple[dict[int, dict[str, str]], dict[str, str]]:
     """Fields of each frame, and the others."""
     per_frame: dict[int, dict[str, str]] = {}
     keys: dict[tuple[int, str], str] = {}
@@ -80,12 +83,12 @@ def _by_frame(metafile: Metafile, fields: Iterable[tuple[str, str]], frames: int
         digits, name = match[1].lstrip("0") or "0", match[2]
         number = int(digits[:MOST_DIGITS])
         if number >= frames or len(digits) > MOST_DIGITS:
-            raise metafile.failure(
+            raise header_of.failure(
                 f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct "
                 "DimSize."
             )
         if keys.setdefault((number, name), key) != key or per_frame.get(number, {}).get(name, value) != value:
-            raise metafile.failure(
+            raise header_of.failure(
                 f"frame {number} has {name} twice, as {keys[number, name]} and {key}. Remove one of them from the header."
             )
         per_frame.setdefault(number, {})[name] = value
@@ -150,7 +153,7 @@ def stated_spacing(text: str | None, unit: float = 1.0) -> tuple[float, float] |
 def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
     """One frame's fields, with those of known meaning parsed."""
     transforms, others = _take_transforms(metafile, number, fields)
-    times = [_time(metafile, number, name, others.pop(name, None)) for name in _TIMES]
+    times = [parsed_time(metafile, number, name, others.pop(name, None)) for name in _TIMES]
     statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
     said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
     if len(set(said.values())) > 1:
@@ -182,14 +185,14 @@ def _take_transforms(
         if name is None:
             others[key] = value
             continue
-        other = spelled.setdefault((name, key.endswith(_STATUS_SUFFIX)), key)
+        other = spelled.setdefault((name, key.endswith(STATUS_SUFFIX)), key)
         if other != key:
             raise metafile.failure(f"{_where(number)}{name} is given twice, as {other} and as {key}. Remove one of them from the header.")
         order[name] = None
-        if key.endswith(_STATUS_SUFFIX):
+        if key.endswith(STATUS_SUFFIX):
             statuses[name] = TransformStatus.parse(value)
         else:
-            matrices[name] = _matrix(metafile, number, key, value)
+            matrices[name] = parsed_matrix(metafile, number, key, value)
     missing = np.full((4, 4), np.nan)
     return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
 
@@ -197,7 +200,7 @@ def _take_transforms(
 @lru_cache(maxsize=256)  # the same few in every frame
 def _transform_name(key: str) -> TransformName | None:
     """The transform whose matrix or status `key` holds; None for any other field."""
-    for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX):
+    for suffix in (STATUS_SUFFIX, MATRIX_SUFFIX):
         if key.endswith(suffix) and key != suffix:
             try:
                 name = TransformName.parse(key.removesuffix(suffix))
@@ -208,7 +211,7 @@ def _transform_name(key: str) -> TransformName | None:
     return None
 
 
-def _matrix(metafile: Metafile, number: int | None, key: str, text: str) -> Matrix:
+def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str, text: str) -> Matrix:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:
         numbers = parse_numbers(text)
@@ -223,7 +226,7 @@ def _matrix(metafile: Metafile, number: int | None, key: str, text: str) -> Matr
     return np.array(numbers).reshape(4, 4)
 
 
-def _time(metafile: Metafile, number: int, name: str, text: str | None) -> float | None:
+def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: str | None) -> float | None:
     if text is None:
         return None
     try:
@@ -240,7 +243,7 @@ def _time(metafile: Metafile, number: int, name: str, text: str | None) -> float
 def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
     """Matrix and status of each transform. Without any number and not OK, the status alone, as it may have been read."""
     for name, sample in transforms.items():
-        if _transform_name(f"{name}{_MATRIX_SUFFIX}") != name:
+        if _transform_name(f"{name}{MATRIX_SUFFIX}") != name:
             raise SettingsError(
                 f"Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit. Rename its frames."
             )
@@ -248,5 +251,5 @@ def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> I
             numbers = np.asarray(sample.matrix, dtype=np.float64)
             if numbers.shape != (4, 4):
                 raise SettingsError(f"Input transform {name} must have shape (4, 4); got {numbers.shape}.")
-            yield f"{name}{_MATRIX_SUFFIX}", " ".join(format_number(number) for number in numbers.ravel())
-        yield f"{name}{_STATUS_SUFFIX}", sample.status.value
+            yield f"{name}{MATRIX_SUFFIX}", " ".join(format_number(number) for number in numbers.ravel())
+        yield f"{name}{STATUS_SUFFIX}", sample.status.value

@@ -24,32 +24,32 @@ _SPACE_KINDS = frozenset(("domain", "space"))
 _TIME_KINDS = frozenset(("list", "time"))
 
 
-class FileImages(ImagesOnDemand):
-    """Images in a sequence file, an `ImageStack` (frames, rows, columns).
+class StoredImages(ImagesOnDemand):
+    """Images of a metafile, an `ImageStack` (frames, rows, columns); who derives from it says how to read the bytes of one.
 
     Parameters
     ----------
     metafile : Metafile
+    shape : (frames, rows, columns)
     flip_columns, flip_rows : bool
         What brings the stored images to MF orientation.
-
-    Notes
-    -----
-    `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
-    data are one stream: reading in frame order decodes each byte once, going back starts over, but for recordings of up to `KEPT_BYTES`.
-    No file stays open.
     """
 
-    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
+    def __init__(self, metafile: Metafile, shape: tuple[int, int, int], flip_columns: bool, flip_rows: bool):
+        frames, rows, columns = shape
+        described = len(metafile.frame_lines) if metafile.frame_lines is not None else 0
+        if frames > max(MAXIMUM_FRAMES, described) or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
+            raise metafile.failure(
+                f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({MAXIMUM_FRAMES} frames, {MAXIMUM_FRAME_BYTES} bytes "
+                "in each). The size in the header is wrong, or the recording must be split."
+            )
+        if metafile.channels not in (1, 3, 4):
+            raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
         self._metafile = metafile
-        frames, rows, columns = frame_layout(metafile)
-        self.shape = (frames, rows, columns)
+        self.shape = shape
         self.dtype = metafile.dtype.newbyteorder("=")
         self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
         self._frame_bytes = metafile.pixel_bytes // frames
-        self._stream: Inflater | None = None
-        self._keeps_all = metafile.pixel_bytes <= KEPT_BYTES
-        self._kept: dict[int, bytes] = {}
 
     def _image(self, index: int) -> Numbers:
         _, rows, columns = self.shape
@@ -60,6 +60,26 @@ class FileImages(ImagesOnDemand):
 
     def _read(self, index: int) -> bytes:
         """The stored bytes of one frame."""
+        raise NotImplementedError
+
+
+class FileImages(StoredImages):
+    """Images in a sequence file.
+
+    Notes
+    -----
+    `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
+    data are one stream: reading in frame order decodes each byte once, going back starts over, but for recordings of up to `KEPT_BYTES`.
+    No file stays open.
+    """
+
+    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
+        super().__init__(metafile, frame_layout(metafile), flip_columns, flip_rows)
+        self._stream: Inflater | None = None
+        self._keeps_all = metafile.pixel_bytes <= KEPT_BYTES
+        self._kept: dict[int, bytes] = {}
+
+    def _read(self, index: int) -> bytes:
         metafile = self._metafile
         kept = self._kept.get(index)
         if kept is not None:
@@ -124,13 +144,5 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
         raise metafile.failure(
             f"its images are 3D ({columns} x {rows} x {depth}), which is not supported: frames must be 2D. If this is a recording of "
             "2D frames, the last of its kinds must be list; if it is a volume, give it as one."
-        )
-    if metafile.channels not in (1, 3, 4):
-        raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
-    described = len(metafile.frame_lines) if metafile.frame_lines is not None else 0
-    if frames > max(MAXIMUM_FRAMES, described) or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
-        raise metafile.failure(
-            f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({MAXIMUM_FRAMES} frames, {MAXIMUM_FRAME_BYTES} bytes "
-            "in each). The size in the header is wrong, or the recording must be split."
         )
     return frames, rows, columns

@@ -1,34 +1,49 @@
-"""Tracked ultrasound sequences in files, as the Plus toolkit and Slicer write them: .mha, .mhd with a data file, .nrrd."""
+"""Tracked ultrasound sequences in files of every kind that is known."""
 
 from __future__ import annotations
 
-import contextlib
-import math
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...arrays import Matrix
 from ...errors import SequenceFormatError
-from ...imaging.images import ImageStack
+from ...remedies import Remedy
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import LONGEST_GAP
-from ..metafile.metafile import Metafile
-from ..metafile.opening import read_metafile
-from ..metafile.text_values import parse_numbers
 from ..plus.configuration import read_plus_configuration
-from .fields import split_fields, stated_spacing
-from .file_images import FileImages
-from .interleaved_images import InterleavedImages
-from .orientation import is_image_key, parse_orientation, required_flips
-from .slicer import is_interleaved, is_slicer_sequence, node_geometry, place_frames, slicer_records
+from .kinds import RecordingKind
+from .metafiles import METAFILES
+from .orientation import parse_orientation
+from .slicer import place_frames
 from .transforms import pair_transforms
 from .writer import write_sequence
 
 __all__ = ["read_sequence", "write_sequence"]
 
+KINDS = (METAFILES,)
+"""Every kind of recording that is read: what chooses files, and what reads or damages them in tests, goes by this table."""
+
 IMAGE_FRAME = "Image"
+
+
+def recording_suffixes() -> tuple[str, ...]:
+    """Of all files that are opened as recordings."""
+    return tuple(suffix for kind in KINDS for suffix in kind.suffixes)
+
+
+def kind_of_recording(path: Path) -> RecordingKind:
+    """The kind that opens a file of this name.
+
+    Raises
+    ------
+    SequenceFormatError
+        When none does.
+    """
+    kind = next((kind for kind in KINDS if path.suffix.lower() in kind.suffixes), None)
+    if kind is None:
+        raise SequenceFormatError(f"{path}: its suffix must be one of {', '.join(recording_suffixes())}.", Remedy.IMPORT_IT)
+    return kind
 
 
 def read_sequence(
@@ -79,46 +94,26 @@ def read_sequence(
     A transform of the image in a Slicer sequence takes what the volume node's IJKToRAS makes of a pixel. Where that is not the identity,
     it is multiplied into those transforms, so that they take pixels here as everywhere. Those of a configuration take pixels as they are.
     """
-    metafile = read_metafile(path, SequenceFormatError)
-    flip_columns, flip_rows = required_flips(metafile, parse_orientation(orientation) if orientation else None)
-    kind = InterleavedImages if is_interleaved(metafile) else FileImages
-    images: ImageStack = kind(metafile, flip_columns=flip_columns, flip_rows=flip_rows)
-    from_slicer = is_slicer_sequence(metafile)
-    records, fields, transforms = split_fields(metafile, len(images), None if from_slicer else _header_spacing(metafile))
-    notes: tuple[str, ...] = ()
-    if from_slicer:
-        records, fields, notes = slicer_records(metafile, records, fields)
+    path = Path(path)
+    recorded = kind_of_recording(path).read(path, parse_orientation(orientation) if orientation else None)
+    records, notes = recorded.records, recorded.notes
     if transform_sequences:
         records, paired = pair_transforms(records, transform_sequences, longest_gap)
         notes += paired
     configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
-    geometry = node_geometry(metafile) if from_slicer else None
-    if geometry is not None:
+    if recorded.pixel_to_node is not None:
         frame = image_frame or (configuration.image_frame if configuration is not None else None) or IMAGE_FRAME
-        records, said = _placed(records, frame, geometry)
+        records, said = _placed(records, frame, recorded.pixel_to_node)
         notes += (said,)
     return TrackedSequence(
-        images=images,
+        images=recorded.images,
         records=records,
-        fields={key: value for key, value in fields.items() if not is_image_key(key)},
-        transforms=transforms,
+        fields=recorded.fields,
+        transforms=recorded.transforms,
         configuration=NO_CONFIGURATION if configuration is None else configuration,
-        path=Path(path),
+        path=path,
         notes=notes,
     )
-
-
-def _header_spacing(metafile: Metafile) -> tuple[float, float] | None:
-    """Size of a pixel by the header, mm. (Slicer's is part of the place of its volume nodes.)"""
-    entries = metafile.entries
-    words = next((text.split() for key in ("ElementSpacing", "ElementSize", "spacings") if (text := entries.get(key))), [])
-    if not words:
-        vectors = re.findall(r"\(([^)]*)\)", entries.get("space directions", ""))
-        with contextlib.suppress(ValueError):
-            words = [str(math.hypot(*parse_numbers(vector.replace(",", " ")))) for vector in vectors]
-    elif metafile.channels > 1 and len(words) > len(metafile.size):
-        words = words[1:]
-    return stated_spacing(" ".join(words))
 
 
 def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], str]:

@@ -10,25 +10,16 @@ from typing import BinaryIO
 
 import numpy as np
 
-from ...arrays import Numbers
-from ...imaging.images import luminance
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.payload import Inflater, PayloadError
-from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
-from .images_on_demand import ImagesOnDemand
+from .file_images import StoredImages
 
 _PIECE = 2**23
 """Bytes that are turned over at a time."""
 
 
-class InterleavedImages(ImagesOnDemand):
-    """Images in such a file, an `ImageStack` (frames, rows, columns) in MF orientation.
-
-    Parameters
-    ----------
-    metafile : Metafile
-        Its first axis is the frame, the others columns, rows and, of size 1, slices.
-    flip_columns, flip_rows : bool
+class InterleavedImages(StoredImages):
+    """Images in such a file, whose first axis is the frame, the others columns, rows and, of size 1, slices.
 
     Notes
     -----
@@ -37,34 +28,21 @@ class InterleavedImages(ImagesOnDemand):
     """
 
     def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
-        self._metafile = metafile
         frames, columns, *others = metafile.size
         rows = others.pop(0) if others else 1
-        if math.prod(others) != 1 or metafile.channels not in (1, 3, 4):
-            raise metafile.failure(
-                f"its frames must be 2D images of 1, 3 or 4 channels; got {metafile.size[1:]} of {metafile.channels}. Save the "
-                "sequence from a newer Slicer."
-            )
-        if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
-            raise metafile.failure(f"{frames} frames of {columns} x {rows} pixels are beyond the limits. The size in the header is wrong.")
-        self.shape = (frames, rows, columns)
-        self.dtype = metafile.dtype.newbyteorder("=")
-        self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
-        self._frame_bytes = metafile.pixel_bytes // frames
+        if math.prod(others) != 1:
+            raise metafile.failure(f"its frames must be 2D images; got {metafile.size[1:]}. Save the sequence from a newer Slicer.")
+        super().__init__(metafile, (frames, rows, columns), flip_columns, flip_rows)
         self._sorted: BinaryIO | None = None
 
-    def _image(self, index: int) -> Numbers:
+    def _read(self, index: int) -> bytes:
         if self._sorted is None:
             self._sorted = self._sort()
-        metafile, (_, rows, columns) = self._metafile, self.shape
         try:
             self._sorted.seek(index * self._frame_bytes)
-            data = self._sorted.read(self._frame_bytes)
+            return self._sorted.read(self._frame_bytes)
         except OSError as error:
-            raise metafile.failure(f"its sorted copy cannot be read ({error.strerror}). Read the file again.") from error
-        image: Numbers = np.frombuffer(data, metafile.dtype).reshape(rows, columns, metafile.channels)
-        image = luminance(image) if metafile.channels > 1 else image[..., 0]
-        return np.array(image[self._flips], dtype=self.dtype, order="C")
+            raise self._metafile.failure(f"its sorted copy cannot be read ({error.strerror}). Read the file again.") from error
 
     def _sort(self) -> BinaryIO:
         """A temporary file that holds frame after frame; it goes away with this object."""

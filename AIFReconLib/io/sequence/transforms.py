@@ -6,17 +6,15 @@ transform was called when it was recorded, so it may be any word. A recording wi
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ...arrays import Matrix
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ...message import said, shorten
+from ...message import said
 from ...remedies import Remedy
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
@@ -25,11 +23,8 @@ from ..metafile.header import HeaderLines
 from ..metafile.metaimage import read_entries
 from ..metafile.nrrd import read_nrrd_entries
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES
-from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
-from .fields import FRAME_KEY
+from .fields import MATRIX_SUFFIX, STATUS_SUFFIX, by_frame, parsed_matrix, parsed_time
 from .file_images import MAXIMUM_FRAMES
-
-_MATRIX_SUFFIX, _STATUS_SUFFIX = "Transform", "TransformStatus"
 
 
 def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | None, TransformSample]]:
@@ -48,9 +43,9 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
         When the file cannot be understood or does not hold the transform.
     """
     path = Path(path)
-    per_frame = _frame_fields(path)
+    lines, per_frame = _frame_fields(path)
     present = dict.fromkeys(stem for fields in per_frame.values() for key in fields if (stem := _stem(key)))
-    wanted = next((word for word in present if word.removesuffix(_MATRIX_SUFFIX).lower() == name.lower()), None)
+    wanted = next((word for word in present if word.removesuffix(MATRIX_SUFFIX).lower() == name.lower()), None)
     if wanted is None and len(present) != 1:
         there = ", ".join(present) or "none"
         raise SequenceFormatError(f"{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.")
@@ -63,9 +58,10 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
             samples.append(absent)
             continue
         fields = per_frame[number]
-        matrix = _matrix(path, number, f"{stem}{_MATRIX_SUFFIX}", fields.get(stem + _MATRIX_SUFFIX))
-        status = TransformStatus.parse(fields.get(stem + _STATUS_SUFFIX, "OK" if stem + _MATRIX_SUFFIX in fields else "MISSING"))
-        samples.append((_time(path, number, fields.get("Timestamp")), TransformSample(matrix, status)))
+        key, text = stem + MATRIX_SUFFIX, fields.get(stem + MATRIX_SUFFIX)
+        matrix = np.full((4, 4), np.nan) if text is None else parsed_matrix(lines, number, key, text)
+        status = TransformStatus.parse(fields.get(stem + STATUS_SUFFIX, "MISSING" if text is None else "OK"))
+        samples.append((parsed_time(lines, number, "Timestamp", fields.get("Timestamp")), TransformSample(matrix, status)))
     return samples
 
 
@@ -134,7 +130,7 @@ def _pair(
     return changed, note
 
 
-def _frame_fields(path: Path) -> dict[int, dict[str, str]]:
+def _frame_fields(path: Path) -> tuple[HeaderLines, dict[int, dict[str, str]]]:
     """Fields per frame of any sequence header, images or not."""
     suffix = path.suffix.lower()
     if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
@@ -146,47 +142,12 @@ def _frame_fields(path: Path) -> dict[int, dict[str, str]]:
             entries = read_entries(lines) if suffix in METAIMAGE_SUFFIXES else read_nrrd_entries(lines)[1]
     except OSError as error:
         raise SequenceFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
-    per_frame: dict[int, dict[str, str]] = {}
-    for key, value in entries.items():
-        match = FRAME_KEY.fullmatch(key)
-        if match is None:
-            continue
-        if len(match[1]) > 12 or int(match[1]) >= MAXIMUM_FRAMES:
-            raise SequenceFormatError(f"{path}: {shorten(key)} must belong to a frame below {MAXIMUM_FRAMES}. The header is damaged.")
-        per_frame.setdefault(int(match[1]), {})[match[2]] = value
+    per_frame, _ = by_frame(lines, entries.items(), MAXIMUM_FRAMES)
     if not per_frame:
-        raise SequenceFormatError(f"{path}: it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")
-    return per_frame
+        raise lines.failure("it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")
+    return lines, per_frame
 
 
 def _stem(key: str) -> str | None:
     """The name before ``Transform`` or ``TransformStatus``."""
-    return next((key.removesuffix(suffix) for suffix in (_STATUS_SUFFIX, _MATRIX_SUFFIX) if key.endswith(suffix)), None)
-
-
-def _matrix(path: Path, frame: int, key: str, text: str | None) -> Matrix:
-    if text is None:
-        return np.full((4, 4), np.nan)
-    wrong: str | NotANumberError | None
-    try:
-        numbers = parse_numbers(text)
-        wrong = f"got {len(numbers)}" if len(numbers) != 16 else None
-    except NotANumberError as error:
-        wrong = error
-    if wrong:
-        raise SequenceFormatError(f"{path}: frame {frame}, {key} must be 16 numbers; {wrong}. Save the transform sequence again.")
-    return np.array(numbers).reshape(4, 4)
-
-
-def _time(path: Path, frame: int, text: str | None) -> float | None:
-    try:
-        time = None if text is None else parse_number(text)
-    except ValueError:
-        time = math.nan
-    if time is not None and not math.isfinite(time):
-        raise SequenceFormatError(
-            "{path}: frame {frame}, Timestamp must be a number of seconds; got {text!r}. Save the transform sequence again.".format(
-                path=path, frame=frame, text=shorten(text or "")
-            )
-        )
-    return time
+    return next((key.removesuffix(suffix) for suffix in (STATUS_SUFFIX, MATRIX_SUFFIX) if key.endswith(suffix)), None)

@@ -17,11 +17,12 @@ from ...geometry.transforms import as_matrix, invert, ras_to_lps
 from ...message import shorten
 from ..disk.atomic import atomic_output
 from ..disk.itk import itk_path, short_cause
-from ..disk.small_files import read_bytes
+from ..disk.regular_files import file_stamp
+from ..disk.small_files import local_copy, read_bytes
 from ..metafile.text_values import NotANumberError, parse_numbers
 from .hdf5 import MAGIC as HDF5_MAGIC
-from .hdf5 import read_transform_hdf5
-from .parts import TransformPart, TransformPartError, composed
+from .hdf5 import as_text
+from .parts import TransformPart, TransformPartError, composed, matrix_of
 
 TEXT_SUFFIXES = (".tfm", ".txt")
 HDF5_SUFFIXES = (".h5", ".hdf5")
@@ -49,10 +50,12 @@ def read_transform(path: str | Path) -> Matrix:
         When the file is damaged, or the transform is not linear, not 3D or not invertible.
     """
     path = Path(path)
-    data = _read(path)
+    seen, data = file_stamp(path), _read(path)
     try:
-        in_hdf5 = path.suffix.lower() in HDF5_SUFFIXES
-        itk = composed(read_transform_hdf5(data) if in_hdf5 else read_transform_text(data.decode("utf-8", "replace")))
+        # SimpleITK finds no names beyond ASCII on Windows
+        with local_copy(path, TransformFileError, seen) as copy:
+            text = as_text(copy) if path.suffix.lower() in HDF5_SUFFIXES else data.decode("utf-8", "replace")
+            itk = composed(read_transform_text(text), copy.parent)
     except TransformPartError as error:
         raise TransformFileError(f"{path}: the transform {error}") from error
     try:
@@ -96,8 +99,8 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
             raise _not_written(path, short_cause(error)) from error
         # SimpleITK does not notice that a disk is full
         try:
-            written = read_transform(temporary)
-        except TransformFileError as error:
+            written = ras_to_lps(invert(matrix_of(sitk.ReadTransform(itk_path(temporary, OutputError)))))
+        except (RuntimeError, GeometryError) as error:
             raise _not_written(path, "the file came out incomplete") from error
         # Inverting twice costs digits of the largest number, here a translation
         if not np.allclose(written, node_to_parent, rtol=0, atol=1e-9 * max(1.0, np.abs(node_to_parent).max())):

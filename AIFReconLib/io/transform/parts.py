@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
-import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix
@@ -15,40 +14,29 @@ from ...errors import AIFReconError
 
 COMPOSITE = "CompositeTransform"
 
-_KINDS: dict[str, tuple[Callable[[], sitk.Transform], int, tuple[int, ...]]] = {
-    "AffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
-    "MatrixOffsetTransformBase": (lambda: sitk.AffineTransform(3), 12, (3,)),
-    "Rigid3DTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
-    "Euler3DTransform": (sitk.Euler3DTransform, 6, (3, 4)),
-    "VersorTransform": (sitk.VersorTransform, 3, (3,)),
-    "VersorRigid3DTransform": (sitk.VersorRigid3DTransform, 6, (3,)),
-    "Similarity3DTransform": (sitk.Similarity3DTransform, 7, (3,)),
-    "ScaleTransform": (lambda: sitk.ScaleTransform(3), 3, (3,)),
-    "ScaleVersor3DTransform": (sitk.ScaleVersor3DTransform, 9, (3,)),
-    "ScaleSkewVersor3DTransform": (sitk.ScaleSkewVersor3DTransform, 15, (3,)),
-    "ComposeScaleSkewVersor3DTransform": (sitk.ComposeScaleSkewVersor3DTransform, 12, (3,)),
-    "TranslationTransform": (lambda: sitk.TranslationTransform(3), 3, (0,)),
-    "IdentityTransform": (lambda: sitk.Transform(3, sitk.sitkIdentity), 0, (0,)),
-    "FixedCenterOfRotationAffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
-    "ScalableAffineTransform": (lambda: sitk.AffineTransform(3), 12, (3,)),
-    "CenteredAffineTransform": (lambda: sitk.AffineTransform(3), 15, (3,)),
-    "CenteredEuler3DTransform": (sitk.Euler3DTransform, 9, (3, 4)),
-    "QuaternionRigidTransform": (lambda: sitk.AffineTransform(3), 7, (3,)),
-    "ScaleLogarithmicTransform": (lambda: sitk.ScaleTransform(3), 3, (3,)),
-}
-"""By ITK's name: an object of that kind, or of one that it can be put as; how many parameters it has, and how many fixed ones."""
-
-_Numbers = tuple[float, ...]
-
-_PUT_OTHERWISE: dict[str, Callable[[_Numbers, _Numbers], tuple[_Numbers, _Numbers]]] = {
-    "CenteredAffineTransform": lambda numbers, fixed: (numbers[:9] + numbers[12:], numbers[9:12]),
+_KINDS: dict[str, tuple[int, tuple[int, ...]]] = {
+    "AffineTransform": (12, (3,)),
+    "MatrixOffsetTransformBase": (12, (3,)),
+    "Rigid3DTransform": (12, (3,)),
     # Older files do not say whether the turns are about z, y, x
-    "Euler3DTransform": lambda numbers, fixed: (numbers, (*fixed, 0.0)[:4]),
-    "CenteredEuler3DTransform": lambda numbers, fixed: (numbers[:3] + numbers[6:], (*numbers[3:6], *fixed[3:], 0.0)[:4]),
-    "QuaternionRigidTransform": lambda numbers, fixed: (_turned(*numbers[:4]) + numbers[4:], fixed),
-    "ScaleLogarithmicTransform": lambda numbers, fixed: (tuple(np.exp(numbers).tolist()), fixed),
+    "Euler3DTransform": (6, (3, 4)),
+    "VersorTransform": (3, (3,)),
+    "VersorRigid3DTransform": (6, (3,)),
+    "Similarity3DTransform": (7, (3,)),
+    "ScaleTransform": (3, (3,)),
+    "ScaleVersor3DTransform": (9, (3,)),
+    "ScaleSkewVersor3DTransform": (15, (3,)),
+    "ComposeScaleSkewVersor3DTransform": (12, (3,)),
+    "TranslationTransform": (3, (0,)),
+    "IdentityTransform": (0, (0,)),
+    "FixedCenterOfRotationAffineTransform": (12, (3,)),
+    "ScalableAffineTransform": (12, (3,)),
+    "CenteredAffineTransform": (15, (3,)),
+    "CenteredEuler3DTransform": (9, (3, 4)),
+    "QuaternionRigidTransform": (7, (3,)),
+    "ScaleLogarithmicTransform": (3, (3,)),
 }
-"""By ITK's name, for kinds that SimpleITK has no object of, or takes with all numbers alone: parameters and fixed ones for the object."""
+"""By ITK's name: how many parameters it has, and how many fixed ones. ITK trusts that there are so many."""
 
 _FAR = 2.0**20
 """mm from the origin to the points whose images are asked for: not much less than any translation, which would cost digits."""
@@ -67,14 +55,14 @@ class TransformPart:
     fixed: tuple[float, ...] = ()
 
 
-def _turned(*quaternion: float) -> _Numbers:
-    """The nine numbers of a quaternion's matrix, row by row; its length scales it, as in ITK."""
-    rotation = scipy.spatial.transform.Rotation.from_quat(quaternion).as_matrix()
-    return tuple((rotation * np.dot(quaternion, quaternion)).ravel().tolist())
-
-
-def composed(parts: list[TransformPart]) -> Matrix:
+def composed(parts: list[TransformPart], folder: Path) -> Matrix:
     """The matrix of a file's transforms, (4, 4), mm: of the only one, or of those behind a CompositeTransform, the last applied first.
+
+    Parameters
+    ----------
+    parts : list of TransformPart
+    folder : Path
+        Where a file can be put for SimpleITK.
 
     Raises
     ------
@@ -87,11 +75,31 @@ def composed(parts: list[TransformPart]) -> Matrix:
         parts = parts[1:]
     elif len(parts) > 1:
         raise TransformPartError(f"must be one, or several in a composite; got {len(parts)}. Save one of them.")
-    matrix = np.eye(4)
+    matrix, checked = np.eye(4), folder / "checked.tfm"
     with np.errstate(all="ignore"):  # whatever overflows is refused by who takes the matrix
         for part in parts:
-            matrix = matrix @ _matrix(part)
+            # Alone, SimpleITK takes some kinds only; within a composite it leaves all to ITK
+            lines = ("#Insight Transform File V1.0", *_lines(TransformPart(COMPOSITE)), *_checked(part), "")
+            checked.write_text("\n".join(lines), "ascii")
+            try:
+                matrix = matrix @ matrix_of(sitk.ReadTransform(str(checked)))
+            except RuntimeError:
+                raise TransformPartError("has numbers that ITK does not take. Save the transform from Slicer again.") from None
     return matrix
+
+
+def matrix_of(transform: sitk.Transform) -> Matrix:
+    """The matrix of a linear transform of any kind, (4, 4), known from the images of the origin and a point on each axis."""
+    origin, *ends = map(transform.TransformPoint, ((0.0, 0.0, 0.0), *(_FAR * np.eye(3)).tolist()))
+    matrix = np.eye(4)
+    matrix[:3, 3] = origin
+    matrix[:3, :3] = np.subtract(ends, origin).T / _FAR
+    return matrix
+
+
+def _lines(part: TransformPart) -> tuple[str, ...]:
+    numbers = [" ".join(map(repr, some)) for some in (part.parameters, part.fixed)]
+    return f"Transform: {part.kind}_double_3_3", f"Parameters: {numbers[0]}", f"FixedParameters: {numbers[1]}"
 
 
 def _name(part: TransformPart) -> str:
@@ -106,12 +114,12 @@ def _name(part: TransformPart) -> str:
     return words[1]
 
 
-def _matrix(part: TransformPart) -> Matrix:
+def _checked(part: TransformPart) -> tuple[str, ...]:
+    """The lines of a linear transform that has all its numbers."""
     name = _name(part)
     if name not in _KINDS:
         raise TransformPartError(f"must be linear; got {name[:60]}. Give a rigid or affine registration.")
-    make, count, fixed_counts = _KINDS[name]
-    # Only after this check may ITK see the numbers: it trusts their count
+    count, fixed_counts = _KINDS[name]
     if len(part.parameters) != count or len(part.fixed) not in fixed_counts or not np.isfinite([*part.parameters, *part.fixed]).all():
         raise TransformPartError(
             (
@@ -121,20 +129,4 @@ def _matrix(part: TransformPart) -> Matrix:
                 kind=name, count=count, fixed=" or ".join(map(str, fixed_counts)), parameters=len(part.parameters), others=len(part.fixed)
             )
         )
-    transform = make()
-    parameters, fixed = part.parameters, part.fixed
-    try:
-        if name in _PUT_OTHERWISE:
-            parameters, fixed = _PUT_OTHERWISE[name](parameters, fixed)
-        if fixed:
-            transform.SetFixedParameters(fixed)
-        if parameters:
-            transform.SetParameters(parameters)
-        # An affine map is known from the images of the origin and a point on each axis; this holds for every linear kind
-        origin, *ends = (transform.TransformPoint(point) for point in ((0.0, 0.0, 0.0), *(_FAR * np.eye(3)).tolist()))
-    except (RuntimeError, ValueError):
-        raise TransformPartError(f"of kind {name} has numbers that ITK does not take. Save the transform from Slicer again.") from None
-    matrix = np.eye(4)
-    matrix[:3, 3] = origin
-    matrix[:3, :3] = np.subtract(ends, origin).T / _FAR
-    return matrix
+    return _lines(replace(part, kind=name))

@@ -1,9 +1,7 @@
-"""Volume files: MetaImage, NRRD and, through SimpleITK, NIfTI. Files hold left-posterior-superior coordinates, memory RAS ones."""
+"""Volume files: MetaImage, NRRD and NIfTI, read by SimpleITK. Files hold left-posterior-superior coordinates, memory RAS ones."""
 
 from __future__ import annotations
 
-import itertools
-import logging
 import re
 from pathlib import Path
 
@@ -17,18 +15,14 @@ from ...geometry.volume import Volume
 from ...remedies import Remedy
 from ..disk.atomic import atomic_output, atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
-from ..disk.itk import itk_path, short_cause, without_warnings
-from ..disk.regular_files import file_stamp
-from ..disk.small_files import local_copy
+from ..disk.itk import itk_path, short_cause
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
 from .itk_images import to_sitk
-from .metafile_volumes import StoredVolume, read_metafile_volume
-from .nifti_payload import check_nifti, nifti_forms
+from .itk_reading import StoredVolume, read_metafile_volume, read_nifti
+from .nifti_payload import check_nifti
 from .nrrd_writer import type_name, write_nrrd
-
-logger = logging.getLogger(__name__)
 
 __all__ = [
     "check_volume_path",
@@ -43,9 +37,6 @@ __all__ = [
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
 WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES)
-
-FORMS_APART = 0.5
-"""mm between the places of a voxel by qform and sform that are worth a note; both are rounded."""
 
 OWN_FIELDS = "AIFRecon_"
 """How the fields of a header begin that a volume keeps."""
@@ -64,13 +55,13 @@ def read_volume(path: str | Path) -> Volume:
     VolumeFormatError
         When the file is damaged, incomplete, or holds something other than one scalar 3D volume.
     """
-    stored = _read_stored(Path(path))
-    if stored.components != 1:
+    path = Path(path)
+    array, ijk_to_lps, fields = _read_stored(path)
+    if array.ndim != 3:
         raise VolumeFormatError(
-            f"{stored.path}: its voxels must be single numbers; got {stored.components} each ({stored.array.dtype}). Export a scalar "
-            "volume."
+            f"{path}: its voxels must be single numbers; got {array.shape[3]} each ({array.dtype}). Export a scalar volume."
         )
-    return _as_volume(stored, stored.array)
+    return _as_volume(path, array, ijk_to_lps, fields)
 
 
 def read_labels(path: str | Path) -> Volume:
@@ -87,16 +78,15 @@ def read_labels(path: str | Path) -> Volume:
     VolumeFormatError
         As `read_volume`, and when a voxel is not a whole number or is negative.
     """
-    stored = _read_stored(Path(path))
-    array = stored.array
-    if stored.components != 1:
-        if not any(key.startswith("Segment") for key in stored.fields):
+    path = Path(path)
+    array, ijk_to_lps, fields = _read_stored(path)
+    if array.ndim != 3:
+        if not any(key.startswith("Segment") for key in fields):
             raise VolumeFormatError(
-                f"{stored.path}: its voxels must be single labels; got {stored.components} numbers each ({array.dtype}). Export a "
-                "label volume."
+                f"{path}: its voxels must be single labels; got {array.shape[3]} numbers each ({array.dtype}). Export a label volume."
             )
         array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
-    return _as_volume(stored, _as_labels(stored.path, array))
+    return _as_volume(path, _as_labels(path, array), ijk_to_lps, fields)
 
 
 def read_label_names(path: str | Path) -> dict[int, str]:
@@ -212,53 +202,16 @@ def _read_stored(path: Path) -> StoredVolume:
                 path=path, suffixes=", ".join(READABLE_SUFFIXES)
             )
         )
-    if suffix in NIFTI_SUFFIXES:
-        return _read_nifti(path)
-    return read_metafile_volume(read_metafile(path, VolumeFormatError))
+    return read_nifti(path) if suffix in NIFTI_SUFFIXES else read_metafile_volume(path)
 
 
-def _read_nifti(path: Path) -> StoredVolume:
-    seen = file_stamp(path)
-    head = check_nifti(path, VolumeFormatError)
-    # From a copy, because SimpleITK takes what it cannot read, where a disk fails, for zeros
-    with local_copy(path, VolumeFormatError, seen) as copy, without_warnings():
-        try:
-            # Left to look for a reader itself, it asks others too
-            image = sitk.ReadImage(itk_path(copy, VolumeFormatError), imageIO="NiftiImageIO")
-        except RuntimeError as error:
-            raise VolumeFormatError(f"{path}: SimpleITK cannot read it: {short_cause(error)}. Export the volume again.") from error
-    if image.GetDimension() != 3:
-        raise VolumeFormatError(f"{path}: it must be a 3D volume; got {image.GetDimension()} dimensions. Export one 3D volume.")
-    if "complex" in image.GetPixelIDTypeAsString():
-        raise VolumeFormatError(f"{path}: its voxels must be real numbers; got complex ones. Export the magnitude.")
-    ijk_to_lps = np.eye(4)
-    ijk_to_lps[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
-    ijk_to_lps[:3, 3] = image.GetOrigin()
-    _note_contradiction(path, head, LPS_FROM_RAS @ ijk_to_lps, image.GetSize())
-    return StoredVolume(path, sitk.GetArrayFromImage(image), ijk_to_lps)
-
-
-def _note_contradiction(path: Path, head: bytes, ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:
-    """Note a NIfTI header whose two forms do not place the voxels alike, and which of them ITK took, (4, 4)."""
-    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0, count - 1) for count in size))]).T
-    with np.errstate(all="ignore"):
-        off = {name: float(np.linalg.norm((form - ijk_to_ras) @ corners, axis=0).max()) for name, form in nifti_forms(head).items()}
-    if len(off) == 2 and max(off.values()) > FORMS_APART:
-        logger.warning(
-            "%s: its qform and sform place voxels up to %.3g mm apart. The %s is taken, as ITK does; if it lies wrong, export it again",
-            path,
-            max(off.values()),
-            min(off, key=lambda name: off[name]),
-        )
-
-
-def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
+def _as_volume(path: Path, array: Numbers, ijk_to_lps: Matrix, fields: dict[str, str]) -> Volume:
     """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
     try:
-        own = {key: text for key, text in stored.fields.items() if key.startswith(OWN_FIELDS)}
-        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps, own)
+        own = {key: text for key, text in fields.items() if key.startswith(OWN_FIELDS)}
+        return Volume(array, LPS_FROM_RAS @ ijk_to_lps, own)
     except GeometryError as error:
-        raise VolumeFormatError(f"{stored.path}: its place in space cannot be used. {error}") from error
+        raise VolumeFormatError(f"{path}: its place in space cannot be used. {error}") from error
 
 
 def _as_labels(path: Path, array: Numbers) -> Numbers:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import SimpleITK as sitk
 
-from ...arrays import Numbers
+from ...arrays import Matrix, Numbers
 from ...errors import GeometryError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
@@ -49,7 +49,12 @@ def from_sitk(image: object) -> Volume:
     if image.GetNumberOfComponentsPerPixel() != 1 or "complex" in image.GetPixelIDTypeAsString():
         raise GeometryError(f"Input image must have one real number a voxel; got {image.GetPixelIDTypeAsString()}. Take one component.")
     array: Numbers = sitk.GetArrayFromImage(image)
-    ijk_to_lps = np.eye(4)
-    ijk_to_lps[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
-    ijk_to_lps[:3, 3] = image.GetOrigin()
-    return Volume(array, LPS_FROM_RAS @ ijk_to_lps)
+    return Volume(array, LPS_FROM_RAS @ ijk_to_lps(image))
+
+
+def ijk_to_lps(image: sitk.Image) -> Matrix:
+    """Where a 3D image places its voxels, (4, 4), mm."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())
+    matrix[:3, 3] = image.GetOrigin()
+    return matrix

@@ -23,8 +23,8 @@ from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...progress import Progress
 from ...provenance.record import with_origin
+from ...recipe.recipe import Recipe
 from ...resolve import Imaging, ReconstructorParts
-from ...settings import ReconstructionSettings
 from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame, SynchronizerSettings
@@ -51,18 +51,14 @@ Sign: TypeAlias = Callable[[Reconstruction, Imaging], Reconstruction]
 """What makes a result one whose volumes say where they come from."""
 
 
-def origin(
-    asked: ReconstructionSettings, resolved: ReconstructionSettings, configuration: PlusConfiguration, names: SynchronizerSettings
-) -> Sign:
+def origin(asked: Recipe, resolved: Recipe, configuration: PlusConfiguration, names: SynchronizerSettings) -> Sign:
     """What signs the results of a scan with these settings."""
     return partial(
         with_origin,
-        asked=asked,
+        asked=replace(asked, image_to_reference=names.image_to_reference, reference=names.reference),
         resolved=resolved,
         configuration=configuration,
         inputs=[] if configuration.path is None else [configuration.path],
-        image_to_reference=names.image_to_reference,
-        reference=names.reference,
     )
 
 
@@ -76,7 +72,7 @@ class Inserter:
 
     Parameters
     ----------
-    settings : ReconstructionSettings
+    settings : Recipe
         With everything resolved.
     bone : BoneMap or None
     meter : Meter
@@ -90,7 +86,7 @@ class Inserter:
 
     def __init__(
         self,
-        settings: ReconstructionSettings,
+        settings: Recipe,
         bone: BoneMap | None,
         meter: Meter,
         longest_delay: float | None,

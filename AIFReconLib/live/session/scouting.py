@@ -14,8 +14,8 @@ from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
 from ...imaging.extent import grid_around_sweep
 from ...imaging.sound_speed import depth_scale
+from ...recipe.recipe import Recipe
 from ...resolve import Imaging
-from ...settings import ReconstructionSettings
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import SweepPoses
 from ..pairing.pose_history import LARGEST_SPEED
@@ -111,9 +111,7 @@ class ScoutedFrames:
         poses = SweepPoses(np.stack(matrices), (None,) * len(placed), ())
         return TrackedSequence(_Images(images), [FrameRecord(time) for time in times]), poses
 
-    def grid(
-        self, imaging: Imaging, settings: ReconstructionSettings, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False
-    ) -> VoxelGrid:
+    def grid(self, imaging: Imaging, settings: Recipe, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False) -> VoxelGrid:
         """The box around the poses that were seen, `margin` mm larger on each side; the other arguments as in `grid_around_sweep`.
 
         A place that no hand reaches in the time between two frames does not count: one wrong pose would make it larger than any memory.
@@ -122,7 +120,7 @@ class ScoutedFrames:
         ----------
         imaging : Imaging
             Which pixels count, and the probe where a speed of sound moves them.
-        settings : ReconstructionSettings
+        settings : Recipe
             Of which spacing and speed of sound count.
         bytes_per_voxel : int
         margin : float, mm

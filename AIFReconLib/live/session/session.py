@@ -20,8 +20,8 @@ from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
 from ...message import said
 from ...progress import Progress, part
-from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
-from ...settings import ReconstructionSettings
+from ...recipe.recipe import Recipe
+from ...resolve import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.sources import CONNECTED, ENDED, MessageSource
@@ -48,7 +48,7 @@ class LiveSession:
     ----------
     source : MessageSource
         E.g. an `OpenIGTLinkClient`; started and stopped by the session.
-    settings : ReconstructionSettings
+    settings : Recipe
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
@@ -84,7 +84,7 @@ class LiveSession:
     def __init__(
         self,
         source: MessageSource,
-        settings: ReconstructionSettings | None = None,
+        settings: Recipe | None = None,
         bone: BoneMap | None = None,
         grid: VoxelGrid | None = None,
         *,
@@ -99,9 +99,13 @@ class LiveSession:
     ):
         self._source = source
         self._configuration = configuration = configuration or NO_CONFIGURATION
-        asked = settings or ReconstructionSettings()
-        self.settings = resolve_settings(asked, configuration, bone is not None, importance is not None)
-        parts = reconstructor_parts(asked, self.settings, configuration, importance)
+        asked = settings or Recipe()
+        if importance is not None:
+            asked = replace(asked, importance_mask=importance)
+        self.settings = resolve_settings(asked, configuration, bone is not None)
+        parts = reconstructor_parts(asked, self.settings, configuration)
+        own_region, own_probe = asked_imaging(asked, configuration)
+        region, probe = region or own_region, probe or own_probe
         self._fits_spacing = parts.fits_spacing
         self._method = self.settings.method_for(bone is not None)
         require_bone(self._method, self.settings, bone is not None)
@@ -120,7 +124,7 @@ class LiveSession:
         names = self._synchronizer.settings
         sign = origin(asked, self.settings, configuration, names)
         self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
-        self._grid = grid = grid or (None if names.image_to_reference or names.reference else parts.grid)
+        self._grid = grid = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock = threading.RLock()
         self._phase = RECONSTRUCTING if self._imaging else LOOKING
         if grid is None:

@@ -13,7 +13,6 @@ import pytest
 from files import write_patient
 
 from AIFReconLib.batch import engine
-from AIFReconLib.batch.cohort import duration
 from AIFReconLib.batch.distributions import MOST_DOTS, strip_plot
 from AIFReconLib.batch.memory import OURS, shared_out
 from AIFReconLib.batch.page import page
@@ -40,7 +39,7 @@ def test_a_run_ends_with_tables_and_a_page_and_ctrl_c_with_whole_cases(table, tm
         while process.poll() is None and len(list(results.glob("[PQ]*/average.nrrd"))) < 2:
             time.sleep(0.05)
         process.send_signal(signal.SIGINT) if os.name == "posix" else process.terminate()
-        out, err = process.communicate(timeout=120)
+        out, err = process.communicate()
     if os.name == "posix":
         assert process.returncode == 130, err
         assert "process(es) with" in err
@@ -59,11 +58,6 @@ def test_a_dry_run_lists_what_is_wrong_and_writes_nothing(table, tmp_path, capsy
     assert not (tmp_path / "out").exists()
 
 
-def test_a_dry_run_of_a_right_table_says_so(table, tmp_path, capsys):
-    assert main(["batch", str(table), "--output", str(tmp_path / "out"), "--dry-run"]) == 0
-    assert capsys.readouterr().out == "1 cases, nothing wrong\n"
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -77,13 +71,6 @@ def test_a_dry_run_of_a_right_table_says_so(table, tmp_path, capsys):
 def test_what_cannot_be_asked_for_is_one_line(table, tmp_path, capsys, options, words):
     assert main(["batch", str(table), "--output", str(tmp_path / "out"), *options]) == 2
     assert words in capsys.readouterr().err
-
-
-def test_a_table_that_cannot_be_computed_is_one_line(table, tmp_path, capsys):
-    table.write_text("case,sweep\nP1,a.mha\n")
-    assert main(["batch", str(table), "--output", str(tmp_path / "out")]) == 2
-    assert "row 1, sweeps: the table has no such column" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
 
 
 def test_without_dask_a_sentence_says_how_to_get_it(table, tmp_path, capsys, monkeypatch):
@@ -113,12 +100,6 @@ def test_all_processes_together_get_no_more_than_the_memory_that_is_given(table)
         assert shares.workers * shares.memory + OURS <= 4e9
 
 
-def test_a_finer_case_is_expected_to_need_more_memory(table, tmp_path):
-    coarse = shared_out(read_cases(table).cases).needed
-    table.write_text(HEAD + "P1,sweep.igs.mha,PlusDeviceSet.xml,0.2,no\n")
-    assert shared_out(read_cases(table).cases).needed > coarse
-
-
 # ---- the page
 
 
@@ -136,8 +117,3 @@ def test_names_and_reasons_cannot_write_into_the_page():
     assert "<b>" not in text.replace("<b>1</b>", "").replace("<b>0</b>", "").replace("<b>&lt;i&gt;</b>", "")
     assert "<i>" not in text
     assert "<script>x" not in text
-
-
-@pytest.mark.parametrize(("seconds", "words"), [(45, "45 s"), (720, "12 min"), (11100, "3 h 05 min")])
-def test_a_time_is_said_as_one_says_it(seconds, words):
-    assert duration(seconds) == words

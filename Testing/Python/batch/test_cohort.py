@@ -20,8 +20,7 @@ from AIFReconLib.batch import engine
 from AIFReconLib.batch.case import Task, carry_out
 from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers, own_memory
-from AIFReconLib.batch.page import page
-from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, Record, read_record, write_record
+from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, read_record
 from AIFReconLib.batch.results import flat_rows, write_tables
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
@@ -157,12 +156,6 @@ def test_a_sweep_that_is_cut_short_and_a_missing_file_cost_no_other_case(finishe
     assert lab.done() == ["P1", "P3"]
 
 
-def test_the_progress_counts_cases_and_failures(finished):
-    _, _, said = finished
-    assert said[0] == (0.25, "1 of 4 cases, 1 failed")
-    assert said[-1] == (1.0, "4 of 4 cases, 2 failed")
-
-
 def test_both_tables_hold_a_row_for_each_case_and_method(finished, tmp_path):
     _, cohort, _ = finished
     rows = flat_rows(cohort.cases, cohort.records)
@@ -174,16 +167,6 @@ def test_both_tables_hold_a_row_for_each_case_and_method(finished, tmp_path):
     table = parquet.read_table(tmp_path / "results.parquet").to_pydict()
     assert table["case"] == [each["case"] for each in text]
     assert [f"{value:.6g}" for value in table["bone_cnr"] if value is not None] == [each["bone_cnr"] for each in text if each["bone_cnr"]]
-
-
-def test_the_page_names_every_case_and_says_what_went_wrong(finished):
-    lab, cohort, _ = finished
-    text = page("cases", flat_rows(cohort.cases, cohort.records))
-    assert all(f">{name}<" in text for name in ("P1", "P2", "P3", "P4"))
-    assert "no such file" in text
-    assert 'src="P1/weighted.png"' in text
-    assert (lab.output / "P1" / "weighted.png").is_file()
-    assert "http" not in text.replace("http://www.w3.org", "")
 
 
 # ---- a second run
@@ -232,14 +215,6 @@ def test_a_case_whose_process_is_killed_is_given_up_after_two_tries_and_done_by_
     cohort = lab.run(client)
     assert [case.name for case in cohort.to_do] == ["P1"]
     assert cohort.count(DONE) == 2
-
-
-def test_a_case_that_was_begun_before_says_so_when_it_is_done(lab):
-    (case, *_) = read_cases(lab.folder / "cases.csv").cases
-    (lab.output / RECORDS).mkdir(parents=True)
-    write_record(lab.output, Record("P1", "running", {}, run="tonight", attempts=1))
-    record = carry_out(Task(case, lab.folder, lab.output, "tonight"))
-    assert flat_rows([case], {"P1": record})[0]["message"].startswith("Done at try 2: its process was ended")
 
 
 def test_a_full_disk_is_a_sentence_and_leaves_what_was_there(lab, monkeypatch):
@@ -315,11 +290,6 @@ def test_nobody_without_its_key_speaks_to_the_scheduler_of_a_batch(client, key):
     # In TLS 1.3 the answer to a key comes with what is read first
     with pytest.raises(ssl.SSLError, match="ALERT"), context.wrap_socket(socket.create_connection((host, int(port)))) as connection:
         connection.recv(1)
-
-
-def test_a_scheduler_with_tls_and_no_certificates_for_it_is_one_sentence(client):
-    with pytest.raises(SettingsError, match="certificates in Dask's configuration"), cluster_at(client.scheduler.address, Path("/")):
-        pass
 
 
 def test_a_scheduler_that_is_there_is_used(lab, address):

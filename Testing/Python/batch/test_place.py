@@ -63,13 +63,6 @@ def test_a_folder_that_holds_inputs_is_refused(lab, capsys, options, output):
     assert "it holds" in refused(lab, lab / output, capsys, *options)
 
 
-@needs_links
-def test_a_folder_that_holds_inputs_is_known_by_another_name(lab, tmp_path_factory, capsys):
-    link = tmp_path_factory.mktemp("elsewhere") / "results"
-    link.symlink_to(lab, target_is_directory=True)
-    assert "an input of P1" in refused(lab, link, capsys)
-
-
 def test_an_input_that_is_a_result_of_the_same_folder_is_refused(lab, capsys):
     done(lab, lab / "out")
     with (lab / "cases.csv").open("a") as file:
@@ -92,13 +85,6 @@ def test_a_file_beside_results_that_are_known_is_refused(lab, capsys):
     assert "mine.mrk.json" in refused(lab, lab / "out", capsys)
 
 
-def test_the_table_is_not_replaced_by_a_table_of_results(lab, capsys):
-    (lab / "out" / RECORDS).mkdir(parents=True)
-    (lab / "out" / "results.csv").write_text(HEAD + "P1,../P1/sweep.igs.mha,../P1/PlusDeviceSet.xml,1,no\n")
-    assert main(["batch", str(lab / "out" / "results.csv"), "--output", str(lab / "out")]) == 2
-    assert "results.csv is in their place" in capsys.readouterr().err
-
-
 @needs_links
 @pytest.mark.parametrize("name", [RECORDS, "P1", "results.csv", ".batch/P1.json", ".batch/P1.json.registration"])
 def test_a_link_is_not_followed(lab, capsys, name):
@@ -106,11 +92,6 @@ def test_a_link_is_not_followed(lab, capsys, name):
     (lab / "out" / name).parent.mkdir(parents=True, exist_ok=True)
     (lab / "out" / name).symlink_to(lab / "mine")
     assert name.rpartition("/")[2] in refused(lab, lab / "out", capsys)
-
-
-def test_a_case_that_has_the_name_of_a_table_is_refused(lab, capsys):
-    (lab / "cases.csv").write_text(HEAD + "index.html,P1/sweep.igs.mha,P1/PlusDeviceSet.xml,1,no\n")
-    assert "index.html" in refused(lab, lab / "out", capsys)
 
 
 def test_a_folder_of_results_is_replaced_by_results(lab):
@@ -245,9 +226,3 @@ def test_a_made_up_record_cannot_write_into_the_page(lab):
     assert "<script>alert" not in text
     assert 'src="//' not in text
     assert ">P1<" in text
-
-
-def test_a_number_without_end_in_a_record_does_not_cost_the_page(lab):
-    result = {"method": "average", "bone_cnr": float("inf"), "sweep_met": float("nan")}
-    rows = flat_rows([first_case(lab)], {"P1": Record("P1", DONE, {}, results=[result, {"method": "b", "bone_cnr": 1.0}])})
-    assert "<svg" in page("cases", rows)

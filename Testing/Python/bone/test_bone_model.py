@@ -58,18 +58,6 @@ def test_gray_levels_go_in_as_fractions_of_white_less_mean_over_std(tmp_path):
     np.testing.assert_allclose(answer(path), expected, atol=1e-6)
 
 
-def test_images_of_16_bits_have_another_white(tmp_path):
-    path = model_in(tmp_path, scaling(), output="probability")
-    np.testing.assert_allclose(answer(path, GRAY.astype(np.uint16) * 257), GRAY / 255, atol=1e-6)
-
-
-def test_a_model_of_three_channels_gets_three(tmp_path):
-    path = model_in(tmp_path, scaling(0.25, shape=(1, 3, None, None)), mean=[0.0, 0.1, 0.2], std=[1.0, 1.0, 2.0], output="probability")
-    image = GRAY // 2 + 100
-    level = image / 255
-    np.testing.assert_allclose(answer(path, image), 0.25 * (level + (level - 0.1) + (level - 0.2) / 2), atol=1e-6)
-
-
 def test_of_several_classes_bone_is_the_one_that_is_named(tmp_path):
     model = scaling(channels=3)
     path = model_in(tmp_path, model, output="classes", bone_class=2)
@@ -244,12 +232,6 @@ def test_a_model_that_wants_more_memory_than_it_may_take_is_refused(tmp_path):
         OnnxModel(tmp_path / "model.onnx")
 
 
-def test_an_answer_that_is_larger_than_any_image_is_refused(tmp_path):
-    of_gigabytes(tmp_path / "model.onnx", 8200)
-    with pytest.raises(ModelError, match=r"fails .*its answer is float32 of \(1, 1, 8200, 8200\)"):
-        OnnxModel(tmp_path / "model.onnx")
-
-
 def test_a_crash_within_a_model_is_a_sentence_and_ends_nothing_else(tmp_path):
     model = OnnxModel(model_in(tmp_path, scaling()))
     model._process._process.kill()
@@ -267,30 +249,6 @@ def test_an_interrupt_ends_the_process_of_a_model(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         model.estimate(TrackedFrame(GRAY, np.eye(4)))
     assert model._process._process.poll() is not None
-
-
-def test_the_process_of_a_model_ends_with_it(tmp_path):
-    model = OnnxModel(model_in(tmp_path, scaling()))
-    process = model._process._process
-    assert process.poll() is None
-    del model
-    assert process.poll() is not None
-
-
-def test_data_in_another_file_is_not_opened(tmp_path):
-    opened = []
-    external(tmp_path / "model.onnx")
-    sys.addaudithook(lambda event, arguments: opened.append(str(arguments[0])) if event == "open" and opened is not None else None)
-    with pytest.raises(ModelError):
-        OnnxModel(tmp_path / "model.onnx")
-    assert [Path(name).name for name in opened if str(tmp_path) in name] == ["model.onnx"]
-    opened.clear()
-
-
-def test_without_onnxruntime_the_message_says_how_to_get_it(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "onnxruntime", None)
-    with pytest.raises(ModelError, match="pip install onnxruntime"):
-        OnnxModel(model_in(tmp_path, scaling()))
 
 
 def test_the_command_takes_a_model_and_refuses_what_is_none(tmp_path, capsys):

@@ -11,16 +11,15 @@ from sweeps import image_pose
 
 from AIFReconLib.bone.echo_bone import SKIN, BoneEchoFinder, bone_from_sweep
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import BeamGeometryError, GeometryError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.joined import joined
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
@@ -142,24 +141,6 @@ def test_echoes_lie_on_the_crest_and_not_on_its_far_flank():
     assert abs(np.median(off)) < 0.3
 
 
-def test_an_echo_without_neighbors_is_no_bone():
-    image = speckle()
-    image[82:, 58:62] *= 0.02
-    image[78:82, 58:62] = 255
-    assert find(image.astype(np.uint8)).scores.size == 0
-
-
-def test_a_black_image_has_no_bone():
-    assert find(np.zeros((ROWS, COLUMNS), np.uint8)).scores.size == 0
-
-
-def test_values_that_are_not_finite_count_as_dark():
-    image = bone_image().astype(np.float32)
-    holed = image.copy()
-    image[120:123, 40:44], holed[120:123, 40:44] = 0.0, np.nan
-    np.testing.assert_array_equal(find(holed).pixels, find(image).pixels)
-
-
 def test_scores_do_not_depend_on_the_gain():
     image = bone_image().astype(np.float32)
     np.testing.assert_allclose(find(3 * image).scores, find(image).scores, rtol=1e-4)
@@ -171,11 +152,6 @@ def test_beams_advance_one_millimeter(kind):
     np.testing.assert_allclose(np.linalg.norm(beams, axis=1), 1.0, rtol=1e-6)
 
 
-def test_without_a_probe_the_message_says_what_to_give():
-    with pytest.raises(BeamGeometryError, match=r'probe=ProbeGeometry."linear"'):
-        BoneEchoFinder((COLUMNS, ROWS), SPACING, Imaging(ImageRegion(), None))
-
-
 # The map
 
 
@@ -185,13 +161,6 @@ def test_the_map_of_an_oblique_sweep_is_high_on_the_surface(kind):
     bone = bone_from_sweep(sequence, poses, imaging)
     columns = np.arange(40, 80)
     assert at(bone.probability, points_in(poses.image_to_reference[6], columns, arc_row(columns))).min() > 0.6
-
-
-def test_a_sequence_alone_will_do():
-    sequence, poses, imaging = oblique_sweep()
-    of_arrays = TrackedSequence.from_arrays(sequence.images, poses.image_to_reference)
-    known = bone_from_sweep(sequence, poses, imaging)
-    np.testing.assert_array_equal(bone_from_sweep(of_arrays, region=imaging.region, probe=imaging.probe).probability, known.probability)
 
 
 @pytest.mark.parametrize("shift", [-8.0, 8.0])
@@ -241,17 +210,6 @@ def test_a_frame_that_cannot_be_placed_takes_no_part():
     rest = [n for n in range(len(sequence)) if n != 3]
     expected = bone_from_sweep(*sweep_of(sequence.images[rest], poses.image_to_reference[rest]), imaging)
     np.testing.assert_array_equal(bone_from_sweep(sequence, without, imaging).probability.array, expected.probability.array)
-
-
-def test_a_sweep_without_bone_says_so():
-    sequence, poses = sweep_of(np.stack([speckle(n) for n in range(2)]).astype(np.uint8), [image_pose(SPACING)] * 2)
-    with pytest.raises(GeometryError, match="no frame shows bone"):
-        bone_from_sweep(sequence, poses, REGIONS[LINEAR])
-
-
-def test_it_can_be_canceled():
-    with pytest.raises(OperationCanceled):
-        bone_from_sweep(*oblique_sweep(), progress=lambda fraction, message: fraction < 0.4)
 
 
 # The command line

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.commands import benchmark as command
 from AIFReconLib.commands.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, answer, fan_sweep, verdict
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
@@ -19,28 +18,16 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import unpacked
 from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.extent import grid_around_sweep
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmark import growth, limits, speed, spine
-from benchmark.cases import half_empty, labels_of_size, turned
-from benchmark.first_result import first_result
-from benchmark.table import HEADING, BenchmarkResult, Timing
+from benchmark import limits, speed, spine
+from benchmark.cases import turned
 
 LOOPS = optional_module("benchmark.numba_yardstick")
 needs_numba = pytest.mark.skipif(LOOPS is None, reason="numba is not installed")
-RESULT = BenchmarkResult(
-    "a machine",
-    "1.0",
-    12,
-    5,
-    0.0,
-    (Timing("average", "numba", 2, 0.5, 0.012, 3.25, 1000.0, 4.5, 22), Timing("reading", "file", 1, None, 0.5)),
-)
 
 
 @needs_numba
@@ -79,49 +66,6 @@ def test_everything_is_measured(monkeypatch):
     assert {"average", "weighted", "hole filling", "bone map from labels", "bone map onto a grid", "reading"} <= found
 
 
-@needs_numba
-def test_what_has_a_yardstick_is_compared_with_it():
-    result = speed.benchmark(2, 1, (4.0,), voxels=0)
-    compared = {timing.what for timing in result.timings if timing.times_yardstick}
-    assert {"average", "aif-compensated", "weighted"} <= compared
-
-
-def test_the_table_has_a_row_for_each_timing():
-    assert [len(row) for row in RESULT.rows()] == [len(HEADING)] * 3
-
-
-def test_markdown_is_a_table():
-    lines = RESULT.markdown().splitlines()
-    assert [line.count("|") for line in lines[-4:]] == [len(HEADING) + 1] * 4
-
-
-@pytest.mark.parametrize(("busy", "told"), [(0.0, False), (0.4, True)])
-def test_a_busy_machine_is_named(busy, told):
-    result = BenchmarkResult("a machine", "1.0", 12, 5, busy, ())
-    assert ("too slow" in result.heading()) == told
-
-
-def test_the_numbers_are_json():
-    assert json.loads(json.dumps(RESULT.to_dict()))["timings"][0]["threads"] == 2
-
-
-def test_the_machine_is_named_without_a_place_on_it():
-    assert "/" not in command.machine()
-
-
-def test_half_of_the_voxels_to_be_filled_are_empty():
-    assert half_empty(27_000)[1].mean() == pytest.approx(0.5, abs=0.02)
-
-
-def test_labels_have_the_size_asked_for():
-    assert labels_of_size(27_000).array.size == 27_000
-
-
-def test_the_passes_over_a_back_reach_all_sides_of_its_box():
-    grid = grid_around_sweep(spine.passes(201), (spine.COLUMNS, spine.ROWS), ImageRegion(), (1.0, 1.0, 1.0))
-    np.testing.assert_allclose(np.array(grid.size) - 1, spine.BOX, atol=1)
-
-
 def test_what_a_process_takes_is_told(tmp_path):
     file = tmp_path / "file"
     file.write_bytes(bytes(30_000_000))
@@ -145,15 +89,6 @@ def test_the_limit_enters_the_pixels_of_the_engine():
     np.testing.assert_array_equal(unpacked(state)[1].reshape(grid.shape), reconstructor.finish().hits.array)
 
 
-def test_growth_is_told_by_its_exponent():
-    points = [growth.Point("frames", amount, method, amount**2) for amount in (10, 20) for method in growth.METHODS]
-    assert {row[-1] for row in growth.slopes(points)[1:]} == {"2.00"}
-
-
-def test_a_first_result_can_be_had():
-    assert first_result() is None
-
-
 SMALL = ("--size", "64", "48", "--frames", "2", "--repeats", "1", "--spacing", "4")
 
 
@@ -165,11 +100,6 @@ def test_the_command_answers_for_every_method(tmp_path, capsys):
     assert "At 30 frames/s of 64 x 48 pixels, this machine " in out
     assert list(found["methods"]) == list(METHODS)
     assert all(of["frames_per_second"] * of["seconds_per_frame"] == pytest.approx(1) for of in found["methods"].values())
-
-
-def test_no_machine_keeps_up_with_any_rate(capsys):
-    main(["benchmark", *SMALL, "--rate", "1e9"])
-    assert "does not keep up with any method" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -199,18 +129,7 @@ def test_the_answer_names_the_methods_of_each_kind():
     )
 
 
-def test_a_machine_that_keeps_up_needs_no_advice():
-    assert len(answer({"average": 0.1, "aif": 0.2}, (640, 480), 30.0).splitlines()) == 1
-
-
-@pytest.mark.parametrize(("module", "advised"), [(object(), False), (None, True)], ids=["there", "missing"])
-def test_numba_is_advised_where_it_is_missing(module, advised, monkeypatch):
-    monkeypatch.setattr(command, "optional_module", lambda name: module)
-    assert ("pip install" in answer({"average": 2.0}, (640, 480), 30.0)) == advised
-
-
-@pytest.mark.parametrize("words", [["--help"], ["live", "--help"]])
-def test_the_benchmarks_start_from_their_folder(words):
+def test_the_benchmarks_start_from_their_folder():
     folder = Path(__file__).resolve().parents[2] / "benchmark"
-    done = subprocess.run([sys.executable, folder, *words], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, folder, "live", "--help"], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout.startswith("usage: python Testing/benchmark")) == (0, True), done.stderr

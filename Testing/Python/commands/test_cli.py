@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,14 +13,13 @@ from sweeps import rigid
 
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
-from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 
 
 def test_reconstruct_writes_the_volume_that_the_library_gives(patient, results):
@@ -42,17 +40,6 @@ def test_with_bone_the_default_is_the_recommended_method(patient, results, capsy
 def test_without_bone_the_default_is_the_average(patient, results, capsys):
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
     assert capsys.readouterr().out.startswith("average: 6 of 6 frames")
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_every_method_runs_from_the_command_line(method, patient, results):
-    assert main([*patient.reconstruct, *patient.bone, "--method", method, "--output", str(results / "v.mha")]) == 0
-
-
-@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"])
-def test_every_volume_format_can_be_written(suffix, patient, results):
-    assert main([*patient.reconstruct, "--output", str(results / f"v{suffix}")]) == 0
-    assert read_volume(results / f"v{suffix}").array.max() > 0
 
 
 def test_side_outputs_are_written(patient, results):
@@ -148,45 +135,6 @@ def test_info_names_the_missing_calibration_and_how_to_give_it(patient, capsys):
     assert "--config" in out
 
 
-def test_info_says_that_no_pose_of_the_probe_is_valid(tmp_path, capsys):
-    patient = write_patient(tmp_path, tracked_sequence(statuses=dict.fromkeys(range(6), TransformStatus.OUT_OF_VIEW)))
-    main(["info", str(patient.sweep), "--config", str(patient.config)])
-    out = capsys.readouterr().out
-    assert "ProbeToTracker is not valid in any frame: Probe was not tracked" in out
-
-
-def test_info_says_that_timestamps_are_equal(tmp_path, capsys):
-    sequence = tracked_sequence()
-    sequence = replace(sequence, records=[replace(record, timestamp=3.0) for record in sequence.records])
-    main(["info", str(write_patient(tmp_path, sequence).sweep)])
-    assert "All timestamps are equal" in capsys.readouterr().out
-
-
-def test_simulate_writes_a_patient_that_reconstructs(results, capsys):
-    assert main(["simulate", "--output", str(results / "p"), "--frames", "9", "--seed", "3"]) == 0
-    folder = results / "p"
-    assert (
-        main(
-            [
-                "reconstruct",
-                str(folder / "sweep.igs.mha"),
-                *("--config", str(folder / "PlusDeviceSet.xml")),
-                *("--bone-labels", str(folder / "lumbar-segmentation.nrrd"), "--bone-sigma-mm", "4"),
-                *("--bone-transform", str(folder / "CTToReference.tfm")),
-                *("--spacing", "2", "--output", str(folder / "v.nrrd")),
-            ]
-        )
-        == 0
-    )
-    assert "9 of 9 frames" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("command", ["demo", "reconstruct", "bone-map", "info", "simulate", "benchmark"])
-def test_every_command_explains_itself(command, capsys):
-    assert main([command, "--help"]) == 0
-    assert len(capsys.readouterr().out.splitlines()) > 5
-
-
 def test_the_module_runs_as_a_program():
     done = subprocess.run([sys.executable, "-m", "AIFReconLib", "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("aifrecon ")
@@ -218,16 +166,8 @@ def test_weighted_says_that_it_needs_the_gray_scale_of_images_that_are_not_8_bit
     assert "--intensity-maximum" in capsys.readouterr().out
 
 
-def test_16_bit_images_cut_to_8_bit_are_a_warning(tmp_path, results, capsys):
-    images = np.random.default_rng(0).integers(1, 4096, (6, 30, 40), dtype=np.uint16)
-    patient = write_patient(tmp_path, tracked_sequence(images=images))
-    main([*patient.reconstruct, "--output-type", "uint8", "--output", str(results / "v.nrrd")])
-    assert "above 255 are cut off" in capsys.readouterr().out
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes close differently there")
-@pytest.mark.parametrize("unbuffered", ["", "1"], ids=["at the end", "in the middle"])
-def test_a_reader_that_goes_away_is_no_error(patient, unbuffered):
+def test_a_reader_that_goes_away_is_no_error(patient):
     done = subprocess.run(
         f'"{sys.executable}" -m AIFReconLib info "{patient.sweep}" --config "{patient.config}" | true; exit "${{PIPESTATUS[0]}}"',
         shell=True,
@@ -235,6 +175,6 @@ def test_a_reader_that_goes_away_is_no_error(patient, unbuffered):
         capture_output=True,
         text=True,
         check=False,
-        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )
     assert (done.returncode, done.stderr) == (0, "")

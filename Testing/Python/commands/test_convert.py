@@ -86,14 +86,6 @@ def test_there_and_back_is_lossless(tmp_path, suffixes, compress, dtype):
     assert_same(convert(tmp_path / f"b{suffixes[1]}", tmp_path / f"c{suffixes[0]}", compress), original)
 
 
-def test_compression_is_an_option(tmp_path):
-    sequence = tracked_sequence(images=np.zeros((6, 30, 40), np.uint8))
-    write_sequence(sequence, tmp_path / "a.mha")
-    convert(tmp_path / "a.mha", tmp_path / "raw.mha", "--no-compress")
-    convert(tmp_path / "raw.mha", tmp_path / "packed.mha")
-    assert (tmp_path / "packed.mha").stat().st_size < (tmp_path / "raw.mha").stat().st_size - 6000
-
-
 def test_frames_are_chosen_by_first_last_and_step(patient, results):
     found = convert(patient.sweep, results / "s.mha", "--frames", 1, 5, "--every", 2)
     np.testing.assert_array_equal(np.asarray(found.images), np.asarray(patient.sequence.images)[1:6:2])
@@ -130,21 +122,6 @@ def test_what_a_killed_recording_left_is_complete_when_it_was_converted(tmp_path
     assert UNFINISHED not in convert(tmp_path / "a.mha", tmp_path / "b.mha").fields
 
 
-def test_cropping_says_what_becomes_of_the_configuration(patient, results, capsys):
-    convert(patient.sweep, results / "s.mha", "--crop", 7, 4, 20, 15, "--config", patient.config)
-    assert "subtract 7 and 4" in capsys.readouterr().out
-
-
-def test_a_configuration_is_written_into_the_recording(patient, results):
-    found = convert(patient.sweep, results / "s.mha", "--config", patient.config)
-    np.testing.assert_array_equal(found.transforms[IMAGE_TO_PROBE_NAME].matrix, IMAGE_TO_PROBE)
-
-
-def test_a_transform_is_renamed(patient, results):
-    found = convert(patient.sweep, results / "s.mha", "--rename", "ProbeToTracker=NeedleToTracker")
-    assert list(map(str, found.transform_names())) == ["NeedleToTracker", "ReferenceToTracker"]
-
-
 def test_a_frame_is_renamed_in_every_transform(patient, results):
     found = convert(patient.sweep, results / "s.mha", "--rename", "Tracker=Camera")
     assert list(map(str, found.transform_names())) == ["ProbeToCamera", "ReferenceToCamera"]
@@ -155,13 +132,6 @@ def test_two_names_can_be_swapped_through_a_third(patient, results):
     found = convert(patient.sweep, results / "s.mha", *swap)
     expected = patient.sequence.records[2].transforms[TransformName("Probe", "Tracker")].matrix
     np.testing.assert_array_equal(found.records[2].transforms[TransformName("Reference", "Tracker")].matrix, expected)
-
-
-def test_a_wrong_orientation_is_mended(patient, results):
-    """The file says MF, the images are UN: stated, they are turned and the poses stay."""
-    found = convert(patient.sweep, results / "s.mha", "--orientation", "UN")
-    np.testing.assert_array_equal(found.images[2], np.asarray(patient.sequence.images)[2, ::-1, ::-1])
-    assert_same(replace(found, images=patient.sequence.images), patient.sequence)
 
 
 def volume_of(sequence_path, results, *options):
@@ -215,12 +185,6 @@ def test_slicers_sequences_become_one_recording(tmp_path):
     np.testing.assert_allclose(landmarks_mm(found), EXPECTED, atol=1e-9)
 
 
-def test_a_time_offset_can_be_written_for_good(patient, results):
-    found = convert(patient.sweep, results / "s.mha", "--time-offset", "0.05")
-    original = patient.sequence.records[3].transforms[TransformName("Probe", "Tracker")].matrix
-    np.testing.assert_allclose(found.records[2].transforms[TransformName("Probe", "Tracker")].matrix, original, atol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -271,23 +235,6 @@ def test_a_configuration_of_two_calibrations_asks_which(tmp_path):
     with pytest.raises(TransformFileError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
         read_calibration(path)
     np.testing.assert_array_equal(read_calibration(path, TransformName("Image", "Needle"))[1], np.eye(4))
-
-
-@pytest.mark.parametrize("text", ["1 2 3", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 one", "0 " * 15 + "1", ""])
-def test_a_calibration_that_is_none_is_explained(patient, results, capsys, tmp_path, text):
-    (tmp_path / "c.txt").write_text(text)
-    message = refused(["convert", patient.sweep, results / "s.mha", "--calibration", tmp_path / "c.txt"], capsys, results)
-    assert "c.txt: " in message
-    assert "calibration" in message
-
-
-def test_the_recording_itself_is_not_overwritten(patient, capsys):
-    assert main(["convert", str(patient.sweep), str(patient.sweep)]) == 2
-    assert "would overwrite an input" in capsys.readouterr().err
-
-
-def test_an_unknown_suffix_is_refused_before_work_begins(patient, results, capsys):
-    assert "its suffix must be one of .mha, .mhd, .nrrd" in refused(["convert", patient.sweep, results / "s.avi"], capsys, results)
 
 
 def test_a_long_recording_is_never_in_memory_as_a_whole(tmp_path, monkeypatch):

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import base64
 import contextlib
 import csv
 import io
-import re
 
 import numpy as np
 import pytest
@@ -52,22 +50,9 @@ def rows(folder):
         return {row["volume"]: row for row in csv.DictReader(file)}
 
 
-@pytest.mark.parametrize("name", ["sweep.igs.mha", "PlusDeviceSet.xml", "ct.nrrd", "lumbar-segmentation.nrrd", "CTToReference.tfm"])
-def test_the_demo_writes_its_inputs_as_a_user_would_have_them(folder, name):
-    assert (folder / name).stat().st_size > 100
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_the_demo_writes_a_volume_for_every_method(folder, method):
     assert read_volume(folder / f"reconstruction-{method}.nrrd").array.max() > 150
-
-
-def test_the_demos_figure_is_a_picture(folder):
-    assert (folder / "comparison.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-
-
-def test_the_demo_measures_every_method(rows):
-    assert list(rows) == list(METHODS)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -83,22 +68,6 @@ def test_the_demo_prints_the_main_metrics_of_every_method(printed, rows):
         cells = line.strip()[len(HEADINGS[key]) :].split()
         values = [float(c.rstrip("%")) / (100 if c.endswith("%") else 1) for c in cells]
         assert values == pytest.approx([float(rows[method][key]) for method in METHODS], abs=0.0051), key
-
-
-def test_what_the_demo_prints_fits_on_a_screen(printed):
-    assert len(printed) <= 25
-    heading = next(n for n, line in enumerate(printed) if line.split() == list(METHODS))
-    assert max(map(len, printed[heading : heading + 1 + len(demo.PRINTED)])) <= 80
-
-
-def test_the_demos_report_holds_its_figure(folder):
-    (picture,) = re.findall(r'src="data:image/png;base64,([^"]+)"', (folder / "report.html").read_text("utf-8"))
-    assert base64.b64decode(picture) == (folder / "comparison.png").read_bytes()
-
-
-@pytest.mark.parametrize("expected", ["seed 0", "72 frames used of 72", "hole_limit", "3 mm", "sweep.igs.mha", *METHODS])
-def test_the_demos_report_says_how_it_was_made(folder, expected):
-    assert expected in (folder / "report.html").read_text("utf-8")
 
 
 def test_the_demos_report_names_no_place_on_this_machine(folder):

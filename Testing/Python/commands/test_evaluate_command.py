@@ -53,13 +53,6 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
-def test_each_volume_is_a_row_of_the_table(case, capsys):
-    assert main(command(case, "shell", "noise")) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines[1:3]] == ["shell.nrrd", "noise.nrrd"]
-    assert "the 6 frames could reach" in lines[-1]
-
-
 def test_the_csv_holds_every_number_of_every_volume(case, tmp_path):
     output = tmp_path / "metrics.csv"
     assert main(command(case, "shell", "noise", extra=["--csv", output])) == 0
@@ -103,11 +96,6 @@ def test_volumes_of_one_name_are_told_apart_by_their_folders(case, tmp_path, cap
     assert names == [f"{tmp_path.name}/shell.nrrd", "other/shell.nrrd"]
 
 
-def test_a_volume_given_twice_is_measured_twice(case, capsys):
-    assert main(command(case, "shell", "shell")) == 0
-    assert [line[2:17].strip() for line in capsys.readouterr().out.splitlines()[1:3]] == ["shell.nrrd", "shell.nrrd (2)"]
-
-
 @pytest.mark.parametrize(
     ("paths", "expected"),
     [
@@ -120,19 +108,11 @@ def test_names_are_as_short_as_they_can_be(tmp_path, paths, expected):
     assert list(unique_names([tmp_path / path for path in paths])) == expected
 
 
-def test_a_name_may_end_as_another_path_does(tmp_path):
-    assert len(unique_names([tmp_path / "x.nrrd", tmp_path / tmp_path.name / "x.nrrd"])) == 2
-
-
 def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):
     grid = VoxelGrid.from_spacing((-12, -12, -12), (49, 49, 49), 0.5)
     Volume(np.zeros(grid.shape, dtype=np.uint8), grid.ijk_to_reference).write(tmp_path / "mask.nrrd")
     assert main(command(case, "shell", extra=["--mask", tmp_path / "mask.nrrd"])) == 0
     assert " 0.0% " in capsys.readouterr().out
-
-
-def test_a_mask_of_another_volume_is_refused(case, capsys):
-    assert "mask of this reconstruction" in refusal(command(case, "shell", extra=["--mask", case.labels]), capsys)
 
 
 def test_bone_that_lies_elsewhere_is_refused(case, tmp_path, capsys):
@@ -144,24 +124,8 @@ def test_bone_that_lies_elsewhere_is_refused(case, tmp_path, capsys):
     assert "no bone surface lies" in refusal([str(a) for a in arguments], capsys)
 
 
-def test_a_configuration_without_a_sweep_is_refused(case, capsys):
-    assert "Give --sweep" in refusal(command(case, "shell", sweep=False, extra=["--config", case.config]), capsys)
-
-
-def test_a_beam_must_have_a_thickness(case, capsys):
-    assert "must be positive" in refusal(command(case, "shell", extra=["--beam-thickness", "0"]), capsys)
-
-
-def test_a_missing_volume_is_refused_in_one_line(case, capsys):
-    assert "absent.nrrd" in refusal(command(case, "absent"), capsys)
-
-
 def test_the_csv_never_overwrites_an_input(case, capsys):
     assert "would overwrite an input" in refusal(command(case, "shell", extra=["--csv", case.labels]), capsys)
-
-
-def test_a_csv_that_cannot_be_written_is_refused_before_work(case, tmp_path, capsys):
-    assert "does not exist" in refusal(command(case, "shell", extra=["--csv", tmp_path / "no" / "m.csv"]), capsys)
 
 
 def test_the_report_holds_the_volumes_and_where_they_come_from(case, tmp_path, capsys):
@@ -194,39 +158,3 @@ def test_the_report_names_no_place_on_this_machine(case, tmp_path):
     page = tmp_path / "report.html"
     assert main(command(case, "shell", extra=["--report", page])) == 0
     assert str(tmp_path) not in page.read_text("utf-8")
-
-
-def test_the_report_has_a_figure_when_there_is_a_ct(case, tmp_path):
-    page = tmp_path / "report.html"
-    assert main(command(case, "shell", extra=["--report", page, "--ct", case.labels])) == 0
-    assert page.read_text("utf-8").count("data:image/png;base64,iVBOR") == 1
-
-
-def test_without_a_ct_the_report_has_no_figure(case, tmp_path):
-    page = tmp_path / "report.html"
-    assert main(command(case, "shell", extra=["--report", page])) == 0
-    assert "<img" not in page.read_text("utf-8")
-
-
-def test_the_report_without_a_sweep_says_so(case, tmp_path):
-    page = tmp_path / "report.html"
-    assert main(command(case, "shell", sweep=False, extra=["--report", page])) == 0
-    assert "Reachability is unknown" in page.read_text("utf-8")
-
-
-def test_a_ct_without_a_report_is_refused(case, capsys):
-    assert "Give --report" in refusal(command(case, "shell", extra=["--ct", case.labels]), capsys)
-
-
-def test_report_and_csv_cannot_be_one_file(case, tmp_path, capsys):
-    same = tmp_path / "out"
-    assert "another output" in refusal(command(case, "shell", extra=["--report", same, "--csv", same]), capsys)
-
-
-def test_the_report_never_overwrites_the_ct(case, capsys):
-    ct = case.sweep.parent / "noise.nrrd"
-    assert "would overwrite an input" in refusal(command(case, "shell", extra=["--report", ct, "--ct", ct]), capsys)
-
-
-def test_a_report_that_cannot_be_written_is_refused_before_work(case, tmp_path, capsys):
-    assert "does not exist" in refusal(command(case, "shell", extra=["--report", tmp_path / "no" / "r.html"]), capsys)

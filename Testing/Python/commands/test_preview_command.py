@@ -33,11 +33,6 @@ def test_a_volume_is_drawn_later_by_the_command_that_a_terminal_is_shown(patient
     assert is_png(results / "v.png")
 
 
-def test_who_reads_no_terminal_is_not_told_how_to_look(patient, results, capsys):
-    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
-    assert "to look at it" not in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
@@ -50,12 +45,3 @@ def test_what_cannot_be_drawn_is_refused_before_anything_is_read(options, expect
     monkeypatch.chdir(tmp_path)
     assert main(["preview", "missing.nrrd", *options]) == 2
     assert expected in capsys.readouterr().err
-
-
-def test_a_mask_of_other_voxels_is_refused(patient, results, capsys):
-    main([*patient.reconstruct, "--output", str(results / "v.nrrd"), "--mask", str(results / "m.nrrd")])
-    main([*patient.reconstruct, "--spacing", "3", "--output", str(results / "w.nrrd")])
-    capsys.readouterr()
-    assert main(["preview", str(results / "w.nrrd"), "--mask", str(results / "m.nrrd"), "--output", str(results / "w.png")]) == 2
-    assert "must have the voxels of" in capsys.readouterr().err
-    assert not (results / "w.png").exists()

@@ -13,7 +13,7 @@ from AIFReconLib.errors import VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.metafile.opening import read_metafile
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 SUFFIXES = [".nrrd", ".mha", ".mhd"]
 
@@ -44,13 +44,6 @@ def test_no_header_names_a_folder(patient, results):
     output = results / "v.nrrd"
     assert main([*patient.reconstruct, "-q", "-o", str(output)]) == 0
     assert str(patient.sweep.parent) not in "".join(fields_of(output).values())
-
-
-def test_a_method_that_nobody_named_is_named(patient, results):
-    output = results / "v.nrrd"
-    assert main([*patient.reconstruct, "-q", "-o", str(output)]) == 0
-    assert fields_of(output)["AIFRecon_method"] == "average"
-    assert float(fields_of(output)["AIFRecon_hole_limit_mm"]) > 0
 
 
 @pytest.mark.parametrize("suffix", [*SUFFIXES, ".nii", ".nii.gz"])

@@ -53,20 +53,6 @@ def test_what_was_chosen_is_repeated_whatever_is_chosen_now(suffix, make, patien
     assert fewer["intensity"].fields["AIFRecon_hole_limit_mm"] == once["intensity"].fields["AIFRecon_hole_limit_mm"]
 
 
-GIVEN = [
-    ["--method", "latest", "--spacing", "0.9", "1.1", "1.3", "--hole-limit", "0", "--output-type", "float32"],
-    ["--hole-limit", "2.5", "--holes", "gaussian", "--skip", "2", "--pixel-rejection", "40"],
-    ["--clip-px", "3.5", "2", "30", "21", "--time-offset", "0.02", "--longest-gap", "0.3", "--speed-of-sound", "1400"],
-    ["--probe", "sector", "--apex-px", "19.3", "-30.1", "--fan-angles-deg", "-20", "25", "--fan-radius-px", "31", "57.7"],
-    ["--reference", "Tracker", "--orientation", "UN"],
-]
-
-
-@pytest.mark.parametrize("options", GIVEN, ids=lambda options: options[0].strip("-"))
-def test_what_was_given_is_repeated(options, make, results):
-    assert_same(make("kept", *options), make("again", "--settings", results / "kept.nrrd"))
-
-
 @pytest.mark.parametrize("sigma", [["--bone-sigma-mm", "1.6"], ["--bone-sigma-voxels", "2.5"], []], ids=" ".join)
 def test_how_the_bone_map_was_made_is_repeated(sigma, make, patient, results):
     files = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
@@ -98,19 +84,6 @@ def test_a_sector_that_was_recognized_is_repeated_where_the_images_show_none(met
     write_sequence(tracked_sequence(images=lit), patient.sweep)
     fan = make("lit", "--settings", results / "kept.nrrd", *bone)
     assert fan["hits"].array.sum() == once["hits"].array.sum()
-
-
-def test_several_sweeps_are_repeated(make, patient, results):
-    second = patient.sweep.with_name("second.igs.mha")
-    write_sequence(tracked_sequence(seed=5), second)
-    words = [*patient.reconstruct, str(second)]
-    assert_same(make("kept", words=words), make("again", "--settings", results / "kept.nrrd", words=words))
-
-
-def test_a_repeated_volume_says_the_same_of_itself(make, results):
-    once = make("kept", "--method", "maximum")["intensity"].fields
-    again = make("again", "--settings", results / "kept.nrrd")["intensity"].fields
-    assert again == once
 
 
 def test_settings_are_written_alike_as_json_and_as_toml(make, results):
@@ -157,20 +130,6 @@ def test_another_spacing_is_that_of_another_box(make, results):
     )
 
 
-def test_a_default_that_is_given_wins_too(make, patient, results):
-    files = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
-    make("kept", *files, "--bone-sigma-mm", "1.6", "--time-offset", "0.02")
-    given = ["--bone-sigma-voxels", "10", "--time-offset", "0"]
-    mixed = make("mixed", *files, "--settings", results / "kept.nrrd", *given)
-    assert_same(make("expected", *files, "--grid-like", results / "kept.nrrd", *given), mixed)
-
-
-def test_a_file_by_hand_says_a_part(make, patient, results):
-    by_hand = results / "by hand.json"
-    by_hand.write_text('{"method": "latest", "hole-limit": 0, "spacing": [1, 1, 2]}')
-    assert_same(make("expected", "--method", "latest", "--hole-limit", "0", "--spacing", "1", "1", "2"), make("v", "--settings", by_hand))
-
-
 # ---- other inputs
 
 
@@ -183,12 +142,6 @@ def test_other_inputs_than_those_of_the_volume_are_named(make, patient, results,
     assert "kept.nrrd was made from labels.nrrd too, which is not given now." in out
     assert "sweep.igs.mha is not the file that kept.nrrd was made from: its size was" in out
     assert "PlusDeviceSet.xml" not in out
-
-
-def test_the_same_inputs_are_not_worth_a_word(make, patient, results, capsys):
-    make("kept")
-    assert main([*patient.reconstruct, "--settings", str(results / "kept.nrrd"), "-o", str(results / "v.nrrd")]) == 0
-    assert "kept.nrrd" not in capsys.readouterr().out
 
 
 def test_settings_of_another_version_are_named(patient, results, tmp_path, capsys):
@@ -206,12 +159,6 @@ def test_a_file_that_cannot_be_used_is_one_line_before_anything_is_read(patient,
     settings.write_text('{"alhpa": 1}')
     line = refused([*patient.reconstruct, "--settings", settings, "-o", results / "v.nrrd"], capsys, results)
     assert "s.json: there is no setting alhpa, perhaps alpha is meant." in line
-
-
-def test_a_file_that_is_not_there_is_one_sentence(patient, results, capsys):
-    assert "none.json: there is no such file" in refused(
-        [*patient.reconstruct, "--settings", "none.json", "-o", results / "v.nrrd"], capsys, results
-    )
 
 
 def test_a_volume_of_somebody_else_is_refused(patient, results, tmp_path, capsys):

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import logging
 import sys
-import threading
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -15,14 +12,14 @@ from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding import batch, engines
-from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
+from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None
 needs_numba = pytest.mark.skipif(not HAS_NUMBA, reason="numba is not installed")
@@ -50,7 +47,7 @@ def assert_same(ours, theirs):
 
 
 @needs_numba
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     method=st.sampled_from(METHODS),
     seed=st.integers(0, 10_000),
@@ -106,14 +103,6 @@ def test_evidence_follows_a_pixel_spacing_that_changes_within_the_sweep():
 
 
 @needs_numba
-@pytest.mark.parametrize("probe", PROBES)
-def test_evidence_of_pixels_that_are_no_whole_numbers_is_the_same(probe):
-    frames = [replace(f, image=f.image.astype(np.float32) * np.float32(1.1) + np.float32(0.013)) for f in shadowed_frames()]
-    plain = state_after("numpy", "weighted", frames, turned_grid(), probe=probe, maximum=280.0)
-    assert_same(state_after("numba", "weighted", frames, turned_grid(), probe=probe, maximum=280.0), plain)
-
-
-@needs_numba
 @pytest.mark.parametrize("tilt", [-1e-17, 1e-17, 2e-17])
 def test_rows_that_rounding_alone_takes_out_of_the_volume_leave_it_at_the_same_pixel(tilt):
     frames = oblique_frames(count=3)
@@ -138,14 +127,6 @@ def test_large_images_are_taken_in_parts_alike(method, turn):
         frame.image_to_reference[:3, 3] = -15.0, -7.5, 0.4 * frame.number
     grid = turned_grid((0.31, 0.29, 0.4), (60, 40, 30), (turn, -turn, turn))
     assert_same(state_after("numba", method, frames, grid, threads=2), state_after("numpy", method, frames, grid))
-
-
-def test_the_shadowed_frames_of_these_tests_show_onsets_on_expected_bone():
-    without_gain = ReconstructionSettings(hole_limit=0.0, method="weighted", engine="numpy", output_type="float32", bone_gain=0.0)
-    plain = Reconstructor(turned_grid(), without_gain, sphere_bone(), probe=PROBES[1])
-    plain.insert(shadowed_frames())
-    raised = state_after("numpy", "weighted", shadowed_frames(), turned_grid(), probe=PROBES[1])[0]
-    assert (raised > plain.finish().intensity.array).sum() > 20
 
 
 @needs_numba
@@ -206,44 +187,6 @@ def test_an_image_may_change_once_the_next_frame_was_asked_for():
     np.testing.assert_array_equal(reconstructor.finish().intensity.array, straight)
 
 
-@needs_numba
-def test_other_threads_go_on_while_frames_are_computed():
-    """The compiled loops hold no lock: a thread that counts gets further than it could between two calls of them."""
-    frames = oblique_frames(count=16, shape=(700, 900), spacing=(0.02, 0.02))
-    reconstructor = Reconstructor(turned_grid((0.1, 0.1, 0.1), (150, 150, 150)), ReconstructionSettings(engine="numba"), threads=1)
-    reconstructor.insert(frames)
-    ticks, done = [], threading.Event()
-
-    def count():
-        while not done.is_set():
-            ticks.append(time.perf_counter())
-            time.sleep(0.0005)
-
-    counter = threading.Thread(target=count)
-    counter.start()
-    started = time.perf_counter()
-    reconstructor.insert(frames)
-    stopped = time.perf_counter()
-    done.set()
-    counter.join()
-    assert sum(started < tick < stopped for tick in ticks) >= 3
-
-
-@needs_numba
-@pytest.mark.parametrize("threads", [0, -1])
-@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
-def test_a_number_of_threads_below_one_is_refused(threads, interpolation):
-    wanted = ReconstructionSettings(method="average", engine="numba", interpolation=interpolation)
-    with pytest.raises(SettingsError, match="threads must be at least 1"):
-        Reconstructor(turned_grid(), wanted, threads=threads).insert(oblique_frames(count=1))
-
-
-@needs_numba
-@pytest.mark.parametrize(("wanted", "name"), [("auto", "numba"), ("numba", "numba"), ("numpy", "numpy")])
-def test_the_engine_asked_for_is_used(wanted, name):
-    assert Reconstructor(turned_grid(), ReconstructionSettings(engine=wanted)).engine == name
-
-
 def test_without_numba_auto_is_numpy_and_says_nothing(monkeypatch):
     monkeypatch.setattr(engines, "find_spec", lambda name: None)
     assert engines.choose_engine("auto") == (engines.NumpyEngine, None)
@@ -290,19 +233,3 @@ def test_where_no_folder_can_be_written_to_code_is_compiled_all_the_same(monkeyp
 
     monkeypatch.setattr(numba_compile, "njit", without_a_folder)
     assert numba_compile.compiled(lambda x: x + 1)(2) == 3
-
-
-@needs_numba
-def test_compiling_is_not_noted_line_by_line_where_everything_is_logged(caplog):
-    from AIFReconLib.machine import numba_compile
-
-    with caplog.at_level(logging.DEBUG):
-        assert numba_compile.njit(lambda x: x + 2)(2) == 4
-    assert [record for record in caplog.records if record.name.startswith("numba")] == []
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_the_numpy_engine_is_there_whatever_is_installed(method):
-    bone = sphere_bone() if method in BONE_METHODS else None
-    wanted = ReconstructionSettings(method=method, engine="numpy")
-    assert Reconstructor(turned_grid(), wanted, bone, probe=PROBES[0]).engine == "numpy"

@@ -19,8 +19,8 @@ from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
 
 SPINE = "SpinePhantomFreehand.igs.mha"
@@ -93,11 +93,6 @@ def test_maximum_is_igsios_with_its_double_precision_index(spine):
     np.testing.assert_array_equal(ours(spine, "maximum").intensity.array, expected)
 
 
-def test_igsios_fan_differs_from_the_documented_one_in_207_pixels(trus):
-    fan = igsio.optimized_fan(trus.region, *trus.sequence.frame_size)
-    assert int((fan ^ trus.mask).sum()) == 207
-
-
 def test_latest_differs_from_igsios_volume_only_where_its_index_or_fan_moved_a_pixel(trus):
     fan = igsio.optimized_fan(trus.region, *trus.sequence.frame_size)
     last_pixel_theirs = last_pixel(trus, fan, igsio.fixed_point_index)
@@ -119,14 +114,6 @@ def last_pixel(case, mask, index):
 def test_the_emulation_of_igsio_reproduces_its_mean_where_it_measured(spine):
     emulated, hits = igsio.paste(spine.images, spine.poses, spine.grid, spine.mask, igsio.fixed_point_index, "mean")
     np.testing.assert_array_equal(emulated[hits > 0], spine.reference[hits > 0])
-
-
-def test_the_exact_mean_is_brighter_than_igsios_by_what_truncation_loses(spine):
-    truncated, hits = igsio.paste(spine.images, spine.poses, spine.grid, spine.mask, igsio.double_index, "mean")
-    lost = (ours(spine, "average").intensity.array - truncated)[hits > 0]
-    assert lost.min() >= 0
-    assert 1.5 < lost.mean() < 3.0
-    assert lost.max() < 18
 
 
 def test_sticks_over_the_emulated_mean_reproduce_igsios_filled_volume(spine):
@@ -185,10 +172,6 @@ def test_linear_maximum_as_configured_reproduces_igsios_volume(linear):
         )
         > 0.9999
     )
-
-
-def test_linear_maximum_in_double_precision_differs_by_what_fixed_point_numbers_move(linear):
-    assert 0.995 < within_tolerance(ours(linear, "maximum").intensity.array, linear.reference) < 0.999
 
 
 def test_the_emulation_of_igsio_reproduces_its_linear_maximum_in_every_voxel(linear):
@@ -253,7 +236,7 @@ def test_an_importance_mask_weights_as_igsio_does_before_it_rounds(linear_mean, 
         expected, weight = igsio.paste_weighted(*place, unrounded, importance)
     settings = ReconstructionSettings(method="average", interpolation=interpolation, output_type="float32", holes="off")
     sequence = replace(case.sequence, configuration=replace(case.sequence.configuration, fixed_point=False))
-    result = reconstruct(sequence, settings, grid=case.grid, importance=importance / 255)
+    result = reconstruct(sequence, replace(settings, importance_mask=importance / 255), grid=case.grid)
     assert within_tolerance(result.intensity.array, expected) > 0.9999
     np.testing.assert_allclose(result.score.array, weight / 255, rtol=1e-4, atol=1e-4)
 

@@ -15,7 +15,7 @@ from AIFReconLib.compounding.state import MOST_IN_SINGLE
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 EDGE = 64
@@ -60,7 +60,7 @@ def test_batches_and_engines_widen_sums_at_the_same_frame():
         np.testing.assert_array_equal(volume.score.array, volumes[0].score.array)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 1000), step=st.floats(0.0, 3.0))
 def test_no_voxel_gets_more_than_is_said(seed, step):
     random, grid = np.random.default_rng(seed), turned_grid()

@@ -15,12 +15,12 @@ from AIFReconLib.compounding.methods.table import method_named, registered_metho
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import Reconstruction
-from AIFReconLib.errors import BeamGeometryError, MethodError, SettingsError
+from AIFReconLib.errors import BeamGeometryError, MethodError
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import Fan, ImageRegion
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 PROBE = ProbeGeometry(SECTOR, (17.0, -12.0))
@@ -39,11 +39,6 @@ def weighted_again(intensity, cosine, probability, reach, onset, floor=0.003, ga
     gate = onset * probability**2
     compensation = np.where(cosine > beta, np.minimum(1 / np.maximum(cosine, 1e-9), 3), 1)
     return (floor + gate) * reach, np.minimum(255, intensity * (1 + gain * gate * compensation))
-
-
-@register_method
-def square_beams(intensity, cosine, probability):
-    return probability * cosine**2, intensity
 
 
 @register_method
@@ -121,20 +116,6 @@ def test_the_order_of_frames_makes_no_difference():
     np.testing.assert_array_equal(gray, turned)
 
 
-def test_a_part_of_the_volume_is_that_part_of_the_whole():
-    whole = reconstructed(weighted_again)
-    part = whole.intensity[3:11, 2:, :9]
-    np.testing.assert_array_equal(reconstructed(weighted_again, grid=part.grid).intensity, part)
-
-
-def test_what_has_no_weight_does_not_enter():
-    result = reconstructed(square_beams)
-    average = reconstructed("average")
-    assert ((result.hits.array > 0) == (result.score.array > 0)).all()
-    assert 0 < np.count_nonzero(result.hits) < np.count_nonzero(average.hits)
-    assert (result.intensity.array[result.hits.array == 0] == 0).all()
-
-
 def test_a_frame_without_any_weight_is_skipped_with_the_reason():
     @register_method
     def second_only(intensity):
@@ -150,10 +131,6 @@ def test_a_frame_without_any_weight_is_skipped_with_the_reason():
 
 def test_every_engine_that_is_asked_for_gives_the_same():
     assert_same_voxels(reconstructed(weighted_again, engine="numpy"), reconstructed(weighted_again, engine="auto"))
-
-
-def test_the_best_cosine_can_be_kept_besides():
-    np.testing.assert_array_equal(reconstructed(plain_mean, best_cosine=True).cosine, reconstructed("average", best_cosine=True).cosine)
 
 
 def test_a_method_sees_the_whole_frame_wherever_the_volume_ends():
@@ -176,11 +153,6 @@ def test_a_method_sees_the_whole_frame_wherever_the_volume_ends():
 
 
 # ---- what is refused
-
-
-def test_bone_that_a_method_needs_is_asked_for_by_its_name():
-    with pytest.raises(SettingsError, match=r"^Method \S+:square_beams needs to know where bone is"):
-        reconstructed(square_beams, bone=None)
 
 
 def test_a_method_that_looks_for_shadows_needs_beams_and_no_bone():
@@ -219,65 +191,7 @@ def test_an_answer_that_cannot_be_added_up_is_refused_by_the_method_s_name(answe
     assert "\n" not in str(found.value)
 
 
-def test_a_value_without_weight_may_be_anything():
-    @register_method
-    def of_the_bright(intensity):
-        return intensity > 100, 1 / (intensity > 100) * intensity
-
-    assert np.isfinite(reconstructed(of_the_bright).intensity).all()
-
-
-def of_depth(depth):
-    return depth, depth
-
-
-def of_anything(intensity, *others):
-    return intensity, intensity
-
-
-def of_nothing(power=2):
-    return power, power
-
-
-@pytest.mark.parametrize(
-    ("function", "words"),
-    [
-        (of_depth, "takes depth, which no frame has. Take some of intensity, cosine, probability, reach, onset"),
-        (of_anything, r"takes \*others"),
-        (of_nothing, "must take at least one of"),
-        (lambda intensity: (1, intensity), "one with a name of its own"),
-        ("my_methods:mine", "one with a name of its own"),
-    ],
-)
-def test_what_is_no_method_is_refused_when_it_is_registered(function, words):
-    with pytest.raises(MethodError, match=words):
-        register_method(function)
-
-
-def test_neither_linear_interpolation_nor_an_importance_mask_goes_with_one():
-    with pytest.raises(SettingsError, match="interpolation must be nearest for method"):
-        reconstructed(plain_mean, interpolation="linear")
-    with pytest.raises(SettingsError, match="importance mask weights an average"):
-        Reconstructor(turned_grid(), ReconstructionSettings(method=plain_mean.name), importance=np.ones((26, 34)))
-
-
 # ---- names
-
-
-def test_a_method_that_no_module_registered_is_not_imported_by_its_name(tmp_path, monkeypatch):
-    (tmp_path / "unasked.py").write_text("raise SystemExit('imported')")
-    monkeypatch.syspath_prepend(tmp_path)
-    with pytest.raises(
-        MethodError, match=r"unasked:mine is not known.* Import unasked first; or choose one of average, latest.*plain_mean"
-    ):
-        reconstructed("unasked:mine")
-    assert "unasked" not in sys.modules
-
-
-@pytest.mark.parametrize("name", ["avarage", "os.system", ":mine", "my methods:mine", "a:b:c", "1a:b", "../a:b", "a:"])
-def test_a_name_that_no_method_can_have_is_refused_by_the_settings(name):
-    with pytest.raises(SettingsError, match=r"method must be one of average, latest, .*, weighted, module:function; got"):
-        ReconstructionSettings(method=name)
 
 
 def test_a_method_registered_again_takes_the_place_of_the_first():
@@ -357,18 +271,3 @@ def test_a_method_that_cannot_be_had_is_one_sentence(folder, tmp_path, capsys, t
     results.mkdir()
     said = refused([*folder.reconstruct, "--method", method, "--output", results / "volume.nrrd"], capsys, results)
     assert words in said
-
-
-def test_an_answer_that_cannot_be_added_up_leaves_no_file(folder, tmp_path, capsys):
-    (tmp_path / "negative.py").write_text(METHOD.format(name="mine").replace("1 + probability", "-1"))
-    results = tmp_path / "results"
-    results.mkdir()
-    said = refused([*folder.reconstruct, *folder.bone, "--method", "negative:mine", "--output", results / "volume.nrrd"], capsys, results)
-    assert "negative:mine must return weights" in said
-
-
-def test_a_probe_is_not_asked_for_where_only_the_intensity_counts():
-    reconstructor = Reconstructor(turned_grid(), ReconstructionSettings(method=plain_mean.name), probe=ProbeGeometry(LINEAR))
-    reconstructor.insert(oblique_frames(count=2))
-    assert reconstructor.engine == "numpy"
-    assert reconstructor.reconstruction().frames_inserted == 2

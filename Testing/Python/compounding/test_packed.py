@@ -14,7 +14,7 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import MOST_HITS, VoxelState
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 EDGE = 10
@@ -58,7 +58,7 @@ def test_voxels_stay_packed_where_a_probe_rests_and_not_where_one_batch_could_fi
     assert not coarse.packed
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     turn=st.tuples(*[st.floats(-180, 180)] * 3),
     spacing=st.tuples(*[st.floats(0.3, 2.5)] * 3),

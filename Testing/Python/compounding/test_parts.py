@@ -21,7 +21,8 @@ from AIFReconLib.holes.filling import KINDS, HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 
 ENGINES = ("numpy", "numba") if optional_module("AIFReconLib.compounding.compiled.numba_engine") else ("numpy",)
@@ -48,7 +49,7 @@ def volumes_of(sweep, wanted, grid, cuts, monkeypatch, holes=(), **more):
             found = reconstruction.reconstructor_parts
             patched.setattr(reconstruction, "reconstructor_parts", lambda *given: _with_holes(found(*given), holes))
         result = reconstruction.reconstruct(
-            sweep, wanted, sphere_bone(), grid, region=REGION, probe=ProbeGeometry("sector", (16.0, -6.0)), **more
+            sweep, replace(wanted, **imaging_fields(REGION, ProbeGeometry("sector", (16.0, -6.0)))), sphere_bone(), grid, **more
         )
     arrays = [None if (volume := getattr(result, name)) is None else volume.array for name in VOLUMES]
     return arrays, (result.skipped, result.frames_inserted, result.said, result.hole_limit)
@@ -65,7 +66,7 @@ def assert_same(ours, theirs):
     assert ours[1] == theirs[1]
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(
     method=st.sampled_from(METHODS),
     engine=st.sampled_from(ENGINES),
@@ -157,7 +158,7 @@ def test_frames_are_read_once_where_they_fit_beside_the_parts(left, monkeypatch)
 COSTS = Costs(whole=28, results=2, part=28)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(size=st.tuples(*[st.integers(1, 400)] * 3), memory=st.integers(1, 10**9))
 def test_parts_lie_side_by_side_and_keep_within_the_memory(size, memory):
     grid = VoxelGrid(size, np.eye(4))

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from AIFReconLib.evaluation.cuts import CT_DIMMED, Scene, cut_pictures, png
+from AIFReconLib.evaluation.cuts import CT_DIMMED, Scene, cut_pictures
 from AIFReconLib.geometry.volume import Volume
 
 MATRIX = np.diag([1.0, 1.0, 1.0, 1.0])
@@ -39,11 +39,6 @@ def volume(array):
 def axial(**scene):
     """The pixels of the axial cut through the middle."""
     return pixels_of(cut_pictures(Scene(**scene), np.array([10.0, 10.0, 10.0]))[0][1])
-
-
-def test_pixels_come_back_from_the_file():
-    pixels = np.random.default_rng(0).integers(0, 256, (7, 5, 3), dtype=np.uint8)
-    np.testing.assert_array_equal(pixels_of(png(pixels)), pixels)
 
 
 def test_three_planes_are_cut_and_say_which_way_they_lie():

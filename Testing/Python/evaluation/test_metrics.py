@@ -9,7 +9,6 @@ import pytest
 from scipy import ndimage
 from sweeps import rigid
 
-from AIFReconLib.errors import GeometryError
 from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate, shown_points
 from AIFReconLib.evaluation.surface import bone_surface
 from AIFReconLib.evaluation.visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
@@ -134,10 +133,6 @@ def test_a_gain_scales_contrast_and_nothing_else(uvs, truth):
         np.testing.assert_allclose(getattr(louder, name), getattr(plain, name), rtol=1e-4, err_msg=name)
 
 
-def test_bone_brighter_than_all_tissue_is_detectable_for_certain(uvs, truth):
-    assert measures(striped(uvs[0], uvs[2]), truth).bone.detectability == 1.0
-
-
 def test_bone_darker_than_tissue_has_negative_contrast_and_is_not_covered(uvs, truth):
     found = measures(np.where(uvs[2] > 2, 80 + 10 * np.sign(uvs[0]), 20.0), truth).bone
     assert found.contrast == pytest.approx(-60, rel=0.02)
@@ -206,16 +201,6 @@ def test_the_slope_of_something_brighter_beside_the_surface_is_not_a_response(si
     assert measures(TISSUE + ridge(uvs[2], height=200.0, fwhm=1.6, offset=2.1 * side), truth).bone.coverage == 0.0
 
 
-def test_one_gray_level_shows_nothing(truth):
-    found = measures(np.full(VOLUME_GRID.shape, 77.0), truth)
-    assert found.bone.coverage == 0.0
-    assert found.bone.contrast == pytest.approx(0.0, abs=1e-4)
-    assert found.bone.detectability == 0.5
-    assert np.isnan(found.bone.thickness)
-    assert np.isnan(found.speckle_snr)
-    assert (found.shadow_mean, found.shadow_std) == (pytest.approx(77.0), pytest.approx(0.0))
-
-
 # What was measured
 
 
@@ -234,27 +219,10 @@ def test_a_mask_says_that_zeros_were_measured(uvs, truth):
 
 
 @pytest.mark.filterwarnings("error")
-def test_an_empty_volume_has_no_numbers_and_no_warnings(truth):
-    found = measures(np.zeros(VOLUME_GRID.shape), truth)
-    assert found.bone.coverage == 0.0
-    assert all(np.isnan(value) for name, value in found.to_dict().items() if not name.endswith(("area", "coverage")))
-
-
-@pytest.mark.filterwarnings("error")
 def test_a_volume_elsewhere_has_no_area(uvs, truth):
     found = evaluate(volume(TISSUE + ridge(uvs[2])).placed_by(rigid(translation=(500, 0, 0))), truth)
     assert found.bone.area == 0.0
     assert np.isnan(found.bone.coverage)
-
-
-def test_voxels_that_are_not_numbers_count_as_empty(uvs, truth):
-    gray = np.where(uvs[1] > 0, striped(uvs[0], uvs[2]), np.nan)
-    assert measures(gray, truth).bone.coverage == pytest.approx(0.5, abs=0.03)
-
-
-def test_a_mask_of_other_voxels_is_refused(uvs, truth):
-    with pytest.raises(GeometryError, match="mask of this reconstruction"):
-        evaluate(volume(uvs[2]), truth, Volume(np.ones((3, 3, 3)), np.eye(4)))
 
 
 # Which bone counts
@@ -319,19 +287,13 @@ def test_everything_moves_together(uvs, truth):
     np.testing.assert_allclose(list(there.values()), list(here.values()), rtol=0.01)
 
 
-def test_every_number_has_a_name_of_its_own(uvs, truth):
-    names = measures(TISSUE + ridge(uvs[2]), truth).to_dict()
-    assert {"bone_cnr", "oblique_coverage", "interspinous_coverage", "shadow_mean", "speckle_snr"} <= set(names)
-    assert len(names) == 3 * 8 + 3
-
-
 # Labels in the place of a truth
 
 
 def slab_labels() -> Volume:
     """A slab of bone, well within the volume."""
     labels = np.zeros(VOLUME_GRID.shape, np.uint8)
-    labels[6:-6, 6:-6, 6:-6] = 1
+    labels[24:-24, 24:-24, 24:-24] = 1
     return Volume(labels, VOLUME_GRID.ijk_to_reference)
 
 

@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.errors import OutputError
 from AIFReconLib.evaluation import preview as room
 from AIFReconLib.evaluation.preview import AXIAL, CORONAL, SAGITTAL, preview
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
@@ -92,19 +90,6 @@ def test_bone_in_the_dark_does_not_draw_the_cuts_to_it():
     assert center[1] == pytest.approx(GRID.origin[1] + 28)
 
 
-def test_without_labels_cuts_meet_in_the_middle_of_what_was_scanned():
-    array = np.zeros(GRID.shape, np.uint8)
-    array[4:9, 10:21, 20:31] = 7
-    center = room.middle_of_bone(Volume(array, GRID.ijk_to_reference), array > 0, None)
-    np.testing.assert_allclose(center, np.add(GRID.origin, (25, 15, 6)))
-
-
-def test_nothing_is_cut_off():
-    panel = panel_of(CORONAL, volume_with())
-    assert panel.size == (40.0, 20.0)
-    assert np.isfinite(panel.picture).all()
-
-
 def pixels_of(picture) -> np.ndarray:
     from matplotlib.image import imread
 
@@ -137,30 +122,10 @@ def test_volumes_with_nothing_to_see_are_drawn_all_the_same(array):
     assert preview(Volume(array, GRID.ijk_to_reference)).png.startswith(b"\x89PNG")
 
 
-def test_a_ct_is_shown_beside():
-    plain, beside = preview(volume_with()), preview(volume_with(), ct=Volume(np.zeros(GRID.shape, np.int16), GRID.ijk_to_reference))
-    assert pixels_of(beside).shape[1] > pixels_of(plain).shape[1]
-
-
 def test_a_volume_plots_itself_for_a_notebook(tmp_path):
     picture = volume_with().plot(title="a volume")
     picture.write(tmp_path / "v.png")
     assert picture._repr_png_() == (tmp_path / "v.png").read_bytes()
-
-
-def test_without_matplotlib_one_sentence_says_what_to_install(monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(OutputError, match="pip install matplotlib"):
-        volume_with().plot()
-
-
-def test_a_volume_and_a_bone_map_show_themselves_in_a_line_and_as_a_table():
-    volume = volume_with()
-    assert repr(volume) == "<Volume: voxels 41 x 31 x 21, spacing 1 x 1 x 1 mm, origin -20, -15, -10 mm, values uint8, 40 to 40>"
-    bone = BoneMap.from_probability(Volume(np.ones(GRID.shape, np.float32), GRID.ijk_to_reference))
-    assert repr(bone).startswith("<BoneMap: holds probability")
-    for each in (volume, bone):
-        assert "<td style='text-align:left'>41 x 31 x 21</td>" in each._repr_html_()
 
 
 # ---- a file matplotlibrc that came with a recording
@@ -191,10 +156,6 @@ def test_a_matplotlibrc_of_the_working_folder_changes_no_picture(tmp_path):
     found = drawn_in(tmp_path, settings)
     assert found.stdout == drawn_in(tmp_path, b"").stdout
     assert found.stdout.startswith(b"\x89PNG"), found.stderr
-
-
-def test_a_matplotlibrc_that_is_no_text_is_a_sentence(tmp_path):
-    assert b"matplotlib cannot be loaded" in drawn_in(tmp_path, b"\xff\xfe\x00").stderr
 
 
 def test_a_program_keeps_its_own_looks(monkeypatch):

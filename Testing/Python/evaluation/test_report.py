@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
 import re
@@ -15,14 +14,13 @@ import pytest
 
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import OutputError
-from AIFReconLib.evaluation import figures
-from AIFReconLib.evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
+from AIFReconLib.evaluation.figures import within_spinous_process
 from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics
-from AIFReconLib.evaluation.quantities import HEADINGS, PARTS, QUANTITIES, best_of, cell, metrics_csv, table
-from AIFReconLib.evaluation.report import Report, Section, file_sizes, report_html, software_versions, write_report
+from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, best_of, metrics_csv
+from AIFReconLib.evaluation.report import Report, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
 VOID = {"meta", "img", "br", "link", "input", "hr", "source"}
@@ -114,31 +112,6 @@ def report(metrics):
     )
 
 
-def test_every_tag_of_the_page_is_closed_in_its_order(report):
-    page = Page(report_html(report))
-    assert (page.open, page.wrong) == ([], [])
-
-
-def test_the_page_holds_every_method(report):
-    heading = next(row for row in Page(report_html(report)).rows if len(row) == len(METHODS) + 1)
-    assert heading[1:] == list(METHODS)
-
-
-def test_the_page_holds_every_metric_for_every_method(report, metrics):
-    cells = Page(report_html(report)).metrics()
-    assert set(cells) == set(numbers(0).to_dict())
-    assert all(len(row) == len(metrics) for row in cells.values())
-
-
-def test_every_metric_is_described():
-    assert set(QUANTITIES) == set(numbers(0).to_dict())
-
-
-def test_every_metric_is_defined_on_the_page(report):
-    text = Page(report_html(report)).text
-    assert [quantity.label for quantity in QUANTITIES.values() if quantity.definition not in text] == []
-
-
 def test_the_page_says_what_the_csv_says(report, metrics):
     rows = list(csv.DictReader(io.StringIO(metrics_csv(metrics, 270))))
     assert [row["volume"] for row in rows] == list(METHODS)
@@ -181,66 +154,6 @@ def test_the_page_asks_for_nothing_from_elsewhere(report):
     assert re.findall(r"url\(|@import|https?:|<script|<link|javascript:", html) == []
 
 
-def test_every_note_that_is_pointed_at_is_there(report):
-    html = report_html(report)
-    pointed = set(re.findall(r'href="#([^"]+)"', html))
-    assert pointed
-    assert pointed <= set(re.findall(r'id="([^"]+)"', html))
-
-
-def test_inputs_are_named_without_their_folders(report, tmp_path):
-    path = tmp_path / "ct.nrrd"
-    path.write_bytes(b"12345")
-    html = report_html(replace(report, inputs=file_sizes([path, None])))
-    assert "ct.nrrd" in html
-    assert "5 bytes" in html
-    assert str(tmp_path) not in html
-
-
-def test_the_figure_is_in_the_page(report):
-    (source,) = re.findall(r'src="data:image/png;base64,([^"]+)"', report_html(report))
-    assert base64.b64decode(source) == PNG
-
-
-def test_without_a_figure_there_is_no_picture(report):
-    assert "img" not in Page(report_html(replace(report, figure_png=None))).tags
-
-
-def test_the_page_says_where_its_numbers_come_from(report):
-    text = Page(report_html(report)).text
-    for expected in ("2031-02-03", "simulated, seed 4", "270 frames", f"numpy {np.__version__}", "research software"):
-        assert expected in text
-
-
-def test_the_page_holds_every_setting(report):
-    assert {spec.name for spec in fields(ReconstructionSettings)} <= {row[0] for row in Page(report_html(report)).rows}
-
-
-def test_a_setting_that_all_methods_share_is_said_once(report):
-    rows = {row[0]: row[1] for row in Page(report_html(report)).rows if len(row) == 2}
-    assert rows["spacing"] == "1 mm"
-    assert "aif: 0.1; aif-compensated: 0.3" in rows["alpha"]
-
-
-def test_without_settings_the_page_says_that_they_are_not_known(report):
-    assert "Not known" in Page(report_html(replace(report, settings={}))).text
-
-
-def test_without_a_sweep_the_page_does_not_speak_of_reachable_bone(report):
-    text = Page(report_html(replace(report, frames=None))).text
-    assert "Reachability is unknown" in text
-    assert "All reachable bone" not in text
-
-
-def test_the_same_report_gives_the_same_page(report):
-    assert report_html(report) == report_html(report)
-
-
-def test_the_written_file_is_the_page(report, tmp_path):
-    write_report(tmp_path / "report.html", report)
-    assert (tmp_path / "report.html").read_text("utf-8") == report_html(report)
-
-
 def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monkeypatch):
     path = tmp_path / "report.html"
     path.write_text("old")
@@ -271,33 +184,7 @@ def test_the_best_are_those_that_look_best(key, values, expected):
     assert best_of(key, metrics) == set(expected)
 
 
-def test_the_best_bias_is_the_one_nearest_to_0():
-    metrics = {name: replace(numbers(0), bone=replace(numbers(0).bone, localization_bias=v)) for name, v in (("a", -0.9), ("b", 0.2))}
-    assert best_of("bone_localization_bias", metrics) == {"b"}
-
-
-def test_no_area_is_better_than_another():
-    assert best_of("bone_area", {"a": numbers(0), "b": numbers(1)}) == set()
-
-
-def test_the_page_highlights_the_best(report):
-    page = Page(
-        report_html(replace(report, metrics={"a": replace(numbers(0), speckle_snr=1.0), "b": replace(numbers(0), speckle_snr=2.0)}))
-    )
-    assert [(page.rows[row][0], column) for row, column in page.highlighted] == [("Speckle SNR", 2)]
-
-
-def test_one_volume_alone_is_not_the_best(report):
-    assert Page(report_html(replace(report, metrics={"a": numbers(0)}))).highlighted == []
-
-
 # ---- table and figure
-
-
-def test_the_terminal_shows_the_cells_of_the_page(metrics):
-    heading, *rows = table(metrics)
-    assert heading[1:] == list(HEADINGS.values())
-    assert rows[0] == ["average", *(cell(key, metrics["average"].to_dict()[key]) for key in HEADINGS)]
 
 
 @pytest.fixture
@@ -307,26 +194,6 @@ def block():
     return Volume(np.indices(grid.shape)[0].astype(np.uint8) * 9, grid.ijk_to_reference)
 
 
-@pytest.mark.parametrize("name", ["plain", "a name that is far too long to stand over a panel $x_"])
-def test_the_figure_is_drawn_to_memory(block, name):
-    assert comparison_png(block, {name: block, "other": block}, (0, 0, 0)).startswith(b"\x89PNG\r\n\x1a\n")
-
-
-def test_bytes_are_shown_from_black_to_255(block):
-    assert figures._brightest([block]) == 255.0
-
-
-def test_other_volumes_are_shown_up_to_their_brightest_voxel(block):
-    brighter = Volume(block.array * np.float32(2), block.ijk_to_reference)
-    assert figures._brightest([block, brighter]) == brighter.array.max()
-
-
-def test_without_matplotlib_the_error_says_how_to_get_it(monkeypatch):
-    monkeypatch.setattr(figures.importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(OutputError, match="pip install matplotlib"):
-        require_matplotlib()
-
-
 def test_the_figure_looks_into_the_spinous_process_nearest_to_the_middle(block):
     """Two rods that run 30 mm from front to back, at z = -8 and z = 1: the second one's middle is found."""
     y = np.linspace(-15, 15, 3001)
@@ -334,23 +201,6 @@ def test_the_figure_looks_into_the_spinous_process_nearest_to_the_middle(block):
     labels = np.repeat([1, 2], len(y))
     surface = BoneSurface(points, np.zeros_like(points), np.ones(len(points)), labels)
     assert within_spinous_process(surface, block.grid) == pytest.approx((2.0, 0.0, 1.0), abs=0.3)
-
-
-def test_sections_say_what_they_are_given_as_text_and_a_page_may_do_without_metrics():
-    section = Section(
-        "Sweep <1>",
-        rows=(("Frames", "270 of 270 & more"),),
-        said=("Nothing <b>else</b>.",),
-        table=(("Bone", "Met"), ("L3 <x>", "91%")),
-        pictures=(("Axial", PNG),),
-    )
-    page = Page(report_html(Report("One", "today", {}, None, sections=(section,), language="de")))
-    assert page.wrong == []
-    assert ["L3 <x>", "91%"] in page.rows
-    for words in ("Sweep <1>", "270 of 270 & more", "Nothing <b>else</b>."):
-        assert words in page.text
-    assert page.resources == ["data:image/png;base64," + base64.b64encode(PNG).decode()]
-    assert "How clearly" not in page.text
 
 
 @pytest.mark.parametrize("name", ["=cmd|' /C calc'!A0", "@SUM(1)", "-2+3", "+1", "\tx=1", "\uff1d1+1", " =1"])

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 from sweeps import image_pose, rigid
 
-from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.pose_interpolation import interpolate_pose, pose_change, rotation_between
 
 vectors = st.tuples(*[st.floats(-170, 170)] * 3)
@@ -17,7 +16,7 @@ fractions = st.floats(0, 1)
 
 
 @given(vectors, vectors, fractions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_rotations_follow_scipys_slerp(a, b, fraction):
     turns = Rotation.from_rotvec(np.deg2rad([a, b]))
     if (turns[0].inv() * turns[1]).magnitude() > np.pi - 1e-3:
@@ -27,14 +26,14 @@ def test_rotations_follow_scipys_slerp(a, b, fraction):
 
 
 @given(vectors, vectors, fractions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_a_rigid_pose_stays_rigid(a, b, fraction):
     rotation = interpolate_pose(rigid(a, b), rigid(b, a), fraction)[:3, :3]
     np.testing.assert_allclose(rotation.T @ rotation, np.eye(3), atol=1e-9)
 
 
 @given(vectors, vectors, fractions)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_way_back_passes_the_same_pose(a, b, fraction):
     first, second = rigid(a, b), rigid(b, a)
     if pose_change(first, second)[1] > np.pi - 1e-3:
@@ -46,11 +45,6 @@ def test_the_ends_are_the_samples_to_the_bit():
     first, second = rigid((10, 20, 30), (1, 2, 3)), rigid((-40, 5, 60), (7, 8, 9))
     np.testing.assert_array_equal(interpolate_pose(first, second, 0.0), first)
     np.testing.assert_array_equal(interpolate_pose(first, second, 1.0), second)
-
-
-def test_translation_is_linear():
-    pose = interpolate_pose(rigid(translation=(0, 0, 0)), rigid((90, 0, 0), (4, 8, -2)), 0.25)
-    np.testing.assert_allclose(pose[:3, 3], (1, 2, -0.5))
 
 
 def test_an_image_pose_keeps_its_pixel_spacing():
@@ -71,15 +65,3 @@ def test_axis_and_angle_lead_from_one_rotation_to_the_other(angle_deg):
     found, angle = rotation_between(first.as_matrix(), second.as_matrix())
     led = (first * Rotation.from_rotvec(angle * found)).as_matrix()
     np.testing.assert_allclose(led, second.as_matrix(), atol=1e-9)
-
-
-@pytest.mark.parametrize("fraction", [-0.01, 1.01, np.nan])
-def test_a_fraction_outside_the_two_poses_is_refused(fraction):
-    with pytest.raises(GeometryError, match="fraction"):
-        interpolate_pose(np.eye(4), np.eye(4), fraction)
-
-
-@pytest.mark.parametrize("bad", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.diag([-1.0, 1.0, 1.0, 1.0])])
-def test_what_is_no_pose_or_mirrored_is_refused(bad):
-    with pytest.raises(GeometryError):
-        interpolate_pose(np.eye(4), bad, 0.5)

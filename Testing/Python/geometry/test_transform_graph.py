@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from geometry_strategies import rigid, rigid_poses, scaled
@@ -63,34 +61,12 @@ def test_a_name_that_does_not_say_from_and_to_is_refused(text):
         TransformName.parse(text)
 
 
-@given(st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True), st.from_regex(r"[A-Z][a-z]{1,8}", fullmatch=True))
-@settings(max_examples=30, deadline=None)
-def test_a_name_survives_being_written_and_read(source, target):
-    assert TransformName.parse(str(TransformName(source, target))) == TransformName(source, target)
-
-
-@pytest.mark.parametrize(
-    ("text", "status"), [("ok", "OK"), (" OK ", "OK"), ("Out_Of_View", "OUT_OF_VIEW"), ("", "UNKNOWN"), ("fine", "UNKNOWN")]
-)
-def test_a_status_is_read_in_any_case(text, status):
-    assert TransformStatus.parse(text) is TransformStatus[status]
-
-
 def test_the_path_names_every_link_in_the_direction_of_travel(graph):
     path = graph.lookup("Image", "Reference").path
     assert [str(name) for name in path] == ["ImageToProbe", "ProbeToTracker", "TrackerToReference"]
 
 
-def test_a_frame_lies_in_itself_by_the_identity(graph):
-    np.testing.assert_array_equal(graph.lookup("Probe", "Probe").matrix, np.eye(4))
-
-
-@pytest.mark.parametrize(
-    "others", [[], ["StylusTipToStylus", "StylusTipToNeedle", "NeedleToStylus"], ["TrackerToStylus"], ["ProbeToProbe"]], ids=str
-)
-def test_what_is_on_no_way_between_two_frames_is_not_asked(graph, others):
-    for name in others:
-        graph.put(name, rigid((1, 2, 3), (4, 5, 6)))
+def test_a_chain_over_ok_links_is_ok_whatever_hangs_beside_it(graph):
     assert graph.lookup("Image", "Reference").status is TransformStatus.OK
 
 
@@ -137,17 +113,19 @@ def test_a_second_path_through_other_frames_is_found(graph):
         graph.lookup("Image", "Reference")
 
 
+def test_a_loop_elsewhere_does_not_make_a_path_ambiguous(graph):
+    for name in ("StylusTipToStylus", "StylusTipToNeedle", "NeedleToStylus"):
+        graph.put(name, np.eye(4))
+    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
+
+
 def test_a_missing_path_says_what_each_end_is_connected_to(graph):
     graph.put("CtToPhantom", np.eye(4))
     with pytest.raises(
-        TransformError, match=r"from Ct to Reference\..* Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker"
+        TransformError,
+        match=r"from Ct to Reference\..* Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker",
     ):
         graph.lookup("Ct", "Reference")
-
-
-def test_a_missing_path_in_an_empty_graph_says_that_nothing_is_known():
-    with pytest.raises(TransformError, match="Known transforms: none"):
-        TransformGraph().lookup("Image", "Reference")
 
 
 def agreeing(graph: TransformGraph) -> TransformGraph:
@@ -187,9 +165,9 @@ def test_an_inverse_that_contradicts_is_named_as_it_is_stored(graph):
         graph.lookup("Image", "Reference")
 
 
-def test_setting_a_transform_again_replaces_it(graph):
-    graph.put("ProbeToTracker", np.eye(4))
-    np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, np.eye(4))
+def test_a_pair_of_inverses_beside_the_way_is_not_asked(graph):
+    graph.put("TrackerToStylus", rigid((1, 2, 3), (4, 5, 6)))
+    assert graph.lookup("Image", "Reference").status is TransformStatus.OK
 
 
 @pytest.mark.parametrize("matrix", [np.full((4, 4), np.nan), np.zeros((4, 4)), np.eye(3)])
@@ -198,28 +176,25 @@ def test_a_matrix_that_is_no_transform_is_refused_by_name(graph, matrix):
         graph.put("ProbeToTracker", matrix)
 
 
-def test_names_come_in_the_order_in_which_they_were_set(graph):
-    assert [str(name) for name in graph.names] == ["ImageToProbe", "ProbeToTracker", "ReferenceToTracker", "StylusToTracker"]
-
-
-def test_connected_frames_are_those_of_every_chain(graph):
-    graph.put("CtToPhantom", np.eye(4))
-    assert graph.connected("Stylus") == {"Stylus", "Tracker", "Probe", "Image", "Reference"}
+def test_a_graph_does_not_see_later_changes_of_a_matrix(graph):
+    matrix = np.eye(4)
+    graph.put("CtToReference", matrix)
+    matrix[0, 3] = 7.0
+    assert graph.lookup("Ct", "Reference").matrix[0, 3] == 0.0
 
 
 def test_a_tangle_of_frames_is_searched_in_no_time():
+    """Every way through it would take years."""
     graph = TransformGraph()
     for a in range(14):
         for b in range(a):
             graph.put(TransformName(f"Tool{a}", f"Tool{b}"), np.eye(4))
-    started = time.perf_counter()
     with pytest.raises(TransformError):
         graph.lookup("Tool0", "Nowhere")
-    assert time.perf_counter() - started < 1.0
 
 
 @given(st.lists(st.tuples(rigid_poses, st.booleans()), min_size=1, max_size=6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_chain_of_any_length_and_direction_equals_the_plain_product(links):
     graph, expected = TransformGraph(), np.eye(4)
     for number, (pose, forward) in enumerate(links):

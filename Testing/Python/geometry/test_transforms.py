@@ -31,10 +31,6 @@ def with_entry(row: int, column: int, value: float) -> np.ndarray:
     return matrix
 
 
-def test_sixteen_numbers_are_read_row_by_row():
-    np.testing.assert_array_equal(as_matrix(TILTED.ravel().tolist()), TILTED)
-
-
 def test_a_matrix_is_copied_so_that_its_giver_may_go_on_changing_it():
     given_matrix = TILTED.copy()
     kept = as_matrix(given_matrix)
@@ -73,24 +69,13 @@ def test_the_last_row_may_be_off_by_the_last_recorded_digit(column, value, good)
     assert (why_not_affine(with_entry(3, column, value)) is None) == good
 
 
-def test_the_error_names_the_matrix():
-    with pytest.raises(GeometryError, match="Input transform ProbeToTracker must"):
-        as_matrix(np.eye(3), "transform ProbeToTracker")
-
-
 @pytest.mark.parametrize("size", [1e-4, 1e4])
 def test_a_matrix_is_not_singular_for_being_small_or_large(size):
     np.testing.assert_array_equal(as_matrix(scaled(size, size, size)), scaled(size, size, size))
 
 
-@given(rigid_poses)
-@settings(max_examples=30, deadline=None)
-def test_every_rotation_and_translation_is_rigid(pose):
-    assert why_not_rigid(pose) is None
-
-
 @given(rigid_poses, spacings)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_matrix_times_its_inverse_is_the_identity(pose, spacing):
     matrix = pose @ scaled(*spacing)
     np.testing.assert_allclose(invert(matrix) @ matrix, np.eye(4), atol=1e-9)
@@ -144,35 +129,31 @@ def test_an_image_pose_that_cannot_place_pixels_says_why(matrix, words):
     assert words in why_not_an_image_pose(matrix)
 
 
-def test_an_image_pose_needs_no_third_column():
-    assert why_not_an_image_pose(TILTED @ scaled(0.2, 0.3, 0.0)) is None
-
-
 def test_an_image_pose_may_be_mirrored():
     assert why_not_an_image_pose(TILTED @ scaled(-0.2, 0.3, 1.0)) is None
 
 
 @given(rigid_poses, triples(-100, 100))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_points_are_transformed_like_homogeneous_columns(pose, point):
     np.testing.assert_allclose(transform_points(pose, [point])[0], (pose @ [*point, 1.0])[:3], atol=1e-9)
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_pixel_spacing_does_not_depend_on_the_pose(pose, x, y):
     np.testing.assert_allclose(pixel_spacing(pose @ scaled(x, y, 1.0)), (x, y), rtol=1e-12)
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_the_axes_of_a_rigid_image_are_its_normalized_columns(pose, x, y):
     axes = image_plane_axes(pose @ scaled(x, y, 1.0))
     np.testing.assert_allclose(np.stack(axes, axis=1), pose[:3, :2], atol=1e-12)
 
 
 @given(rigid_poses, numbers(0.01, 5), numbers(0.01, 5), numbers(-0.3, 0.3))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_the_axes_of_a_sheared_image_are_orthonormal(pose, x, y, shear):
     sheared = np.array([[1, shear, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
     axes = np.stack(image_plane_axes(pose @ sheared @ scaled(x, y, 1.0)))

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
-from AIFReconLib.machine.memory import LARGEST_GRID
 
 OBLIQUE = rigid((0.4, -1.2, 0.8), (10.0, -20.0, 30.0)) @ scaled(0.5, 0.6, 0.7)
 SHEAR = np.array([[1, 0.1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
@@ -26,10 +25,6 @@ def test_a_size_that_is_not_three_whole_numbers_is_refused(size):
 def test_more_voxels_than_any_memory_holds_are_refused(size):
     with pytest.raises(GeometryError, match="Choose a larger spacing"):
         VoxelGrid(size, np.eye(4))
-
-
-def test_the_largest_grid_is_accepted():
-    assert VoxelGrid((LARGEST_GRID, 1, 1), np.eye(4)).voxels == LARGEST_GRID
 
 
 @pytest.mark.parametrize(
@@ -64,24 +59,14 @@ def test_the_matrix_of_a_grid_cannot_be_changed():
         VoxelGrid((2, 2, 2), np.eye(4)).ijk_to_reference[0, 0] = 2.0
 
 
-def test_an_array_is_indexed_k_j_i():
-    assert VoxelGrid((2, 3, 4), np.eye(4)).shape == (4, 3, 2)
-
-
 def test_a_grid_from_a_spacing_has_its_first_voxel_at_the_origin():
     grid = VoxelGrid.from_spacing((1, 2, 3), (4, 5, 6), (0.1, 0.2, 0.3))
     assert grid.origin.tolist() == [1, 2, 3]
     np.testing.assert_allclose(grid.spacing, [0.1, 0.2, 0.3])
 
 
-@pytest.mark.parametrize("spacing", [0.0, np.nan, (1.0, 0.0, 1.0)])
-def test_a_spacing_that_is_none_is_refused(spacing):
-    with pytest.raises(GeometryError):
-        VoxelGrid.from_spacing((0, 0, 0), (4, 5, 6), spacing)
-
-
 @given(rigid_poses, spacings, triples(-20, 20))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_to_reference_and_back_is_the_same_voxel(pose, spacing, ijk):
     grid = VoxelGrid((3, 4, 5), pose @ scaled(*spacing))
     there = grid.ijk_to_reference @ [*ijk, 1.0]
@@ -111,11 +96,6 @@ def test_a_grid_matches_one_that_was_written_with_six_digits():
 )
 def test_a_grid_does_not_match_another(other):
     assert not VoxelGrid((20, 30, 40), OBLIQUE).matches(other)
-
-
-def test_an_empty_volume_is_refused():
-    with pytest.raises(GeometryError, match="positive"):
-        Volume(np.zeros((0, 2, 2)), np.eye(4))
 
 
 def test_a_volume_is_moved_by_a_transform_from_the_left():
@@ -149,12 +129,6 @@ def test_numpy_gets_a_copy_or_another_type_where_it_asks_for_one():
     converted = np.asarray(NUMBERED, dtype=np.float32)
     assert converted.dtype == np.float32
     np.testing.assert_array_equal(converted, NUMBERED.array)
-
-
-def test_a_conversion_that_may_not_copy_is_refused():
-    with pytest.raises(ValueError, match="copy must be True"):
-        NUMBERED.__array__(np.float32, copy=False)
-    assert np.shares_memory(NUMBERED.__array__(copy=False), NUMBERED.array)
 
 
 @pytest.mark.parametrize("array", ["volume.nrrd", [[["a"]]], np.zeros((2, 2, 2), complex), np.zeros((2, 2)), None])
@@ -194,16 +168,6 @@ def test_an_index_that_keeps_no_place_is_refused(index):
         NUMBERED[index]
 
 
-def test_a_part_without_voxels_is_refused():
-    with pytest.raises(GeometryError, match="must leave voxels"):
-        NUMBERED[2:2]
-
-
-def test_a_volume_is_not_gone_through_plane_by_plane():
-    with pytest.raises(TypeError, match="not iterable"):
-        iter(NUMBERED)
-
-
 @given(rigid_poses, spacings, triples(0, 3))
 @settings(max_examples=40)
 def test_simpleitk_puts_every_voxel_where_the_volume_has_it(pose, spacing, ijk):
@@ -238,10 +202,6 @@ def test_a_volume_goes_through_simpleitk_and_comes_back(kind):
     assert back.dtype == kind
 
 
-def test_truth_values_go_to_simpleitk_as_0_and_1():
-    assert sitk.GetArrayFromImage(Volume(np.ones((1, 1, 1), bool), np.eye(4)).to_sitk()).dtype == np.uint8
-
-
 @pytest.mark.parametrize(
     ("image", "words"),
     [
@@ -255,8 +215,3 @@ def test_truth_values_go_to_simpleitk_as_0_and_1():
 def test_an_image_that_is_no_scalar_volume_is_refused(image, words):
     with pytest.raises(GeometryError, match=words):
         Volume.from_sitk(image)
-
-
-def test_voxels_that_simpleitk_does_not_have_are_refused():
-    with pytest.raises(GeometryError, match="got float16"):
-        Volume(np.zeros((1, 1, 1), np.float16), np.eye(4)).to_sitk()

@@ -48,17 +48,6 @@ def test_the_report_has_all_borders_and_every_label(known):
     assert report["labels"]["2"]["met"] == 0.5
 
 
-def test_the_table_calls_labels_as_their_segments_are_called(known):
-    first, second = (line.strip() for line in covered(known).lines()[1:3])
-    assert first.startswith("L3 ")
-    assert second.startswith("label 2 ")
-
-
-def test_shares_of_nothing_are_not_numbers_in_the_report(known):
-    nothing = share_of(known, np.zeros(5, dtype=bool)).to_dict()
-    assert nothing == {"reachable_cm2": 0.0, **dict.fromkeys(SHARES[1:])}
-
-
 def test_a_mesh_of_a_ball_is_closed_and_has_its_volume():
     grid = VoxelGrid.from_spacing((-12.0, -12.0, -12.0), (25, 25, 25), 1.0)
     k, j, i = np.indices(grid.shape) - 12.0
@@ -101,10 +90,3 @@ def test_the_surface_opens_in_vtk_where_the_bone_is(patient, results):
     middle = np.argwhere(labels.array > 0).mean(axis=0)[::-1]
     center = transform_points(read_transform(patient.transform) @ labels.ijk_to_reference, middle)
     np.testing.assert_allclose((low + high) / 2, center, atol=0.5)
-
-
-@pytest.mark.parametrize(("option", "name", "expected"), [("--surface", "met.stl", "must be .vtp"), ("--report", "none/r.json", "folder")])
-def test_what_cannot_be_written_is_refused_before_work(patient, results, capsys, option, name, expected):
-    bone = ["--bone-labels", str(patient.labels), "--bone-transform", str(patient.transform)]
-    assert main(["coverage", str(patient.sweep), "--config", str(patient.config), *bone, option, str(results / name)]) == 2
-    assert expected in capsys.readouterr().err

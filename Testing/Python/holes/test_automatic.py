@@ -12,7 +12,7 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.automatic import automatic_limit, distances_between_frames
 from AIFReconLib.holes.filling import HoleFilling
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 SHOWN = np.ones((40, 50), dtype=bool)
@@ -40,20 +40,9 @@ def test_the_limit_is_at_least_a_voxel_s_diagonal(places):
     assert limit_of(*places) == pytest.approx(DIAGONAL, abs=0.1)
 
 
-def test_the_limit_is_at_most_4_mm():
-    assert limit_of(*np.arange(0.0, 100.0, 14.0)) == 4.0
-
-
 def test_voxels_larger_than_that_still_reach_their_neighbors():
     coarse = VoxelGrid.from_spacing((-5.0, -5.0, -5.0), (10, 10, 30), 5.0)
     assert automatic_limit(frames_at(0.0, 5.0, 10.0), SHOWN, coarse)[0] >= np.linalg.norm((5.0, 5.0, 5.0))
-
-
-def test_voxels_of_centimeters_ask_for_no_more_than_may_be_given():
-    coarse = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (2, 2, 2), 40.0)
-    limit, notes = automatic_limit(frames_at(0.0, 30.0, 60.0), SHOWN, coarse)
-    assert ReconstructionSettings(hole_limit=limit).hole_limit == 20.0
-    assert len(notes) == 1
 
 
 def test_passes_that_interleave_fill_each_other_s_gaps():
@@ -63,11 +52,6 @@ def test_passes_that_interleave_fill_each_other_s_gaps():
 
 def test_the_way_back_to_the_next_pass_asks_for_nothing():
     assert limit_of(*np.arange(0.0, 30.0, 1.5), *np.arange(70.0, 100.0, 1.5)) == limit_of(*np.arange(0.0, 30.0, 1.5))
-
-
-def test_gaps_outside_the_volume_ask_for_nothing():
-    inside, beyond = np.arange(0.0, 140.0, 2.0), np.arange(150.0, 400.0, 6.0)
-    assert limit_of(*inside, *beyond) == pytest.approx(limit_of(*inside), abs=0.1)
 
 
 def test_sliding_within_the_image_plane_is_no_gap():
@@ -125,20 +109,8 @@ def test_the_number_that_is_said_gives_the_same_voxels():
     np.testing.assert_array_equal(chosen.mask.array, again.mask.array)
 
 
-def test_a_limit_that_is_given_is_kept_in_the_result_and_needs_no_word():
-    result = reconstruction(frames_at(0.0, 2.0), hole_limit=1.5)
-    assert result.hole_limit == 1.5
-    assert result.notes == ()
-
-
 @pytest.mark.parametrize("settings", [{}, {"hole_limit": 0.0}])
 def test_a_configuration_s_own_way_stays_and_is_named(settings):
     reconstructor = Reconstructor(GRID, ReconstructionSettings(**settings), holes=(HoleFilling("stick", 9),))
     result = reconstructor.reconstruction()
     assert result.notes == ("Gaps are filled as the configuration asks: stick of up to 9 voxels.",)
-
-
-def test_holes_off_fills_nothing():
-    result = reconstruction(frames_at(0.0, 2.0, 4.0), holes="off")
-    assert result.hole_limit == 0.0
-    assert not (result.mask.array == 2).any()

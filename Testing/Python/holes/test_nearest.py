@@ -70,7 +70,7 @@ def line(*measured: float) -> tuple[np.ndarray, np.ndarray]:
     st.one_of(st.just((1.0, 1.0, 1.0)), st.just((0.5, 0.5, 1.0)), st.just((0.3, 0.4, 0.5)), triples(0.2, 2.0)),
     st.sampled_from([0.3, 0.5, 1.0, 1.5, 2.0, 3.0, 20.0]),
 )
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60, suppress_health_check=list(HealthCheck))
 def test_filling_equals_the_search_through_every_voxel(shape, share, seed, spacing, limit):
     values, mask = scattered(shape, share, seed)
     expected = filled_by_search(values, mask, spacing, limit)
@@ -88,11 +88,6 @@ def test_the_size_of_what_is_searched_in_one_go_makes_no_difference(monkeypatch,
     fill_holes(*parts, CUBE, 2.0)
     np.testing.assert_array_equal(parts[0], whole[0])
     np.testing.assert_array_equal(parts[1], whole[1])
-
-
-def test_the_number_of_filled_voxels_is_returned():
-    values, mask = line(7, 0, 0, 0, 0)
-    assert fill_holes(values, mask, CUBE, 2.0) == 2
 
 
 @pytest.mark.parametrize(
@@ -147,64 +142,11 @@ def test_a_tie_between_unlike_offsets_is_a_tie(tenths):
     assert values[0, 0, 0] == 5
 
 
-def test_measured_voxels_stay_as_they_are():
-    values, mask = scattered((6, 6, 6), 0.3, 1)
-    before, measured = values.copy(), mask == MEASURED
-    fill_holes(values, mask, CUBE, 3.0)
-    np.testing.assert_array_equal(values[measured], before[measured])
-    assert (mask[measured] == MEASURED).all()
-
-
-def test_a_filled_voxel_is_no_source():
-    values, mask = line(7, 0, 0, 0, 0, 0)
-    fill_holes(values, mask, CUBE, 2.0)
-    assert values.ravel().tolist() == [7, 7, 7, 0, 0, 0]
-
-
-def test_a_measured_zero_is_a_value_like_any_other():
-    values, mask = line(0, 0, 0, 7)
-    mask[0, 0, 0] = MEASURED
-    fill_holes(values, mask, CUBE, 9.0)
-    assert values.ravel().tolist() == [0, 0, 7, 7]
-
-
 @pytest.mark.parametrize("limit", [0.0, 0.5])
 def test_a_limit_below_one_voxel_fills_nothing(limit):
     values, mask = line(7, 0, 7)
     assert fill_holes(values, mask, CUBE, limit) == 0
     assert mask.ravel().tolist() == [MEASURED, EMPTY, MEASURED]
-
-
-def test_nothing_is_filled_from_nothing():
-    values, mask = np.zeros((3, 3, 3), np.float32), np.zeros((3, 3, 3), np.uint8)
-    assert fill_holes(values, mask, CUBE, 5.0) == 0
-
-
-def test_a_volume_without_holes_stays_as_it_is():
-    values, mask = np.ones((3, 3, 3), np.float32), np.ones((3, 3, 3), np.uint8)
-    assert fill_holes(values, mask, CUBE, 5.0) == 0
-
-
-@pytest.mark.parametrize("dtype", [np.uint8, np.float32, np.float64])
-def test_values_keep_their_type(dtype):
-    values, mask = line(7, 0, 0)
-    values = values.astype(dtype)
-    fill_holes(values, mask, CUBE, 2.0)
-    assert values.ravel().tolist() == [7, 7, 7]
-
-
-def test_progress_rises_to_1():
-    values, mask = scattered((9, 4, 4), 0.1, 1)
-    heard = []
-    fill_holes(values, mask, CUBE, 2.0, lambda fraction, _: heard.append(fraction))
-    assert heard == sorted(heard)
-    assert heard[-1] == 1.0
-
-
-def test_filling_can_be_stopped():
-    values, mask = scattered((9, 4, 4), 0.1, 1)
-    with pytest.raises(OperationCanceled):
-        fill_holes(values, mask, CUBE, 2.0, lambda fraction, message: False)
 
 
 def test_compiled_filling_is_stopped_between_two_planes():

@@ -7,17 +7,13 @@ import itertools
 import numpy as np
 import pytest
 
-from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.holes import plus_ways
-from AIFReconLib.holes.fill import fill_as_asked
-from AIFReconLib.holes.filling import KINDS, HoleFilling
-from AIFReconLib.holes.nearest import FILLED, MEASURED, fill_holes
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.holes.filling import HoleFilling
+from AIFReconLib.holes.nearest import FILLED, MEASURED
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
-from AIFReconLib.settings import ReconstructionSettings
 
 SHAPE = (6, 7, 8)
-SPACING = np.array([0.5, 0.5, 0.5])
 
 
 @pytest.fixture(params=["numpy", "numba"])
@@ -138,30 +134,6 @@ def test_filling_equals_the_loop_over_voxels(kind, share, engine):
     np.testing.assert_allclose(values, wanted_values, rtol=1e-6)
 
 
-@pytest.mark.parametrize("planes", [1, 2, 3])
-@pytest.mark.parametrize(
-    "kind",
-    [
-        HoleFilling("stick", 6),
-        HoleFilling("gaussian", 5, 1.0),
-        HoleFilling("gaussian by hits", 5, 1.0),
-        HoleFilling("inverse distance", 5),
-        HoleFilling("cube", 5),
-    ],
-    ids=str,
-)
-def test_slabs_make_no_difference(kind, planes, monkeypatch):
-    whole, slabs = scattered(0.15, seed=5), scattered(0.15, seed=5)
-    score = np.random.default_rng(4).integers(1, 9, SHAPE)
-    fill_holes_by_kind(*whole, (kind,), score=score)
-    monkeypatch.setattr(plus_ways, "VOXELS_AT_ONCE", planes * SHAPE[1] * SHAPE[2])
-    monkeypatch.setattr(plus_ways, "HOLES_AT_ONCE", 17)
-    fill_holes_by_kind(*slabs, (kind,), score=score)
-    # Fourier transforms of slabs round differently
-    np.testing.assert_allclose(slabs[0], whole[0], rtol=1e-6 if kind.kind == "inverse distance" else 0)
-    np.testing.assert_array_equal(slabs[1], whole[1])
-
-
 def test_of_two_neighbors_a_hole_takes_after_the_nearer_one():
     values = np.array([[[90, 0, 0, 30]]], np.float32)
     fill_holes_by_kind(values, (values > 0).astype(np.uint8), (HoleFilling("inverse distance", 5),))
@@ -191,43 +163,6 @@ def test_a_stick_interpolates_between_its_ends():
     np.testing.assert_allclose(values, [[[90, (3 * 90 + 2 * 10) / 5, (2 * 90 + 3 * 10) / 5, (1 * 90 + 4 * 10) / 5, 10]]])
 
 
-def test_a_stick_does_not_bridge_a_longer_gap():
-    values = np.array([[[90, 0, 0, 0, 10]]], np.float32)
-    mask = (values > 0).astype(np.uint8)
-    assert fill_holes_by_kind(values, mask, (HoleFilling("stick", 4),)) == 0
-
-
-@pytest.mark.parametrize("kind", ["gaussian", "gaussian by hits", "inverse distance", "cube"])
-def test_equal_neighbors_average_to_themselves(kind):
-    values, mask = scattered(0.2, seed=1)
-    values[mask == MEASURED] = 77
-    fill_holes_by_kind(values, mask, (HoleFilling(kind, 7, 1.3),), score=np.arange(values.size).reshape(SHAPE) + 1)
-    np.testing.assert_allclose(values[mask == FILLED], 77, rtol=1e-6)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_volume_without_measured_voxels_stays_empty(kind):
-    values, mask = np.zeros((2, *SHAPE), np.float32)[0], np.zeros(SHAPE, np.uint8)
-    assert fill_holes_by_kind(values, mask, (HoleFilling(kind, 5),)) == 0
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_size_of_one_voxel_reaches_nothing(kind):
-    values, mask = scattered(0.3, seed=2)
-    assert fill_holes_by_kind(values, mask, (HoleFilling(kind, 1),)) == 0
-
-
-def test_gray_levels_are_rounded_where_a_volume_holds_them():
-    values = np.array([[[10, 0, 11]]], np.uint8)
-    fill_holes_by_kind(values, np.array([[[1, 0, 1]]], np.uint8), (HoleFilling("stick", 3),))
-    assert values.tolist() == [[[10, 11, 11]]]
-
-
-def test_filling_can_be_stopped():
-    with pytest.raises(OperationCanceled):
-        fill_holes_by_kind(*scattered(0.3, seed=2), (HoleFilling("stick", 5),), lambda fraction, text: False)
-
-
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
@@ -245,44 +180,3 @@ def test_a_way_that_makes_no_sense_is_refused(arguments, expected):
 
 
 # What the settings ask for
-
-
-def asked(configured=(), **settings):
-    values, mask = scattered(0.1, seed=4)
-    fill_as_asked(values, mask, SPACING, ReconstructionSettings(**{"hole_limit": 0.0, **settings}), configured)
-    return values, mask
-
-
-def expected_of(*kinds):
-    values, mask = scattered(0.1, seed=4)
-    fill_holes_by_kind(values, mask, kinds)
-    return values, mask
-
-
-STICK = HoleFilling("stick", 9)
-
-
-@pytest.mark.parametrize(
-    ("configured", "settings", "kinds"),
-    [
-        ((), {}, ()),
-        ((STICK,), {}, (STICK,)),
-        ((STICK,), {"holes": "off"}, ()),
-        ((STICK,), {"holes": "off", "hole_limit": 1.0}, ()),
-        ((STICK,), {"holes": "cube", "hole_limit": 1.0}, (HoleFilling("cube", 5),)),
-        ((), {"holes": "stick", "hole_limit": 1.2}, (HoleFilling("stick", 5),)),
-        ((), {"holes": "gaussian", "hole_limit": 1.5}, (HoleFilling("gaussian", 7, 1.5),)),
-        ((), {"holes": "stick", "hole_limit": 0.4}, ()),
-    ],
-)
-def test_settings_come_before_the_configuration(configured, settings, kinds):
-    for ours, theirs in zip(asked(configured, **settings), expected_of(*kinds), strict=True):
-        np.testing.assert_array_equal(ours, theirs)
-
-
-@pytest.mark.parametrize("settings", [{"hole_limit": 1.0}, {"hole_limit": 1.0, "holes": "nearest"}])
-def test_a_limit_alone_means_the_nearest_measured_voxel(settings):
-    values, mask = scattered(0.1, seed=4)
-    fill_holes(values, mask, SPACING, 1.0)
-    for ours, theirs in zip(asked((STICK,), **settings), (values, mask), strict=True):
-        np.testing.assert_array_equal(ours, theirs)

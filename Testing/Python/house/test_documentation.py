@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from doc_workplace import make_workplace, serve
 
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.compounding.methods.table import METHODS
+from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
 LONG_RUNNING = {
     "demo": "commands/test_demo.py",
@@ -138,17 +140,13 @@ def test_every_command_runs(block: Block, workplace, capsys):
             assert main(arguments) == 0, capsys.readouterr().err
 
 
-@pytest.mark.parametrize("block", SHELL, ids=lambda block: block.name)
-def test_every_make_target_of_a_command_exists(block: Block):
-    wanted = [word for words in block.commands() if words[0] == "make" for word in words[1:] if "=" not in word]
-    assert set(wanted) - make_targets() == set()
-
-
-@pytest.mark.parametrize("block", SHELL, ids=lambda block: block.name)
-def test_every_extra_that_pip_installs_exists(block: Block):
+def test_every_make_target_and_extra_of_a_command_exists():
+    words = [command for block in SHELL for command in block.commands()]
+    wanted = {word for command in words if command[0] == "make" for word in command[1:] if "=" not in word}
+    assert wanted - make_targets() == set()
     project = (REPOSITORY / "pyproject.toml").read_text("utf-8")
-    wanted = [extra for words in block.commands() for word in words for extra in re.findall(r"^(?:\.|aifrecon)\[([\w,]+)\]$", word)]
-    assert [extra for extra in wanted if not re.search(rf"^{extra} = \[", project, flags=re.MULTILINE)] == []
+    extras = {extra for command in words for word in command for extra in re.findall(r"^(?:\.|aifrecon)\[([\w,]+)\]$", word)}
+    assert [extra for extra in extras if not re.search(rf"^{extra} = \[", project, flags=re.MULTILINE)] == []
 
 
 @pytest.mark.parametrize("block", [block for block in PYTHON if "AIFReconLogic" not in block.text], ids=lambda block: block.name)
@@ -157,52 +155,20 @@ def test_every_python_block_runs(block: Block, workplace):
     assert (workplace / "volume.nrrd").stat().st_size > 0
 
 
-@pytest.mark.parametrize("name", sorted(LONG_RUNNING))
-def test_what_is_only_parsed_here_is_run_elsewhere(name):
-    assert (REPOSITORY / "Testing" / "Python" / LONG_RUNNING[name]).is_file()
-    assert name in OPTIONS
+def test_what_is_only_parsed_here_is_run_elsewhere():
+    assert [name for name, file in LONG_RUNNING.items() if not (REPOSITORY / "Testing" / "Python" / file).is_file()] == []
+    assert set(LONG_RUNNING) <= set(OPTIONS)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_every_command_in_running_text_exists(page: Path):
-    spans = [span.split() for span in code_spans(page) if re.match(r"aifrecon [a-z]", span)]
-    assert {" ".join(words): bad for words in spans if (bad := unknown_options(words[1:]))} == {}
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_every_option_in_running_text_exists(page: Path):
-    named = {word for span in code_spans(page) for word in re.findall(r"^--[a-z][a-z-]*", span)}
-    assert named - EVERY_OPTION == set()
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_every_choice_in_running_text_exists(page: Path):
-    named = {tuple(span.split()) for span in code_spans(page) if re.fullmatch(r"--[a-z-]+ [a-z][\w-]*", span)}
-    assert [" ".join(pair) for pair in sorted(named) if pair[0] in CHOICES and pair[1] not in CHOICES[pair[0]]] == []
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_every_make_target_in_running_text_exists(page: Path):
-    named = {span.split()[1] for span in code_spans(page) if re.match(r"make [a-z]", span)}
-    assert named - make_targets() == set()
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_every_link_leads_somewhere(page: Path):
+def test_every_link_leads_somewhere():
     broken = []
-    for link in links(page):
-        path, _, anchor = link.partition("#")
-        if re.match(r"[a-z]+:", path):
-            continue
-        target = (page.parent / path).resolve() if path else page
-        if not target.exists() or (anchor and anchor not in anchors(target)):
-            broken.append(link)
+    for page in PAGES:
+        for link in links(page):
+            path, _, anchor = link.partition("#")
+            target = (page.parent / path).resolve() if path else page
+            if not re.match(r"[a-z]+:", path) and (not target.exists() or (anchor and anchor not in anchors(target))):
+                broken.append(f"{name_of(page)}: {link}")
     assert broken == []
-
-
-@pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_every_path_in_running_text_exists(page: Path):
-    assert [path for path in paths(page) if not any((root / path).exists() for root in ROOTS)] == []
 
 
 def wrong_in_running_text(page: Path) -> list[str]:
@@ -210,18 +176,38 @@ def wrong_in_running_text(page: Path) -> list[str]:
     spans = code_spans(page)
     options = {word for span in spans for word in re.findall(r"^--[a-z][a-z-]*", span)} - EVERY_OPTION
     commands = [bad for span in spans if re.match(r"aifrecon [a-z]", span) for bad in unknown_options(span.split()[1:])]
+    pairs = [span.split() for span in spans if re.fullmatch(r"--[a-z-]+ [a-z][\w-]*", span)]
+    choices = [choice for option, choice in pairs if option in CHOICES and choice not in CHOICES[option]]
     made = {span.split()[1] for span in spans if re.match(r"make [a-z]", span)} - make_targets()
     missing = [path for path in paths(page) if not any((root / path).exists() for root in ROOTS)]
-    return [*commands, *sorted(options), *sorted(made), *missing]
+    return [*commands, *sorted(options), *choices, *sorted(made), *missing]
 
 
-def test_everything_that_docstrings_and_the_gallery_name_exists():
-    assert {name_of(source): wrong for source in SOURCES if (wrong := wrong_in_running_text(source))} == {}
+def test_everything_that_pages_docstrings_and_the_gallery_name_exists():
+    assert {name_of(source): wrong for source in [*PAGES, *SOURCES] if (wrong := wrong_in_running_text(source))} == {}
 
 
-@pytest.mark.parametrize("source", [source for source in SOURCES if source.parent.name == "examples"], ids=name_of)
-def test_everything_that_the_gallery_imports_exists(source: Path):
-    for node in ast.walk(ast.parse(source.read_text("utf-8"))):
+def test_the_table_of_parameters_states_option_default_and_range_of_their_fields():
+    page = (REPOSITORY / "docs" / "method.md").read_text("utf-8")
+    rows = re.findall(r"^\| `(--[a-z-]+)` \| `([a-z_]+)` \| (.+?) \| (.+?) \|$", page, re.MULTILINE)
+    rules = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}
+    number = r"[0-9.]+(?:e-?[0-9]+)?"
+    assert {"alpha", "beta", "bone_gain", "weight_floor", "hole_limit", "spacing"} <= {field for _, field, _, _ in rows}
+    for option, field, default, bounds in rows:
+        if field != "method":
+            rule = rules[field]
+            assert option == "--" + field.replace("_", "-")
+            expected = DEFAULT_SPACING if field == "spacing" else rule["default"]
+            shown = "none" if expected is None else f"`{expected}`" if isinstance(expected, str) else expected
+            assert (default if isinstance(shown, str) else float(re.findall(number, default)[0])) == shown
+            limits = [n for n in (rule["minimum"], rule["maximum"]) if n is not None]
+            choices = tuple(re.findall(r"`([^`]+)`", bounds))
+            assert choices == rule["choices"] if rule["choices"] else [float(n) for n in re.findall(number, bounds)] == limits
+
+
+def test_everything_that_the_gallery_imports_exists():
+    texts = [source.read_text("utf-8") for source in SOURCES if source.parent.name == "examples"]
+    for node in (node for text in texts for node in ast.walk(ast.parse(text))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("AIFReconLib"):
             module = importlib.import_module(node.module)
             assert [alias.name for alias in node.names if not hasattr(module, alias.name)] == []
@@ -268,15 +254,6 @@ def test_every_page_of_docs_is_in_the_site_s_menus():
     assert [page.stem for page in PAGES if page.parent.name == "docs" and page.stem != "index" and page.stem not in listed] == []
 
 
-# ---- the checks themselves can fail
-
-
-def page_with(tmp_path, text) -> Path:
-    page = tmp_path / "page.md"
-    page.write_text(text, "utf-8")
-    return page
-
-
 SAYS_THE_MARKED_SIDE = re.compile(r"\b([MU])[FN][AD]?\b[^.|]*?\bmarked side\b[^.|]*?\b(left|right)\b")
 
 
@@ -286,35 +263,21 @@ def test_the_marked_side_is_where_columns_increase_to_wherever_a_page_or_docstri
     assert {pair for pairs in said.values() for pair in pairs} == {("M", "right"), ("U", "left")}, said
 
 
-def test_a_wrong_option_is_seen():
+# ---- the checks themselves can fail
+
+
+def test_what_does_not_exist_is_seen(tmp_path):
     assert unknown_options(["reconstruct", "sweep.igs.mha", "--spacing", "1", "--spcaing", "2"]) == ["--spcaing"]
-
-
-def test_an_option_of_another_command_is_seen():
     assert unknown_options(["info", "sweep.igs.mha", "--hole-limit", "1"]) == ["--hole-limit"]
-
-
-def test_a_wrong_command_is_seen():
-    assert unknown_options(["reconstrut", "sweep.igs.mha"]) == ["reconstrut"]
-
-
-def test_a_command_over_several_lines_is_one(tmp_path):
-    page = page_with(tmp_path, "```sh\naifrecon info a.mha \\\n    --json  # says all\n```\n")
-    assert next(blocks(page)).commands() == [["aifrecon", "info", "a.mha", "--json"]]
-
-
-def test_what_a_command_prints_is_no_command(tmp_path):
-    page = page_with(tmp_path, "```text\naifrecon reconstruct demo\n```\n")
-    assert next(blocks(page)).commands() == []
-
-
-def test_what_a_docstring_names_is_seen(tmp_path):
     source = tmp_path / "source.py"
     source.write_text('def f():\n    """See `--no-such-option`, ``aifrecon reconstrut`` and `make nothing`."""\n', "utf-8")
     assert wrong_in_running_text(source) == ["reconstrut", "--no-such-option", "nothing"]
 
 
-def test_links_and_anchors_are_seen(tmp_path):
-    page = page_with(tmp_path, '# A `b` (c)\n[x](one.md#two) ![y](z.png)\n\n[n]: http://a.b\n<img src="q.png">\n```\n[no](no)\n```\n')
+def test_commands_links_and_anchors_are_seen(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("```sh\naifrecon info a.mha \\\n    --json  # says all\n```\n```text\naifrecon reconstruct demo\n```\n", "utf-8")
+    assert [block.commands() for block in blocks(page)] == [[["aifrecon", "info", "a.mha", "--json"]], []]
+    page.write_text('# A `b` (c)\n[x](one.md#two) ![y](z.png)\n\n[n]: http://a.b\n<img src="q.png">\n```\n[no](no)\n```\n', "utf-8")
     assert links(page) == ["one.md#two", "z.png", "http://a.b", "q.png"]
     assert anchors(page) == {"a-b-c"}

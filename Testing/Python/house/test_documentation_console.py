@@ -47,9 +47,7 @@ def test_the_lines_of_the_console_make_a_volume(tmp_path):
     program = tmp_path / "console.py"
     program.write_text(AROUND.replace("# the lines go here", block.text), "utf-8")
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(REPOSITORY)}
-    done = subprocess.run(
-        [sys.executable, str(program), str(REPOSITORY)], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300
-    )
+    done = subprocess.run([sys.executable, str(program), str(REPOSITORY)], cwd=tmp_path, env=environment, capture_output=True, text=True)
     if "cannot run here" in done.stderr:
         pytest.skip(done.stderr.strip().splitlines()[-1])
     assert done.returncode == 0, done.stderr[-3000:]

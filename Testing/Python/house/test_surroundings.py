@@ -12,7 +12,6 @@ import sys
 import threading
 import time
 from contextlib import suppress
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -27,11 +26,9 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import check_volume_path, read_volume
 from AIFReconLib.live.session.recording import Recorder
-from AIFReconLib.machine.read_ahead import read_ahead
 from AIFReconLib.machine.threads import in_parts, pause
 from AIFReconLib.terminal.console import ProgressBar
 from AIFReconLib.terminal.signals import orderly_end
-from AIFReconLib.terminal.status_line import StatusLine
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 
@@ -41,14 +38,14 @@ def run(arguments, shell="", **environment):
     command = [sys.executable, "-m", "AIFReconLib", *map(str, arguments)]
     if shell:
         command = ["sh", "-c", '"$@" ' + shell, "sh", *command]
-    return subprocess.run(command, capture_output=True, check=False, env={**os.environ, **environment}, timeout=120)
+    return subprocess.run(command, capture_output=True, check=False, env={**os.environ, **environment})
 
 
 # ---- streams
 
 
 @posix
-@pytest.mark.parametrize("shell", [">&-", "2>&-", "<&- >&- 2>&-"], ids=["stdout", "stderr", "all three"])
+@pytest.mark.parametrize("shell", ["<&- >&- 2>&-"])
 def test_a_closed_stream_does_not_matter(patient, results, shell):
     assert run([*patient.reconstruct, "--output", results / "v.nrrd"], shell).returncode == 0
     assert [path.name for path in results.iterdir()] == ["v.nrrd"]
@@ -81,14 +78,6 @@ class Gone(io.StringIO):
 def test_a_progress_bar_on_a_terminal_that_is_gone_does_not_stop_the_work():
     with ProgressBar(Gone()) as progress:
         assert progress(1.0, "Writing")
-
-
-def test_a_status_line_on_a_terminal_that_is_gone_does_not_stop_the_scan():
-    line = StatusLine(Gone())
-    line.say("Connected.")
-    line._draw("30 frames/s")
-    line.clear()
-    assert line._width == 0
 
 
 def test_files_are_written_before_anything_is_printed(patient, results, monkeypatch, tmp_path):
@@ -127,7 +116,7 @@ def test_a_signal_that_the_caller_ignores_stays_ignored():
 
 
 @posix
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGTERM])
 @pytest.mark.parametrize(("file", "function"), [("llvmlite/callback.py", "called_back"), ("<frozen importlib._bootstrap>", "cb")])
 def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function):
     words = {"signal": signal, "time": time, "number": number}
@@ -135,7 +124,7 @@ def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function
     try:
         exec(compile(f"def {function}():\n    signal.raise_signal(number)", file, "exec"), words)
         with orderly_end() as end, pytest.raises(KeyboardInterrupt):
-            exec(f"{function}()\ncalled = True\ntime.sleep(5)", words)
+            exec(f"{function}()\ncalled = True\nwhile True: time.sleep(0.01)", words)
         assert words["called"]
         assert end.exit_code == 128 + number
     finally:
@@ -177,12 +166,6 @@ def test_an_interrupt_comes_out_of_a_pause_wherever_it_falls():
     assert 5 < event < 1000
 
 
-def test_a_pause_ends_where_there_is_nothing_to_wait_for():
-    done = threading.Event()
-    done.set()
-    assert pause(60, unless=done)
-
-
 def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, results, monkeypatch, capsys):
     def waits(*_, **_options):
         lock = threading.Lock()
@@ -195,16 +178,12 @@ def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, resul
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
 
 
-def test_ctrl_c_has_its_usual_exit_code():
-    with orderly_end() as end:
-        assert end.exit_code == 130
-
-
 @posix
 def test_a_command_that_is_told_to_end_says_so_and_leaves_nothing(patient, results, monkeypatch, capsys):
     def told(*_, **_options):
         os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(5)
+        while True:
+            time.sleep(0.01)
 
     monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", told)
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 143
@@ -226,12 +205,6 @@ def test_without_threads_all_parts_are_done_all_the_same(monkeypatch):
     assert done == [0, 1, 2, 3, 4]
 
 
-def test_without_threads_nothing_is_read_ahead_and_everything_read(monkeypatch):
-    monkeypatch.setattr(threading.Thread, "start", no_threads)
-    with read_ahead(range(5)) as items:
-        assert list(items) == [0, 1, 2, 3, 4]
-
-
 def test_a_command_that_needs_threads_says_that_there_are_none(patient, monkeypatch, capsys, results):
     monkeypatch.setattr(threading.Thread, "start", no_threads)
     assert "no more threads" in refused(["replay", patient.sweep, "--config", patient.config, "--port", "0"], capsys, results)
@@ -247,17 +220,6 @@ def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "AIFReconLib.commands.parser", None)
     assert entry.main() == 2
     assert capsys.readouterr().err.startswith("aifrecon: A library cannot be loaded")
-
-
-def test_a_part_of_a_library_that_cannot_be_loaded_later_is_one_line(monkeypatch, capsys):
-    def run(_):
-        raise ImportError("DLL load failed while importing\n_nd_image")
-
-    monkeypatch.setattr("AIFReconLib.commands.info.run", run)
-    assert main(["info", "sweep.mha"]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("aifrecon: A library cannot be loaded (DLL load failed while importing _nd_image). Install")
-    assert said.count("\n") == 1
 
 
 def test_ctrl_c_that_an_import_turns_into_another_error_ends_a_command_in_one_line(monkeypatch, capsys):
@@ -280,17 +242,6 @@ def test_a_command_starts_with_its_own_file_and_without_libraries_that_it_may_no
     loaded = loaded_by("from AIFReconLib.commands.parser import *; build_parser(named(['info', 'sweep.mha']))")
     assert "AIFReconLib.commands.info" in loaded
     assert not loaded & {f"AIFReconLib.commands.{file}" for file in cli.COMMANDS.values() if file != "info"}
-
-
-def test_no_command_starts_with_what_takes_long_to_load():
-    loaded = loaded_by("from AIFReconLib.commands.parser import *; build_parser()")
-    slow = {
-        "numba",
-        "matplotlib",
-        "vtk",
-        *(f"scipy.{part}" for part in ("fft", "linalg", "ndimage", "optimize", "sparse", "spatial", "special")),
-    }
-    assert not loaded & slow
 
 
 def swallowed_and_forgotten():
@@ -339,8 +290,8 @@ def test_a_link_that_leads_to_itself_is_no_traceback(patient, results, tmp_path,
     assert capsys.readouterr().err.count("\n") == (code == 2)
 
 
-@pytest.mark.parametrize("suffix", [".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"])
-@pytest.mark.parametrize("name", ["ünïcode 脊椎", "with space", "quote'", "brace{0}"])
+@pytest.mark.parametrize("suffix", [".nrrd", ".mhd"])
+@pytest.mark.parametrize("name", ["ünïcode 脊椎", "quote' {0}"])
 def test_a_volume_goes_into_a_folder_of_any_name(tmp_path, name, suffix):
     folder = tmp_path / f"{name} %s"
     folder.mkdir()
@@ -363,8 +314,3 @@ def test_a_data_file_whose_name_others_take_for_a_pattern_is_refused(tmp_path, w
 def test_a_name_that_is_no_text_is_refused_where_simpleitk_would_end_the_program(patient, results, capsys):
     path = os.fsdecode(os.fsencode(results) + b"/\xff.nrrd")
     assert "not text in UTF-8" in refused([*patient.reconstruct, "--output", path], capsys, results)
-
-
-def test_the_command_that_is_installed_is_the_one_that_is_tested():
-    project = (Path(cli.__file__).parents[2] / "pyproject.toml").read_text("utf-8")
-    assert 'aifrecon = "AIFReconLib.__main__:main"' in project

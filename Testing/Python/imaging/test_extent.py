@@ -31,7 +31,7 @@ def pixels_of(region: ImageRegion) -> np.ndarray:
 
 
 @given(st.lists(rigid_poses, min_size=1, max_size=3), numbers(0.05, 1), numbers(0.05, 1), spacings, regions)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_every_kept_pixel_of_every_frame_falls_into_the_grid(poses, x, y, spacing, region):
     # Within one scan: hypothesis likes to draw poses 600 mm apart, which is memory and no geometry
     poses = np.array([rigid((0, 0, 0), -0.9 * pose[:3, 3]) @ pose @ scaled(x, y, 1) for pose in poses])
@@ -43,7 +43,7 @@ def test_every_kept_pixel_of_every_frame_falls_into_the_grid(poses, x, y, spacin
 
 
 @given(st.integers(2, 900), st.sampled_from([0.05, 0.1, 0.15, 0.2, 0.3]), st.sampled_from([0.1, 0.2, 0.3, 0.4, 0.5, 0.6]))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 def test_a_pixel_on_the_border_of_two_voxels_falls_into_the_grid(columns, pixel, spacing):
     pose = rigid((0, 0, 0), (0.1, 0.7, -0.3)) @ scaled(pixel, pixel, 1)
     grid = grid_around_sweep(pose[None], (columns, 2), FULL, (spacing,) * 3)
@@ -52,7 +52,7 @@ def test_a_pixel_on_the_border_of_two_voxels_falls_into_the_grid(columns, pixel,
 
 
 @given(st.lists(rigid_poses, min_size=1, max_size=3), spacings)
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_origin_and_size_follow_igsio(poses, spacing):
     poses = np.array([rigid((0, 0, 0), -0.9 * pose[:3, 3]) @ pose @ scaled(0.3, 0.4, 1) for pose in poses])
     corners = np.array([[0, 0, 0, 1], [COLUMNS - 1, 0, 0, 1], [0, ROWS - 1, 0, 1], [COLUMNS - 1, ROWS - 1, 0, 1.0]])
@@ -82,11 +82,6 @@ def test_a_fan_makes_the_grid_as_small_as_its_pixels():
     row, column = np.nonzero(fan.mask(21, 21))
     assert grid.origin.tolist() == [column.min(), row.min(), 0]
     assert grid.size == (np.ptp(column) + 1, np.ptp(row) + 1, 1)
-
-
-def test_no_pose_makes_no_grid():
-    with pytest.raises(GeometryError, match="got none"):
-        grid_around_sweep(np.empty((0, 4, 4)), (9, 9), FULL, (1.0, 1.0, 1.0))
 
 
 @pytest.mark.parametrize("far", [6000.0, 1e9, np.nan])

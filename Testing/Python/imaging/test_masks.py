@@ -31,11 +31,3 @@ def test_the_largest_area_is_the_first_of_the_largest_that_scipy_labels_with_its
     sizes = np.bincount(labels.ravel())
     sizes[0] = 0
     np.testing.assert_array_equal(largest_area(mask), ndimage.binary_fill_holes(labels == sizes.argmax()))
-
-
-def test_the_mask_itself_is_left_alone():
-    mask = np.zeros((9, 9), dtype=bool)
-    mask[3:6, 3:6] = True
-    before = mask.copy()
-    closed(mask, 2), opened(mask, 1), largest_area(mask)
-    np.testing.assert_array_equal(mask, before)

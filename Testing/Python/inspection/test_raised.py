@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.inspection.raised import BANDS, raised_bands, raised_share
 
@@ -33,8 +32,3 @@ def test_bands_are_those_of_the_share(dtype):
     plain = [100 * (1 - share) for share in (0.05, *(each + 0.05 for each in BANDS))]
     bands = raised_bands(volume([100] * 5, dtype), volume(np.rint(plain), dtype))
     assert bands.ravel().tolist() == [0, 1, 2, 3, 4, 0]
-
-
-def test_volumes_on_other_voxels_are_refused():
-    with pytest.raises(GeometryError, match="voxels of the reconstruction"):
-        raised_bands(volume([1]), volume([1], spacing=2.0))

@@ -78,16 +78,6 @@ def test_distances_are_those_to_the_placed_labels():
     np.testing.assert_allclose(shown.distances(np.array([[110.0, 14.5, 10.0], [110.0, 7.5, 10.0]])), [5.0, 2.0], atol=0.3)
 
 
-def test_without_labels_no_distance_is_known():
-    assert shown_bone(reconstruction(SHEET, SHEET)).distances(np.zeros((1, 3))) is None
-
-
-def test_a_sweep_that_shows_no_bone_has_no_pieces():
-    nothing = np.zeros(SIZE, dtype=bool)
-    for bright in (nothing, SHEET):
-        assert shown_bone(reconstruction(bright, nothing)).pieces == 0
-
-
 def test_the_ripple_of_weights_is_not_taken_for_bone():
     result = reconstruction(SHEET, np.zeros(SIZE, dtype=bool))
     result.score.array[...] *= 1 + 1e-3 * SHEET

@@ -77,20 +77,6 @@ def test_a_sweep_of_few_frames_is_no_error(count):
     assert report(np.zeros(count)).used == count
 
 
-def test_reasons_are_kept():
-    found = report(np.arange(4), statuses={1: TransformStatus.OUT_OF_VIEW})
-    assert (found.used, found.skipped) == (3, {"ImageToReference OUT_OF_VIEW": [1]})
-
-
-def test_info_prints_the_report(tmp_path, capsys):
-    patient = write_patient(tmp_path, tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW}))
-    main(["info", str(patient.sweep), "--config", str(patient.config)])
-    out = capsys.readouterr().out
-    assert "5 of 6" in out
-    assert "longest gap     0.10 s, after frame 0" in out
-    assert "probe speed" in out
-
-
 def test_info_as_json_holds_the_same(tmp_path, capsys):
     patient = write_patient(tmp_path, tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW}))
     assert main(["info", str(patient.sweep), "--config", str(patient.config), "--json"]) == 0
@@ -98,12 +84,6 @@ def test_info_as_json_holds_the_same(tmp_path, capsys):
     assert found["ready"] is True
     assert found["tracking"]["frames_skipped"] == {"ProbeToTracker OUT_OF_VIEW": [1]}
     assert found["time_offset"]["estimate_s"] is None
-
-
-def test_info_as_json_of_a_sequence_that_is_not_ready(tmp_path, capsys):
-    patient = write_patient(tmp_path)
-    assert main(["info", str(patient.sweep), "--json"]) == 1
-    assert json.loads(capsys.readouterr().out)["tracking"] is None
 
 
 def test_reconstruct_writes_the_report_with_the_coverage_of_the_grid(patient, results):

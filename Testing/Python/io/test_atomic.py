@@ -118,26 +118,8 @@ def test_a_disk_that_is_full_at_the_end_leaves_the_older_file(tmp_path, monkeypa
     assert content_of(tmp_path) == {"a.txt": "old"}
 
 
-def test_an_output_error_of_the_block_stays_as_it_is(tmp_path):
-    with pytest.raises(OutputError, match=r"^my own words$"), atomic_output(tmp_path / "a.txt"):
-        raise OutputError("my own words")
-
-
 @pytest.mark.parametrize("write", [check_writable, lambda path: write_text(path, "x")])
 class TestBothBeforeAndWhenWriting:
-    def test_a_missing_folder_is_named(self, tmp_path, write):
-        with pytest.raises(OutputError, match=r"missing does not exist\. Create it"):
-            write(tmp_path / "missing" / "a.txt")
-
-    def test_a_folder_is_no_file(self, tmp_path, write):
-        with pytest.raises(OutputError, match="it is a folder"):
-            write(tmp_path)
-
-    def test_a_file_is_no_folder(self, tmp_path, write):
-        (tmp_path / "file").touch()
-        with pytest.raises(OutputError, match=r"a file, not a folder|does not exist"):
-            write(tmp_path / "file" / "a.txt")
-
     def test_a_name_that_is_too_long_is_refused(self, tmp_path, write):
         with pytest.raises(OutputError, match="too long"):
             write(tmp_path / ("a" * 300))
@@ -151,17 +133,6 @@ class TestBothBeforeAndWhenWriting:
         monkeypatch.setattr("tempfile.mkdtemp", fail_with(errno.EACCES))
         with pytest.raises(OutputError, match="no permission"):
             write(tmp_path / "a.txt")
-
-
-def test_checking_leaves_nothing_behind(tmp_path):
-    check_writable(tmp_path / "a.txt")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_checking_leaves_an_older_file_as_it_is(tmp_path):
-    write_text(tmp_path / "a.txt", "old")
-    check_writable(tmp_path / "a.txt")
-    assert content_of(tmp_path) == {"a.txt": "old"}
 
 
 def test_text_is_utf_8_with_line_feeds(tmp_path):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
@@ -13,13 +12,10 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import SettingsError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.inspection.sweep_drawing import draw_sweep
-from AIFReconLib.io.foreign.importing import ImportSettings
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.poses import sweep_poses
 
 SEQUENCE = tracked_sequence()
@@ -143,42 +139,6 @@ def test_every_way_to_write_poses_puts_the_pixels_in_the_same_place(tmp_path, re
         np.testing.assert_allclose(found @ pixel, IMAGE_TO_REFERENCE @ pixel, atol=1e-8)
 
 
-def test_images_and_times_are_those_of_the_recording(tmp_path, results, frames):
-    poses = save(tmp_path / "p.csv", [[t, *row] for t, row in zip(TIMES, flat(IMAGE_TO_REFERENCE))])
-    sequence = imported(results, frames, "--poses", poses, "--transform", "ImageToReference")
-    np.testing.assert_array_equal(np.asarray(sequence.images), np.asarray(SEQUENCE.images))
-    assert [record.timestamp for record in sequence.records] == TIMES
-
-
-def test_it_prints_what_it_understood(tmp_path, results, frames, calibration, capsys):
-    poses, options = write_poses(tmp_path, "probe, quaternions in meters")
-    imported(results, frames, "--poses", poses, *options, "--calibration", calibration, "--rate", 20)
-    out = capsys.readouterr().out
-    for line in (
-        "6 frames of 40 x 30 pixels, uint8 in frames.npy, orientation MF",
-        "translation in m and quaternion (x, y, z, w by name)",
-        "ProbeToReference takes points of Probe to Reference",
-        "ImageToProbe as calibrated",
-        "times from 20 frames/s",
-        "one image is 16.0 x 15.0 mm, a pixel 0.4 x 0.5 mm",
-        "to reconstruct: aifrecon reconstruct sweep.igs.mha --output volume.nrrd",
-    ):
-        assert line in out
-
-
-def test_it_draws_the_sweep(tmp_path, results, frames):
-    poses, options = write_poses(tmp_path, "image to reference, pixels")
-    imported(results, frames, "--poses", poses, *options)
-    drawing = ElementTree.parse(results / "sweep-sweep.svg").getroot()
-    assert len(list(drawing.iter("{http://www.w3.org/2000/svg}polygon"))) == 2 * 6
-
-
-def test_the_command_it_suggests_names_the_frame_to_reconstruct_in(tmp_path, results, frames, capsys):
-    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
-    imported(results, frames, "--poses", poses, "--transform", "ImageToTracker")
-    assert "--reference Tracker" in capsys.readouterr().out
-
-
 def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
     pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     folder = tmp_path / "frames"
@@ -191,13 +151,6 @@ def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
     found = sweep_poses(sequence)
     assert found.skipped() == {"ImageToReference MISSING": [4]}
     np.testing.assert_allclose(found.image_to_reference[3], IMAGE_TO_REFERENCE[3], atol=1e-12)
-
-
-def test_a_status_of_the_file_is_kept(tmp_path, results, frames):
-    rows = [["ok" if n != 2 else "OUT_OF_VIEW", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE))]
-    poses = save(tmp_path / "p.csv", rows, ["status", *(f"m{r}{c}" for r in range(4) for c in range(4))])
-    sequence = imported(results, frames, "--poses", poses, "--transform", "ImageToReference")
-    assert sequence.records[2].transforms[TransformName("Image", "Reference")].status is TransformStatus.OUT_OF_VIEW
 
 
 def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results):
@@ -256,21 +209,6 @@ def test_pictures_stored_mirrored_are_turned(tmp_path, results):
     np.testing.assert_array_equal(sequence.images[3], SEQUENCE.images[3])
 
 
-def test_without_a_calibration_the_recording_waits_for_one(tmp_path, results, frames, capsys):
-    poses, options = write_poses(tmp_path, "reference to probe")
-    imported(results, frames, "--poses", poses, *options)
-    out = capsys.readouterr().out
-    assert "give ImageToReference with --config" in out or "with --config when reconstructing" in out
-    assert "no drawing: the image cannot be placed without a calibration" in out
-
-
-def test_positions_that_look_like_meters_are_a_doubt(tmp_path, results, frames, capsys):
-    rows = [[*(v / 1000 for v in m[:3, 3]), *np.roll(Rotation.from_matrix(m[:3, :3]).as_quat(), 1)] for m in PROBE_TO_REFERENCE]
-    poses = save(tmp_path / "p.csv", rows)
-    imported(results, frames, "--poses", poses, "--quaternion-order", "wxyz", "--transform", "ProbeToReference")
-    assert "If they are in meters, give --units m" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("how", "options", "message"),
     [
@@ -303,12 +241,6 @@ def test_what_does_not_fit_is_explained(tmp_path, results, frames, calibration, 
     assert re.search(message, said)
 
 
-def test_numbers_that_differ_are_told_apart(tmp_path, results, frames, capsys):
-    poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE)[:4])
-    said = refused(["import", frames, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"], capsys, results)
-    assert "got 4 poses for 6 images" in said
-
-
 def test_a_damaged_picture_leaves_nothing_behind(tmp_path, results, capsys):
     pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
     folder = tmp_path / "frames"
@@ -319,26 +251,6 @@ def test_a_damaged_picture_leaves_nothing_behind(tmp_path, results, capsys):
     poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
     said = refused(["import", folder, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"], capsys, results)
     assert "4.png" in said
-
-
-def test_the_poses_are_not_overwritten(tmp_path, frames, capsys):
-    poses = save(tmp_path / "sweep.mha", flat(IMAGE_TO_REFERENCE))
-    assert main(["import", str(frames), "--poses", str(poses), "--transform", "ImageToReference", "--output", str(poses)]) == 2
-    assert "would overwrite an input" in capsys.readouterr().err
-
-
-def test_settings_may_be_made_in_a_script():
-    with pytest.raises(SettingsError, match="spacing must be two numbers above 0"):
-        ImportSettings(TransformName("Image", "Tracker"), spacing=(np.nan, 1.0))
-
-
-def test_a_drawing_of_one_still_image_is_no_error():
-    ElementTree.fromstring(draw_sweep(IMAGE_TO_REFERENCE[:1], (40, 30), "a < b & c"))
-
-
-def test_a_drawing_of_many_frames_stays_small():
-    many = np.repeat(IMAGE_TO_REFERENCE, 1000, axis=0)
-    assert len(draw_sweep(many, (40, 30))) < 60_000
 
 
 def test_two_images_of_one_name_are_not_given_one_pose(tmp_path, results, capsys):

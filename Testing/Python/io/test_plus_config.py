@@ -10,7 +10,7 @@ from AIFReconLib.errors import ConfigurationError, FileFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.holes.filling import HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
+from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import configured_importance
 from AIFReconLib.sweep.configuration import PlusConfiguration
@@ -61,11 +61,6 @@ def test_transforms_are_read_row_by_row(read):
     assert name == TransformName("Image", "Probe")
     assert sample.status is TransformStatus.OK
     np.testing.assert_array_equal(sample.matrix, [[0.1, 0, 0, 5], [0, 0.2, 0, -6.5], [0, 0, 0.1, 7], [0, 0, 0, 1]])
-
-
-def test_the_status_of_a_transform_is_honored(read):
-    sample = read(transform('Status="INVALID"', matrix="0 " * 16)).transforms[TransformName("Image", "Probe")]
-    assert sample.status is TransformStatus.INVALID
 
 
 @pytest.mark.parametrize(
@@ -175,11 +170,6 @@ def test_hole_filling_elements_are_read_in_their_order(read, elements, holes):
     assert configuration.warnings == ()
 
 
-@pytest.mark.parametrize("switch", ['FillHoles="OFF"', ""])
-def test_hole_filling_that_is_off_fills_nothing(read, switch):
-    assert read(reconstruction(switch, f"<HoleFilling>{STICK}</HoleFilling>")).holes == ()
-
-
 @pytest.mark.parametrize(
     ("element", "expected"),
     [
@@ -197,38 +187,6 @@ def test_hole_filling_that_is_off_fills_nothing(read, switch):
 )
 def test_a_hole_filling_element_that_cannot_be_used_is_named(refusal, element, expected):
     assert expected in refusal(reconstruction('FillHoles="ON"', f"<HoleFilling>{element}</HoleFilling>"))
-
-
-def test_the_interpolation_is_read(read):
-    assert read(reconstruction('Interpolation="linear"')).interpolation == "linear"
-    assert read(reconstruction('Interpolation="NEAREST_NEIGHBOR"')).interpolation == "nearest"
-
-
-@pytest.mark.parametrize(("value", "expected"), [("12.5", 12.5), ("0", None), ("-1", None)])
-def test_the_pixel_rejection_threshold_is_read(read, value, expected):
-    assert read(reconstruction(f'PixelRejectionThreshold="{value}"')).pixel_rejection == expected
-
-
-@pytest.mark.parametrize(("value", "expected"), [("4", 4), ("0", None)])
-def test_the_number_of_threads_is_read(read, value, expected):
-    assert read(reconstruction(f'NumberOfThreads="{value}"')).threads == expected
-
-
-@pytest.mark.parametrize(
-    ("attributes", "detection"),
-    [
-        ("", None),
-        ('EnableFanAnglesAutoDetect="FALSE"', None),
-        ('EnableFanAnglesAutoDetect="TRUE"', FanDetection(30, 10)),
-        (
-            'EnableFanAnglesAutoDetect="TRUE" FanAnglesAutoDetectBrightnessThreshold="42.5" FanAnglesAutoDetectFilterRadiusPixel="6"',
-            FanDetection(42.5, 6),
-        ),
-    ],
-)
-def test_automatic_fan_angles_are_read(read, attributes, detection):
-    region = read(reconstruction(f'FanAnglesDeg="-45 45" {attributes}')).region
-    assert region.fan_detection == detection
 
 
 def test_an_importance_mask_stands_beside_the_configuration(read, tmp_path):
@@ -257,22 +215,6 @@ def test_an_importance_mask_that_cannot_be_used_is_named(read, tmp_path, attribu
     assert expected in str(caught.value)
 
 
-def test_the_output_box_becomes_a_grid(read):
-    grid = read(reconstruction('OutputSpacing="0.5 1 2" OutputOrigin="-1 2 3" OutputExtent="2 9 0 19 -1 4"')).grid()
-    assert grid.size == (8, 20, 6)
-    np.testing.assert_allclose(grid.ijk_to_reference, [[0.5, 0, 0, 0], [0, 1, 0, 2], [0, 0, 2, 1], [0, 0, 0, 1]])
-
-
-def test_another_spacing_keeps_the_output_box(read):
-    grid = read(reconstruction('OutputSpacing="1 1 1" OutputOrigin="-1 2 3" OutputExtent="0 9 0 19 0 29"')).grid((0.5, 2, 1))
-    assert grid.size == (19, 11, 30)
-    np.testing.assert_allclose(grid.origin, (-1, 2, 3))
-
-
-def test_an_output_box_of_zeros_is_none(read):
-    assert read(reconstruction('OutputSpacing="1 1 1" OutputExtent="0 0 0 0 0 0"')).grid() is None
-
-
 @pytest.mark.parametrize(
     ("attributes", "named"),
     [
@@ -292,28 +234,6 @@ def test_an_output_box_of_zeros_is_none(read):
 def test_what_is_not_honored_is_said(read, attributes, named):
     (warning,) = read(reconstruction(attributes)).warnings
     assert named in warning
-
-
-@pytest.mark.parametrize(("word", "fixed_point"), [("NONE", False), ("full", True)])
-def test_an_optimization_says_how_pixels_are_placed(read, word, fixed_point):
-    configuration = read(reconstruction(f'Optimization="{word}"'))
-    assert (configuration.fixed_point, configuration.warnings) == (fixed_point, ())
-
-
-def test_a_spacing_that_is_to_fit_is_read(read):
-    configuration = read(reconstruction('OutputSpacing="1 1 1" RecomputeOutputSpacing="TRUE"'))
-    assert (configuration.fits_spacing, configuration.warnings) == (True, ())
-
-
-def test_a_skip_interval_below_one_means_every_frame(read):
-    assert read(reconstruction('SkipInterval="0"')).skip == 1
-
-
-@pytest.mark.parametrize(
-    "attributes", ['Interpolation="NEAREST_NEIGHBOR"', 'NumberOfThreads="4"', 'PixelRejectionThreshold="0"', 'OutputSpacing="1 1 1"']
-)
-def test_what_does_not_change_the_volume_is_not_mentioned(read, attributes):
-    assert read(reconstruction(attributes)).warnings == ()
 
 
 @pytest.mark.parametrize(
@@ -342,12 +262,6 @@ def test_an_attribute_that_cannot_be_used_is_named(refusal, attributes, expected
     assert expected in refusal(reconstruction(attributes))
 
 
-def test_the_element_may_stand_in_a_volume_reconstructing_device(read):
-    devices = '<DataCollection><Device Id="A" Type="Other"><VolumeReconstruction OutputSpacing="9 9 9"/></Device>'
-    devices += '<Device Id="B" Type="VirtualVolumeReconstructor"><VolumeReconstruction OutputSpacing="1 2 3"/></Device></DataCollection>'
-    assert read(devices).spacing == (1, 2, 3)
-
-
 # Scan conversion
 
 CURVED = 'TransducerGeometry="CURVILINEAR" OutputImageSpacingMmPerPixel="0.2 0.4" RadiusStartMm="10" RadiusStopMm="50" '
@@ -368,13 +282,6 @@ def test_a_curvilinear_probe_has_its_apex_above_its_face(read, place, apex):
     assert configuration.scan_region == ImageRegion(fan=Fan(apex, (-30, 35), (10, 50), (0.2, 0.4)))
 
 
-def test_the_face_of_a_curvilinear_probe_is_in_its_region_and_the_apex_is_not(read):
-    region = read(f'<ScanConversion {CURVED} TransducerCenterPixel="300 40"/>').scan_region
-    mask = region.mask(640, 480)
-    assert mask[40, 300]
-    assert not mask[39, 300]
-
-
 LINEAR = 'TransducerGeometry="LINEAR" OutputImageSpacingMmPerPixel="0.1 0.2"'
 
 
@@ -382,15 +289,6 @@ def test_a_linear_probe_fills_a_rectangle_below_its_face(read):
     configuration = read(f'<ScanConversion {LINEAR} TransducerCenterPixel="300 10" TransducerWidthMm="40" ImagingDepthMm="60"/>')
     assert configuration.probe == ProbeGeometry("linear")
     assert configuration.scan_region == ImageRegion(clip=ClipRectangle((100, 10), (400, 300)))
-
-
-def test_a_linear_probe_without_center_stands_in_the_middle_of_the_top(read):
-    configuration = read(f'<ScanConversion {LINEAR} OutputImageSizePixel="640 480" TransducerWidthMm="40" ImagingDepthMm="60"/>')
-    assert configuration.scan_region == ImageRegion(clip=ClipRectangle((120, 0), (400, 300)))
-
-
-def test_a_linear_probe_without_extent_has_no_region(read):
-    assert read(f'<ScanConversion {LINEAR} OutputImageSizePixel="640 480"/>').scan_region is None
 
 
 @pytest.mark.parametrize(
@@ -453,8 +351,3 @@ def test_a_file_that_is_no_configuration_is_refused(tmp_path, content, expected)
     with pytest.raises(ConfigurationError, match=expected) as caught:
         read_plus_configuration(path)
     assert str(caught.value).startswith(f"{path}: ")
-
-
-def test_a_missing_configuration_is_named(tmp_path):
-    with pytest.raises(ConfigurationError, match="no such file"):
-        read_plus_configuration(tmp_path / "plus.xml")

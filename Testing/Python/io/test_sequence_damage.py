@@ -28,24 +28,10 @@ def refusal(path) -> str:
     return message
 
 
-def test_a_file_that_does_not_exist_is_named(tmp_path):
-    assert "no such file" in refusal(tmp_path / "sweep.mha")
-
-
-def test_a_folder_is_refused(tmp_path):
-    (tmp_path / "sweep.mha").mkdir()
-    assert "folder" in refusal(tmp_path / "sweep.mha")
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are POSIX")
 def test_a_pipe_is_refused_without_waiting_for_it(tmp_path):
     os.mkfifo(tmp_path / "sweep.mha")
     assert "regular file" in refusal(tmp_path / "sweep.mha")
-
-
-def test_an_unknown_suffix_is_refused(tmp_path):
-    (tmp_path / "sweep.avi").write_bytes(b"RIFF")
-    assert ".mha, .mhd, .nrrd" in refusal(tmp_path / "sweep.avi")
 
 
 @pytest.mark.parametrize("suffix", [".mha", ".nrrd"])
@@ -71,16 +57,6 @@ def test_a_header_without_end_is_refused(tmp_path, make):
     path = make(tmp_path / ("sweep.mha" if make is metaimage else "sweep.nrrd"), ramp())
     path.write_bytes(path.read_bytes()[:300].rsplit(b"\n", 1)[0] + b"\n")
     assert "the header ends without" in refusal(path)
-
-
-@pytest.mark.parametrize("key", ["NDims", "DimSize", "ElementType"])
-def test_a_missing_header_key_is_named(tmp_path, key):
-    assert f"has no {key}" in refusal(metaimage(tmp_path / "sweep.mha", ramp(), **{key: None}))
-
-
-@pytest.mark.parametrize("key", ["dimension", "sizes", "type", "encoding"])
-def test_a_missing_nrrd_field_is_named(tmp_path, key):
-    assert f"has no {key}" in refusal(nrrd(tmp_path / "sweep.nrrd", ramp(), **{key: None}))
 
 
 @pytest.mark.parametrize(
@@ -198,20 +174,9 @@ def test_a_truncated_compressed_metaimage_is_noticed_when_it_is_opened(tmp_path)
     assert "cut short: CompressedDataSize is" in refusal(path)
 
 
-def test_a_promise_that_no_compression_can_keep_is_noticed_when_it_is_opened(tmp_path):
-    assert "more than" in refusal(metaimage(tmp_path / "sweep.mha", ramp(), compressed=True, DimSize="4000 3000 1000"))
-
-
 def test_too_many_frames_are_refused_before_anything_is_allocated(tmp_path):
     path = metaimage(tmp_path / "sweep.mha", ramp(), data=zlib.compress(b"\0" * 2_000_000), CompressedData="True", DimSize="1 1 1500000")
     assert "beyond the limits" in refusal(path)
-
-
-def test_frames_before_the_end_of_a_truncated_stream_are_read(tmp_path):
-    path = nrrd(tmp_path / "sweep.nrrd", NOISE, compressed=True)
-    path.write_bytes(path.read_bytes()[:-1500])
-    images = read_sequence(path).images
-    np.testing.assert_array_equal(images[1], NOISE[1])
 
 
 def test_the_first_frame_that_a_truncated_stream_lacks_is_named(tmp_path):
@@ -236,27 +201,11 @@ def test_a_corrupt_stream_is_noticed(tmp_path):
         np.asarray(read_sequence(path).images)
 
 
-def test_data_that_are_not_compressed_at_all_are_noticed(tmp_path):
-    path = metaimage(tmp_path / "sweep.mha", NOISE, CompressedData="True")
-    with pytest.raises(SequenceFormatError, match="corrupt"):
-        read_sequence(path).images[0]
-
-
-def test_more_compressed_data_than_the_size_says_are_noticed(tmp_path):
-    path = metaimage(tmp_path / "sweep.mha", NOISE, compressed=True, DimSize="40 30 3")
-    with pytest.raises(SequenceFormatError, match="the size in the header is wrong"):
-        np.asarray(read_sequence(path).images)
-
-
 def test_bytes_behind_a_compressed_stream_are_noticed(tmp_path):
     path = nrrd(tmp_path / "sweep.nrrd", NOISE, compressed=True)
     path.write_bytes(path.read_bytes() + b"junk")
     with pytest.raises(SequenceFormatError, match="do not belong"):
         np.asarray(read_sequence(path).images)
-
-
-def test_a_wrong_compressed_size_is_noticed(tmp_path):
-    assert "CompressedDataSize is 10 bytes" in refusal(metaimage(tmp_path / "sweep.mha", NOISE, compressed=True, CompressedDataSize="10"))
 
 
 @pytest.mark.parametrize("unknown", ["", "0", None])
@@ -312,7 +261,7 @@ def test_reading_a_long_compressed_recording_needs_the_memory_of_a_few_frames(tm
         tracemalloc.stop()
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, suppress_health_check=list(HealthCheck))
 @given(position=st.integers(0, 900), replacement=st.binary(min_size=1, max_size=6), nrrd_file=st.booleans(), compressed=st.booleans())
 def test_whatever_the_damage_the_answer_is_images_or_one_error(tmp_path, position, replacement, nrrd_file, compressed):
     path = tmp_path / ("sweep.nrrd" if nrrd_file else "sweep.mha")

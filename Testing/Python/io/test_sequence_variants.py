@@ -31,7 +31,7 @@ from variant_files import (
     time_last,
 )
 
-from AIFReconLib.errors import SequenceFormatError, SettingsError
+from AIFReconLib.errors import SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.sweep.configuration import PlusConfiguration
@@ -145,16 +145,6 @@ def test_an_unknown_orientation_is_refused_with_the_way_out(tmp_path, code):
         read_sequence(path)
 
 
-def test_the_caller_may_know_the_orientation_better(tmp_path):
-    path = Variant(pictures(flips="UN"), changes={"UltrasoundImageOrientation": "??"}).write_mha(tmp_path / "sweep.mha")
-    np.testing.assert_allclose(landmarks_mm(read_sequence(path, orientation="un")), EXPECTED, atol=1e-9)
-
-
-def test_an_orientation_that_is_none_is_refused(tmp_path):
-    with pytest.raises(SettingsError, match="Input orientation must be MF, MN, UF or UN; got 'left'"):
-        read_sequence(Variant().write_mha(tmp_path / "sweep.mha"), orientation="left")
-
-
 # Slicer's own files
 
 
@@ -167,12 +157,6 @@ def test_a_landmark_in_slicers_sequences_lies_where_it_should(tmp_path, interlea
     sequence = read_sequence(images, transform_sequences={"ImageToReference": transforms})
     np.testing.assert_allclose(landmarks_mm(sequence), EXPECTED, atol=1e-9)
     assert [record.timestamp for record in sequence.records] == [10.0, 10.1, 10.2]
-
-
-def test_a_file_of_one_transform_may_have_any_name_in_it(tmp_path):
-    transforms = slicer_transforms(tmp_path / "t.seq.mha", name="LinearTransform_3")
-    sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
-    np.testing.assert_allclose(landmarks_mm(sequence), EXPECTED, atol=1e-9)
 
 
 def test_the_volume_nodes_own_geometry_is_part_of_the_pose(tmp_path):
@@ -213,12 +197,6 @@ def test_transforms_are_taken_at_the_time_of_the_image(tmp_path):
     np.testing.assert_allclose(found, rigid((0, 0, 20.0), (5.0, 0, 0)), atol=1e-9)
 
 
-def test_times_rounded_to_a_millisecond_give_the_very_pose(tmp_path):
-    transforms = slicer_transforms(tmp_path / "t.seq.mha", times=(10.0004, 10.1005, 10.1996))
-    sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
-    assert (sequence.records[1].transforms[TransformName("Image", "Reference")].matrix == IMAGE_TO_REFERENCE[1]).all()
-
-
 def test_a_pose_that_slicer_calls_invalid_costs_its_frame(tmp_path):
     transforms = slicer_transforms(tmp_path / "t.seq.mha", statuses=("OK", "OK", "INVALID"))
     sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
@@ -230,12 +208,6 @@ def test_without_times_frames_are_paired_by_their_number(tmp_path):
     sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
     np.testing.assert_allclose(landmarks_mm(sequence), EXPECTED, atol=1e-9)
     assert "for lack of times" in sequence.notes[0]
-
-
-def test_without_times_the_numbers_must_agree(tmp_path):
-    transforms = slicer_transforms(tmp_path / "t.seq.mha", matrices=IMAGE_TO_REFERENCE[:2], times=None)
-    with pytest.raises(SettingsError, match=r"as many samples of ImageToReference as images.*got 2 for 3 images"):
-        read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": transforms})
 
 
 def test_transforms_of_another_time_are_refused_with_both_times(tmp_path):
@@ -268,13 +240,6 @@ def test_a_damaged_transform_sequence_is_explained(tmp_path, line, expected):
         read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": path})
 
 
-def test_a_frame_number_beyond_all_limits_is_refused(tmp_path):
-    path = slicer_transforms(tmp_path / "t.seq.mha")
-    path.write_text(path.read_text().replace("Seq_Frame0002", "Seq_Frame99999999"))
-    with pytest.raises(SequenceFormatError, match=r"Seq_Frame99999999_\w+ must belong to a frame below 1000000"):
-        read_sequence(slicer_images(tmp_path / "i.seq.nrrd"), transform_sequences={"ImageToReference": path})
-
-
 def test_an_interleaved_sequence_is_never_in_memory_as_a_whole(tmp_path):
     path = tmp_path / "i.seq.nrrd"
     header = "NRRD0005\ntype: uchar\ndimension: 4\nsizes: 900 200 200 1\nkinds: list domain domain domain\nencoding: gzip\n"
@@ -288,41 +253,6 @@ def test_an_interleaved_sequence_is_never_in_memory_as_a_whole(tmp_path):
         assert tracemalloc.get_traced_memory()[1] < 3.3 * 2**23  # pieces of 8 MB of a recording of 36 MB
     finally:
         tracemalloc.stop()
-
-
-def test_a_transform_sequence_given_as_images_says_what_it_is(tmp_path):
-    with pytest.raises(SequenceFormatError, match="transform_sequences="):
-        read_sequence(slicer_transforms(tmp_path / "t.seq.mha"))
-
-
-def test_attributes_of_slicers_frames_are_kept(tmp_path):
-    attributes = {"axis 3 item 0001 DICOM.instanceUIDs": "1.2.3", "Operator": "JD"}
-    sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd", **attributes))
-    assert sequence.records[1].fields == {"DICOM.instanceUIDs": "1.2.3"}
-    assert sequence.fields["Operator"] == "JD"
-
-
-def test_slicers_attribute_of_the_orientation_is_honored(tmp_path):
-    plain, turned = tmp_path / "plain.seq.nrrd", tmp_path / "turned.seq.nrrd"
-    slicer_images(plain)
-    slicer_images(turned, **{"Sequences.UltrasoundImageOrientation": "UN"})
-    np.testing.assert_array_equal(read_sequence(turned).images[0], read_sequence(plain).images[0][::-1, ::-1])
-
-
-def test_an_index_in_milliseconds_becomes_seconds(tmp_path):
-    path = slicer_images(tmp_path / "i.seq.nrrd", times="0 40 80", unit="ms")
-    assert [record.timestamp for record in read_sequence(path).records] == pytest.approx([0.0, 0.04, 0.08])
-
-
-def test_an_index_that_is_no_time_is_not_taken_for_one(tmp_path):
-    sequence = read_sequence(slicer_images(tmp_path / "i.seq.nrrd", times="a%20b c d", unit="mm"))
-    assert [record.timestamp for record in sequence.records] == [None] * 3
-    assert "not a time (mm)" in sequence.notes[0]
-
-
-def test_index_values_must_be_one_per_frame(tmp_path):
-    with pytest.raises(SequenceFormatError, match=r"axis 3 index values must have one value per frame .3.; got 2"):
-        read_sequence(slicer_images(tmp_path / "i.seq.nrrd", times="0 1"))
 
 
 @pytest.mark.parametrize("compressed", [False, True])
@@ -347,12 +277,6 @@ def test_the_size_of_a_pixel_that_a_metaimage_states_is_known_of_its_frames(tmp_
     assert read_sequence(path).records[0].stated_spacing == (0.2, 0.3)
 
 
-@pytest.mark.parametrize("text", ["1 1 1", "0 0 0", "-1 2 1", "nan nan nan", "inf 1 1", "a b", "0.2"])
-def test_a_size_of_a_pixel_that_says_nothing_is_none(tmp_path, text):
-    path = Variant(changes={"ElementSpacing": None, "Seq_Frame0000_ElementSpacing": text}).write_mha(tmp_path / "sweep.mha")
-    assert read_sequence(path).records[0].stated_spacing is None
-
-
 def test_the_microns_of_a_clarius_are_a_size_of_a_pixel(tmp_path):
     path = Variant(changes={"ElementSpacing": None, "Seq_Frame0001_micronsPerPixel": "150"}).write_mha(tmp_path / "sweep.mha")
     assert [record.stated_spacing for record in read_sequence(path).records] == [None, (0.15, 0.15), None]
@@ -361,10 +285,4 @@ def test_the_microns_of_a_clarius_are_a_size_of_a_pixel(tmp_path):
 @pytest.mark.parametrize("changes", [{"spacings": "0.2 0.3 nan"}, {"space dimension": "2", "space directions": "(0.2,0) (0,-0.3) none"}])
 def test_the_size_of_a_pixel_that_an_nrrd_states_is_known_of_its_frames(tmp_path, changes):
     path = Variant(changes=changes).write_nrrd(tmp_path / "sweep.nrrd")
-    assert {record.stated_spacing for record in read_sequence(path).records} == {(0.2, 0.3)}
-
-
-def test_the_size_of_a_pixel_of_a_color_nrrd_is_not_that_of_its_channels(tmp_path):
-    changes = {"kinds": "vector domain domain list", "sizes": f"3 {FLAT}", "dimension": "4", "spacings": "nan 0.2 0.3 nan"}
-    path = Variant(rgb(), changes=changes).write_nrrd(tmp_path / "sweep.nrrd")
     assert {record.stated_spacing for record in read_sequence(path).records} == {(0.2, 0.3)}

@@ -10,7 +10,6 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkMassProperties
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
-from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.surfaces import write_labels_surface, write_surface
 
@@ -79,15 +78,6 @@ def test_triangles_face_outward(surface):
     assert (np.einsum("ij,ij->i", normals, middles)[outer] > 0).mean() > 0.99
 
 
-def test_slicer_is_told_that_coordinates_are_ras(surface):
-    assert surface.GetFieldData().GetAbstractArray("SPACE").GetValue(0) == "RAS"
-
-
-def test_labels_without_bone_give_an_empty_surface(tmp_path):
-    write_labels_surface(Volume(np.zeros((4, 5, 6), np.uint8), np.eye(4)), tmp_path / "nothing.vtp")
-    assert read(tmp_path / "nothing.vtp").GetNumberOfPoints() == 0
-
-
 def test_one_voxel_at_the_edge_is_closed(tmp_path):
     labels = np.zeros((3, 3, 3), np.uint8)
     labels[0, 0, 0] = 1
@@ -104,9 +94,3 @@ def test_points_without_triangles_are_written_with_their_values(tmp_path):
     np.testing.assert_array_equal(vtk_to_numpy(read_back.GetPoints().GetData()), points)
     np.testing.assert_array_equal(vtk_to_numpy(read_back.GetPointData().GetArray("best_cosine")), values)
     assert read_back.GetNumberOfVerts() == 4
-
-
-def test_another_suffix_is_refused_and_nothing_is_left(tmp_path):
-    with pytest.raises(OutputError, match=r"suffix of a surface must be \.vtp"):
-        write_surface(tmp_path / "surface.stl", np.zeros((3, 3)))
-    assert list(tmp_path.iterdir()) == []

@@ -40,12 +40,6 @@ def test_a_folder_of_another_name_is_not_ours(tmp_path, name):
     assert (tmp_path / name / "half.nrrd").exists()
 
 
-def test_a_file_of_that_name_is_not_ours(tmp_path):
-    (tmp_path / LEFT).write_text("mine", encoding="utf-8")
-    remove_left_behind(tmp_path)
-    assert (tmp_path / LEFT).exists()
-
-
 @pytest.mark.skipif(os.name == "nt", reason="links need rights on Windows")
 def test_a_link_of_that_name_is_not_followed(tmp_path):
     (tmp_path / "real").mkdir()
@@ -126,8 +120,3 @@ def test_a_new_folder_that_another_program_clears_away_is_made_again(tmp_path, m
     with workspace(tmp_path) as folder:
         assert folder.is_dir()
     assert len(seen) == 2
-
-
-def test_a_folder_that_cannot_be_listed_is_no_hindrance(tmp_path):
-    remove_left_behind(tmp_path / "missing")
-    assert not (tmp_path / "missing").exists()

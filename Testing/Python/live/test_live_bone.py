@@ -26,7 +26,7 @@ from AIFReconLib.live.session.bone_watch import BoneWatch
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
 LONG = 60.0

@@ -19,8 +19,8 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.scouting import ScoutedFrames
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
 
 FRAMES = 10
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

@@ -13,8 +13,8 @@ from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.resolve import Imaging
-from AIFReconLib.settings import ReconstructionSettings
 
 PIXELS = np.full((30, 40), 100, np.uint8)
 WHOLE = ImageRegion(ClipRectangle((0.0, 0.0), (39.0, 29.0)))

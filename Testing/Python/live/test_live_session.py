@@ -16,8 +16,7 @@ from igtl_streams import recorded
 from live_messages import image, streamed, tracked
 from sweeps import sphere_bone
 
-from AIFReconLib.compounding.methods.table import METHODS
-from AIFReconLib.compounding.needs import method_needs_bone
+from AIFReconLib.compounding.methods.table import METHODS, method_named
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, OutputError, SettingsError
@@ -40,8 +39,8 @@ from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Frame, Framer
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -115,7 +114,7 @@ def own_method(intensity, cosine, reach):
 def test_live_gives_the_very_voxels_of_offline(method, session_of, configuration):
     sequence = replace(tracked_sequence(), configuration=configuration)
     settings = ReconstructionSettings(method=method, output_type="float32", hole_limit=2.0)
-    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method_needs_bone(method) else None
+    bone = sphere_bone(center=(0.0, 0.0, 0.0)) if method_named(method).needs_bone else None
     offline = reconstruct(sequence, settings, bone, GRID)
     live = run(session_of(streamed(sequence), settings, bone))
     for name in ("intensity", "score", "hits", "mask"):
@@ -126,7 +125,7 @@ def test_an_importance_mask_weights_a_live_average_as_offline(session_of, config
     sequence = replace(tracked_sequence(), configuration=configuration)
     settings = ReconstructionSettings(method="average", output_type="float32")
     importance = np.linspace(0.0, 1.0, 40, dtype=np.float32)[None].repeat(30, axis=0)
-    offline = reconstruct(sequence, settings, None, GRID, importance=importance)
+    offline = reconstruct(sequence, replace(settings, importance_mask=importance), None, GRID)
     live = run(session_of(streamed(sequence), settings, importance=importance))
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
@@ -610,7 +609,9 @@ def test_over_a_socket_the_recording_reconstructs_to_the_very_volume_of_the_sess
         with LiveSession(client, grid=GRID, **options) as session:
             assert session.finished.wait(LONG), session.statistics
             live = session.finish()
-    offline = reconstruct(read_sequence(tmp_path / "scan.mha", config=configuration), grid=GRID, image_to_reference="ImageToReference")
+    offline = reconstruct(
+        read_sequence(tmp_path / "scan.mha", config=configuration), ReconstructionSettings(image_to_reference="ImageToReference"), grid=GRID
+    )
     assert live.frames_inserted == 12
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
@@ -629,7 +630,9 @@ def test_over_a_socket_the_volume_is_that_of_the_file(configuration):
         with session:
             assert session.finished.wait(LONG), session.statistics
             live = session.finish()
-    offline = reconstruct(replace(sequence, images=sequence.images[:7], records=records[:7]), grid=GRID, region=WHOLE)
+    offline = reconstruct(
+        replace(sequence, images=sequence.images[:7], records=records[:7]), ReconstructionSettings(clip_px=(0,) * 4), grid=GRID
+    )
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
 

@@ -15,8 +15,8 @@ from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 
 GRID = VoxelGrid.from_spacing((-24, -24, -24), (160, 160, 160), 0.3)
 PROMISED = {"average": 6, "latest": 7, "maximum": 7}

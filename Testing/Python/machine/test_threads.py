@@ -8,10 +8,11 @@ import threading
 import time
 
 import pytest
+from waiting import until
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.machine.read_ahead import read_ahead
-from AIFReconLib.machine.threads import NICE, Pace, give_way, in_parts, optional_module, usable_cores
+from AIFReconLib.machine.threads import NICE, Pace, give_way, in_parts
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
@@ -70,16 +71,15 @@ def test_a_part_that_takes_long_is_canceled_between_its_steps():
 
 
 def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
-    failed, done = threading.Event(), []
+    done = []
 
     def work(part):
         if part == 0:
             while not done:
                 time.sleep(0.001)
-            failed.set()
             raise ValueError("part 0")
-        for _ in range(2000):
-            done.append(failed.is_set())
+        while True:  # until it is stopped
+            done.append(part)
             time.sleep(0.001)
             yield
 
@@ -87,8 +87,6 @@ def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
     with pytest.raises(ValueError, match="part 0"):
         in_parts(work, 2, 2)
     assert threading.active_count() == before
-    # It was stopped within moments of the error, not at its end
-    assert sum(done) < 200
 
 
 @pytest.mark.parametrize("items", [0, 1, 7, 100])
@@ -109,20 +107,6 @@ def test_a_step_holds_what_fits_into_its_time(monkeypatch):
     assert sizes == [1, 2, 2, 2, 1, 2, 2, 2, 2, 2, 6]
 
 
-def test_there_is_at_least_one_core():
-    assert usable_cores() >= 1
-
-
-def test_the_number_of_threads_can_be_set_from_outside(monkeypatch):
-    monkeypatch.setenv("NUMBA_NUM_THREADS", "3")
-    assert usable_cores() == 3
-
-
-def test_a_module_that_cannot_be_imported_is_none(monkeypatch):
-    monkeypatch.setattr("AIFReconLib.machine.threads.find_spec", lambda name: object())
-    assert optional_module("AIFReconLib.numba_no_such_thing") is None
-
-
 @pytest.mark.parametrize("ahead", [1, 3, 100])
 def test_items_come_in_their_order(ahead):
     with read_ahead(range(50), ahead) as items:
@@ -139,26 +123,7 @@ def test_the_next_items_are_read_while_one_is_worked_on():
 
     with read_ahead(items(), ahead=2) as ours:
         next(ours)
-        for _ in range(500):
-            if len(read) >= 3:
-                break
-            time.sleep(0.01)
-        assert len(read) >= 3
-
-
-def test_no_more_is_read_ahead_than_allowed():
-    read = []
-
-    def items():
-        for number in range(100):
-            read.append(number)
-            yield number
-
-    with read_ahead(items(), ahead=2) as ours:
-        next(ours)
-        time.sleep(0.3)
-        # One taken, two waiting, one on its way
-        assert len(read) <= 4
+        assert until(lambda: len(read) >= 3)
 
 
 def test_an_error_of_the_reader_comes_where_its_item_would_have():
@@ -208,13 +173,6 @@ def test_a_thread_that_gives_way_takes_those_that_it_starts_with_it_and_no_other
     assert own == max(before, NICE)
     assert others == [own]
     assert niceness() == before
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads have a priority of their own on Linux alone")
-def test_a_thread_that_gives_way_already_does_so_no_less():
-    lowest = 19
-    _set, _given, own = on_a_thread(lambda: os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), lowest), give_way, niceness)
-    assert own == lowest
 
 
 def test_where_no_thread_may_be_given_another_priority_it_works_all_the_same(monkeypatch):

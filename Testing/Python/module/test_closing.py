@@ -48,7 +48,7 @@ def during(press, close, share):
 def chooseInputs():
     parameters.sweep = tinyScene.addSweep()
     parameters.ctVolume, parameters.bone, _registration = tinyScene.addCT()
-    parameters.spacing = 0.5
+    parameters.spacing = 1.0
 
 {actions}
 before = nodes()
@@ -62,7 +62,6 @@ print("errors:", [repr(error) for error in host.take_slot_errors()])
 
 APPLY = "chooseInputs()\nduring(ui.applyButton.click, {close}, {share})"
 COMPARE = "chooseInputs()\nduring(ui.compareButton.click, {close}, {share})"
-SAMPLE = "import SampleData\nduring(slicer.modules.sampleDataSources['AIFRecon'][0].customDownloader, {close}, {share})"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -76,9 +75,7 @@ def close(actions: str) -> subprocess.CompletedProcess:
     """A session with the module that does something and is closed meanwhile."""
     script = SCRIPT.replace("{actions}", actions)
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
-    done = subprocess.run(
-        [sys.executable, "-c", script], cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=300
-    )
+    done = subprocess.run([sys.executable, "-c", script], cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace")
     if "cannot run here" in done.stderr:
         pytest.skip(done.stderr.strip().splitlines()[-1])
     return done
@@ -86,8 +83,8 @@ def close(actions: str) -> subprocess.CompletedProcess:
 
 @pytest.mark.parametrize(
     ("work", "share", "way"),
-    [(APPLY, 600, "byWindow"), (APPLY, 600, "byCode"), (COMPARE, 300, "byCode"), (SAMPLE, 100, "byCode")],
-    ids=["apply-window", "apply-code", "compare-code", "sample-code"],
+    [(APPLY, 600, "byWindow"), (COMPARE, 300, "byCode")],
+    ids=["apply-window", "compare-code"],
 )
 def test_work_ends_with_the_application_without_a_word(work, share, way):
     done = close(work.format(close=way, share=share))
@@ -115,11 +112,10 @@ watch.start(20)
 """
 
 
-@pytest.mark.parametrize("way", ["byWindow", "byCode"])
-def test_a_scan_ends_with_the_application_and_its_recording_is_whole(tmp_path, way):
+def test_a_scan_ends_with_the_application_and_its_recording_is_whole(tmp_path):
     from AIFReconLib import read_sequence
 
-    done = close(SCAN.format(path=str(tmp_path / "scan.mhd"), close=way))
+    done = close(SCAN.format(path=str(tmp_path / "scan.mhd"), close="byWindow"))
     assert done.returncode == 0, done.stderr[-3000:]
     assert done.stderr == ""
     assert done.stdout.splitlines()[-2:] == ["shown: []", "errors: []"]

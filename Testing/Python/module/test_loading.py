@@ -63,16 +63,6 @@ def test_what_is_loaded_already_is_not_read(package, opened, monkeypatch):
     assert opened == []
 
 
-def test_a_package_that_is_not_there_is_nothing_to_read():
-    loading.readCompiled("no_such_package")
-
-
-def test_what_cannot_be_read_is_left_to_the_import(package, tmp_path, opened):
-    (tmp_path / package / "folder.so").mkdir()
-    loading.readCompiled(package)
-    assert "libcore.so.1.32.0" in opened
-
-
 def test_a_cancel_ends_the_reading_which_is_done_anew_later(package, opened):
     with pytest.raises(OperationCanceled):
         loading.readCompiled(package, lambda fraction, message: False)
@@ -83,4 +73,4 @@ def test_a_cancel_ends_the_reading_which_is_done_anew_later(package, opened):
 
 def test_libraries_are_read_before_anything_is_imported():
     paths = [str(MODULE), str(MODULE.parent)]
-    subprocess.run([sys.executable, "-c", f"import sys; sys.path[:0] = {paths!r}\n{FIRST_RUN}"], check=True, timeout=120)
+    subprocess.run([sys.executable, "-c", f"import sys; sys.path[:0] = {paths!r}\n{FIRST_RUN}"], check=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import types
 from pathlib import Path
 
 import pytest
@@ -33,26 +32,10 @@ def install(folder: Path, name: str, version: str) -> None:
     (record / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n", "utf-8")
 
 
-def slicer_packaging(monkeypatch, installed: set[str]) -> list:
-    """Slicer's own module, which notes what it is asked to install."""
-    asked: list = []
-    module = types.ModuleType("slicer.packaging")
-    module.pip_check = lambda requirement: requirement in installed  # type: ignore[attr-defined]
-    module.pip_ensure = lambda requirements, **options: asked.append((requirements, options))  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "slicer.packaging", module)
-    return asked
-
-
 def test_a_package_of_an_older_version_is_missing(packages, tmp_path, monkeypatch):
     install(tmp_path, "pyigtl", "0.1.0")
     monkeypatch.syspath_prepend(tmp_path)
     assert packages.missingLivePackages() == ["pyigtl>=0.3.1"]
-
-
-def test_a_package_of_a_newer_version_is_not_missing(packages, tmp_path, monkeypatch):
-    install(tmp_path, "pyigtl", "9.0")
-    monkeypatch.syspath_prepend(tmp_path)
-    assert packages.missingLivePackages() == []
 
 
 def test_faster_reconstruction_is_offered_once_and_says_what_it_gains(packages, host, monkeypatch):
@@ -73,22 +56,6 @@ def test_a_yes_installs_and_a_failure_keeps_nobody_from_working(packages, host, 
     assert "does not install packages: ['numba" in caplog.text
 
 
-@pytest.mark.parametrize(("testing", "installed"), [(True, False), (False, True)])
-def test_nothing_is_offered_in_tests_nor_where_it_is_installed(packages, host, monkeypatch, testing, installed):
-    monkeypatch.setattr(packages, "isInstalled", lambda requirement: installed)
-    host._application.testing = testing
-    packages.offerSpeed()
-    assert host.dialogs.shown == []
-
-
-def test_slicer_s_own_way_is_taken_where_there_is_one(packages, host, monkeypatch):
-    asked = slicer_packaging(monkeypatch, {packages.FAST})
-    with pytest.raises(packages.PackageMissingError, match="pyigtl"):
-        packages.ensureLivePackages()
-    assert asked == [(["pyigtl>=0.3.1"], {"prompt_install": True, "requester": "AIFRecon"})]
-    assert host.dialogs.shown == []
-
-
 def test_a_network_in_a_file_asks_for_what_runs_it_and_a_no_is_told_in_a_sentence(packages, host, qt, monkeypatch):
     monkeypatch.setattr(packages, "isInstalled", lambda requirement: False)
     host.dialogs.answers.append(qt.QMessageBox.Cancel)
@@ -104,12 +71,6 @@ def test_an_installation_that_fails_says_why(packages, host, qt, monkeypatch):
     host.dialogs.answers.append(qt.QMessageBox.Ok)
     with pytest.raises(packages.PackageMissingError, match=r"was not installed, and an AI model in a file needs it: .*does not install"):
         packages.ensureModelPackages()
-
-
-def test_nothing_is_asked_for_a_network_where_it_can_be_run(packages, host, monkeypatch):
-    monkeypatch.setattr(packages, "isInstalled", lambda requirement: requirement == packages.MODEL)
-    packages.ensureModelPackages()
-    assert host.dialogs.shown == []
 
 
 def test_the_versions_are_those_of_the_library(packages):

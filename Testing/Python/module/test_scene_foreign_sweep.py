@@ -10,8 +10,6 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 from scene_host import transform_node  # noqa: E402
 
 from AIFReconLib import read_sequence  # noqa: E402
-from AIFReconLib.errors import NoUsableFramesError, SequenceFormatError, TransformError  # noqa: E402
-from AIFReconLib.geometry.pose_interpolation import interpolate_pose  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ np.diag([0.3, 0.5, 0.4, 1.0])
@@ -89,10 +87,6 @@ def poses_of(browser, **options) -> np.ndarray:
 # ---- parent transforms
 
 
-def test_static_and_recorded_transforms_multiply(scene):
-    assert np.allclose(poses_of(live(scene)), [probe_pose(n) @ CALIBRATION for n in range(4)], atol=1e-12)
-
-
 def test_reference_to_ras_above_a_live_recording_counts(scene):
     browser = live(scene)
     reference_to_ras = rigid((0.0, 0.0, 90.0), (10.0, 20.0, 30.0))
@@ -119,12 +113,6 @@ def test_a_status_from_the_live_stream_keeps_frames_out(scene, attribute):
 def test_a_transform_that_the_stream_calls_invalid_keeps_frames_out(scene):
     browser = live(scene, statuses=["true", "false", "True", "0"], attribute="OpenIGTLink.TransformValid")
     assert sweep_poses(read(browser)).usable.tolist() == [0, 2]
-
-
-def test_a_status_in_the_image_message_keeps_the_frame_out(scene):
-    browser = live(scene)
-    browser.GetMasterSequenceNode().GetNthDataNode(2).SetAttribute("OpenIGTLink.ProbeToReferenceTransformStatus", "OUT_OF_VIEW")
-    assert sweep_poses(read(browser)).usable.tolist() == [0, 1, 3]
 
 
 POSES_AND_LEADERS = {
@@ -169,23 +157,6 @@ def read_files(folder, pictures, recorded):
 def test_an_image_that_slicer_replays_with_several_poses_is_one_frame(scene):
     pictures, recorded = at_times(scene, [0.0, 0.2, 0.4], [0.05 * n for n in range(9)])
     assert summary(browser_of(scene, recorded, pictures)).lines == ["3 of 3 frames have a position."]
-
-
-def test_poses_that_stop_are_counted_as_missing(scene):
-    pictures, recorded = at_times(scene, [0.5 * n for n in range(9)], [0.0, 0.5, 1.0, 4.0])
-    assert summary(browser_of(scene, pictures, recorded)).skipped == {"ImageToReference MISSING": [3, 4, 5, 6, 7]}
-
-
-def test_a_pose_that_is_out_of_view_places_no_image_beside_it(scene):
-    browser = live(scene, values=["0.000", "0.050", "0.150", "0.250"], statuses=["OK", "OUT_OF_VIEW", "OK", "OK"])
-    between = interpolate_pose(probe_pose(0), probe_pose(2), 2 / 3)
-    assert np.allclose(poses_of(browser)[1], between @ CALIBRATION, atol=1e-12)
-
-
-def test_times_in_milliseconds_are_times(scene):
-    pictures, recorded = at_times(scene, [0.0, 0.1, 0.2], [0.0, 200.0])
-    recorded.SetIndexUnit("ms")
-    assert poses_of(browser_of(scene, pictures, recorded))[:, 2, 3] == pytest.approx([0.0, 1000.0, 2000.0])
 
 
 @pytest.mark.parametrize(("type_name", "values"), [("TextIndex", ["late", "early", "between"]), ("NumericIndex", ["0", "7", "8"])])
@@ -236,38 +207,7 @@ def test_a_calibration_of_the_scene_completes_the_chain(scene):
     assert np.allclose(poses_of(browser)[2], probe_pose(2) @ CALIBRATION, atol=1e-12)
 
 
-def test_another_reference_can_be_chosen(scene):
-    recorded = sequence_of(scene, "ImageToTracker", pose_nodes([CALIBRATION] * 3, "ImageToTracker"))
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
-    assert np.allclose(poses_of(browser, reference="Tracker")[0], CALIBRATION, atol=1e-12)
-
-
-def test_a_parent_of_the_last_named_transform_counts(scene):
-    recorded = sequence_of(scene, "ImageToReference", pose_nodes([CALIBRATION] * 3, "ImageToReference"))
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
-    browser.GetProxyNode(recorded).SetAndObserveTransformNodeID(transform_node(scene, probe_pose(5), "ReferenceToRAS").GetID())
-    assert np.allclose(poses_of(browser)[0], probe_pose(5) @ CALIBRATION, atol=1e-12)
-
-
-def test_a_missing_calibration_is_named(scene):
-    recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
-    with pytest.raises(TransformError, match="Live: No transform leads from Image to Reference"):
-        read(browser)
-
-
-def test_images_alone_are_refused(scene):
-    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))))
-    with pytest.raises(TransformError, match="no transforms at all"):
-        read(browser)
-
-
 # ---- poses within the images
-
-
-def test_images_that_carry_their_pose_lie_there(scene):
-    browser = browser_of(scene, sequence_of(scene, "Image_Reference", image_nodes(images(3), lambda n: probe_pose(n) @ CALIBRATION)))
-    assert np.allclose(poses_of(browser), [probe_pose(n) @ CALIBRATION for n in range(3)], atol=1e-12)
 
 
 def test_the_status_of_the_image_s_own_transform_counts_and_that_of_a_stylus_does_not(scene):
@@ -278,20 +218,6 @@ def test_the_status_of_the_image_s_own_transform_counts_and_that_of_a_stylus_doe
 
 
 # ---- images
-
-
-def test_colors_become_luminance(scene):
-    from AIFReconLib.imaging.images import luminance
-
-    color = [np.random.default_rng(n).integers(0, 255, (1, 5, 7, 3)).astype(np.uint8) for n in range(3)]
-    pictures = sequence_of(scene, "I", image_nodes(color, lambda n: probe_pose(n) @ CALIBRATION, "vtkMRMLVectorVolumeNode"))
-    assert np.array_equal(read(browser_of(scene, pictures)).images[1], luminance(color[1][0]))
-
-
-def test_volumes_are_no_frames(scene):
-    pictures = sequence_of(scene, "I", image_nodes([np.zeros((3, 5, 7), np.uint8)] * 2, probe_pose))
-    with pytest.raises(SequenceFormatError, match="item 0 must be a 2D image; got 7 x 5 x 3 voxels"):
-        read(browser_of(scene, pictures))
 
 
 @pytest.mark.parametrize(("code", "rows", "columns"), [("UFD", 1, -1), ("MND", -1, 1), ("UN", -1, -1), ("MFA", 1, 1), ("??", 1, 1)])
@@ -314,21 +240,6 @@ def test_a_sequence_of_transforms_may_be_the_master(scene):
     assert np.array_equal(read(browser).images[3], images()[3])
 
 
-def test_images_that_are_not_the_browser_s_are_refused(scene):
-    with pytest.raises(SequenceFormatError, match=r"'Other' is not one of this browser's\. Choose one of: Image_Image, ProbeToReference"):
-        read(live(scene), sequence_of(scene, "Other", image_nodes(images(1))))
-
-
-def test_a_browser_without_items_is_refused(scene):
-    with pytest.raises(SequenceFormatError, match="has no items"):
-        read(scene.AddNewNodeByClass("vtkMRMLSequenceBrowserNode", "Empty"))
-
-
-def test_a_browser_without_images_is_refused(scene):
-    with pytest.raises(SequenceFormatError, match="none of its sequences holds images"):
-        read(browser_of(scene, sequence_of(scene, "T", pose_nodes([np.eye(4)] * 2))))
-
-
 # ---- summaries
 
 
@@ -347,21 +258,9 @@ def test_a_summary_counts_frames_by_reason(scene):
     ]
 
 
-def test_a_summary_says_what_keeps_a_sweep_from_being_used(scene):
-    found = summary(live(scene, statuses=["OUT_OF_VIEW"] * 4))
-    assert found.problem == (
-        "Live: no frame has a position (ProbeToReference OUT_OF_VIEW: 4 frames (0-3)). Check the tracking of this recording."
-    )
-
-
 def test_a_summary_reads_no_pixels(scene, monkeypatch):
     from AIFReconScene.sweep import sweepImages
 
     browser = live(scene)
     monkeypatch.setattr(sweepImages.SweepImages, "__getitem__", lambda *_: pytest.fail("a pixel was read"))
     assert summary(browser).usable == 4
-
-
-def test_a_sweep_in_which_no_frame_has_a_pose_is_refused_by_the_library(scene):
-    with pytest.raises(NoUsableFramesError, match="Live: no frame has a position"):
-        sweep_poses(read(live(scene, statuses=["OUT_OF_VIEW"] * 4))).require_usable("Live")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from sweeps import rigid
@@ -12,7 +10,6 @@ slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 import vtk  # noqa: E402
 from scene_host import class_counts, transform_node, volume_node  # noqa: E402
 
-from AIFReconLib.errors import SettingsError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus  # noqa: E402
 from AIFReconLib.imaging.beams import ProbeGeometry  # noqa: E402
 from AIFReconLib.imaging.region import Fan, ImageRegion  # noqa: E402
@@ -88,15 +85,6 @@ def test_without_a_ct_the_output_is_the_background(logic, output):
     assert not composite(logic, "Red").GetForegroundVolumeID()
 
 
-def test_opacity_changes_where_the_output_is_shown(logic, ct, output):
-    from AIFReconScene.display.sliceDisplay import setOpacity, showOverCT
-
-    showOverCT(output, ct, 0.5, logic)
-    composite(logic, "Green").SetForegroundVolumeID(ct.GetID())
-    setOpacity(output, 0.9, logic)
-    assert [composite(logic, view).GetForegroundOpacity() for view in ("Red", "Green")] == [0.9, 0.5]
-
-
 # ---- side by side
 
 
@@ -106,38 +94,6 @@ def side_by_side(scene, logic, ct, count=3):
     nodes = [made_output(scene, f"V{n}") for n in range(1, count + 1)]
     showSideBySide([(node, f"method {n}") for n, node in enumerate(nodes, 1)], ct, "Sagittal", logic)
     return nodes
-
-
-def test_every_volume_gets_a_view_of_its_own(scene, logic, ct):
-    nodes = side_by_side(scene, logic, ct)
-    views = [composite(logic, f"AIFRecon{n}") for n in (1, 2, 3)]
-    assert [view.GetForegroundVolumeID() for view in views] == [node.GetID() for node in nodes]
-    assert {view.GetBackgroundVolumeID() for view in views} == {ct.GetID()}
-
-
-def test_views_side_by_side_are_linked(scene, logic, ct):
-    side_by_side(scene, logic, ct)
-    assert all(composite(logic, f"AIFRecon{n}").GetLinkedControl() for n in (1, 2, 3))
-
-
-def test_views_side_by_side_show_the_same_plane(scene, logic, ct):
-    side_by_side(scene, logic, ct)
-    nodes = [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode() for n in (1, 2, 3)]
-    matrices = [slicer.util.arrayFromVTKMatrix(node.GetSliceToRAS()) for node in nodes]
-    assert all(np.allclose(matrix, matrices[0], atol=1e-9) for matrix in matrices)
-    assert {node.GetOrientation() for node in nodes} == {"Sagittal"}
-
-
-def test_views_side_by_side_say_what_they_show(scene, logic, ct):
-    side_by_side(scene, logic, ct)
-    assert [logic.GetSliceLogicByLayoutName(f"AIFRecon{n}").GetSliceNode().GetLayoutLabel() for n in (1, 2)] == ["method 1", "method 2"]
-
-
-def test_the_red_view_is_left_alone(scene, logic, ct):
-    red = logic.GetSliceLogicByLayoutName("Red").GetSliceNode()
-    before = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
-    side_by_side(scene, logic, ct)
-    assert np.array_equal(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), before)
 
 
 def test_the_layout_of_before_comes_back(scene, logic, ct):
@@ -165,25 +121,6 @@ def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView
 
 
-@pytest.mark.parametrize("count", [0, 10])
-def test_too_few_or_too_many_views_are_refused(scene, logic, ct, count):
-    from AIFReconScene.display.sliceDisplay import showSideBySide
-
-    with pytest.raises(SettingsError, match="1 to 9"):
-        showSideBySide([(ct, "x")] * count, ct, applicationLogic=logic)
-
-
-@pytest.mark.parametrize(("count", "rows"), [(1, 1), (3, 1), (4, 2), (6, 2), (9, 3)])
-def test_views_fill_rows(count, rows):
-    from xml.etree import ElementTree
-
-    from AIFReconScene.display.sliceDisplay import layoutDescription
-
-    layout = ElementTree.fromstring(layoutDescription(count))
-    assert len(layout) == rows
-    assert len(list(layout.iter("view"))) == count
-
-
 # ---- volume rendering
 
 
@@ -194,21 +131,6 @@ def test_volume_rendering_is_turned_on_and_off(logic, output):
     assert display.GetVisibility()
     assert showVolumeRendering(output, False, logic) is display
     assert not display.GetVisibility()
-
-
-def test_turning_off_what_never_was_on_adds_nothing(scene, logic, output):
-    from AIFReconScene.display.sliceDisplay import showVolumeRendering
-
-    before = class_counts(scene)
-    assert showVolumeRendering(output, False, logic) is None
-    assert class_counts(scene) == before
-
-
-def test_soft_tissue_is_transparent_and_bone_is_not(logic, output):
-    from AIFReconScene.display.sliceDisplay import showVolumeRendering
-
-    opacity = showVolumeRendering(output, True, logic).GetVolumePropertyNode().GetScalarOpacity()
-    assert (opacity.GetValue(0.25 * 200), opacity.GetValue(200)) == (0.0, pytest.approx(0.8))
 
 
 def test_what_the_user_changes_in_the_rendering_stays(logic, output):
@@ -291,26 +213,11 @@ def test_beams_of_a_linear_probe_run_down_the_image():
     assert lines.tolist() == [[[0, 0], [0, 9]], [[10, 0], [10, 9]], [[20, 0], [20, 9]]]
 
 
-def test_the_outline_is_the_border_of_the_region():
-    from AIFReconScene.display.probeOverlay import outline
-
-    assert outline(np.ones((2, 4), bool)).tolist() == [[0, 0], [0, 1], [3, 1], [3, 0], [0, 0]]
-
-
 def test_beams_of_a_turned_image_are_turned_with_it(browser, overlay):
     browser.GetMasterSequenceNode().SetAttribute("Sequences.UltrasoundImageOrientation", "UFD")
     node = overlay.showProbe(browser, None, ProbeGeometry("sector", (20.0, -5.0)), FAN)
     apex = (pose(0) @ [60.0 - 20.0, -5.0, 0.0, 1.0])[:3]
     assert np.linalg.norm(points_in_world(node) - apex, axis=1).min() < 1e-5
-
-
-def test_showing_the_probe_again_uses_the_same_node(scene, browser, overlay):
-    first = overlay.showProbe(browser, None, SECTOR, FAN)
-    assert overlay.showProbe(browser, None, ProbeGeometry("linear"), FAN) is first
-
-
-def test_beams_are_drawn_in_the_slice_views(browser, overlay):
-    assert overlay.showProbe(browser, None, SECTOR, FAN).GetDisplayNode().GetVisibility2D()
 
 
 def sequence_of(browser):
@@ -335,29 +242,12 @@ def test_an_outline_lies_in_the_plane_of_its_frame(browser, overlay):
     assert (pixels[:, :2].min(axis=0), pixels[:, :2].max(axis=0))[0] == pytest.approx([0, 0], abs=1e-5)
 
 
-def test_a_long_sweep_is_thinned_out(scene, overlay):
-    name = TransformName("Image", "Reference")
-    records = [FrameRecord(0.1 * n, None, TransformStatus.OK, {name: TransformSample(pose(n % 7))}) for n in range(1000)]
-    node = overlay.showOutlines(SimpleNamespace(GetName=lambda: "S"), TrackedSequence(np.zeros((1000, 8, 9), np.uint8), records))
-    assert 150 < node.GetPolyData().GetNumberOfLines() <= 300
-
-
 def test_hiding_removes_everything_that_was_drawn(scene, browser, overlay):
     before = class_counts(scene)
     overlay.showProbe(browser, None, SECTOR, FAN)
     overlay.showOutlines(browser, sequence_of(browser), FAN)
     overlay.hide()
     assert class_counts(scene) == before
-
-
-def test_what_is_drawn_is_not_saved_with_the_scene(browser, overlay):
-    assert not overlay.showProbe(browser, None, SECTOR, FAN).GetSaveWithScene()
-
-
-def test_hiding_after_the_scene_was_closed_does_nothing(scene, browser, overlay):
-    overlay.showProbe(browser, None, SECTOR, FAN)
-    scene.Clear(False)
-    overlay.hide()
 
 
 def test_the_probe_of_a_sweep_under_a_transform_lies_where_the_image_does(scene, browser, overlay):

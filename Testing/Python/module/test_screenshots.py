@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import struct
-import subprocess
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,7 +18,6 @@ if reason := missing():
     pytest.skip(reason, allow_module_level=True)
 
 from host import view_frames, view_render  # noqa: E402
-from PySide6 import QtGui  # noqa: E402
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 SIZE = 200
@@ -150,11 +147,6 @@ def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene)
     assert len(rows) > 90  # the beam in the middle, 50 mm long
 
 
-def test_where_opengl_is_missing_the_reason_is_told(monkeypatch):
-    monkeypatch.setattr(subprocess, "run", lambda *arguments, **options: SimpleNamespace(returncode=-11))
-    assert "OpenGL" in view_render.why_no_views()
-
-
 @pytest.mark.parametrize(
     ("direction", "letters"),
     [((-2, 0, 0), "L"), ((0, 0, 1), "S"), ((0, -1, 0), "P"), ((0.9, 0.5, 0), "RA"), ((0.95, -0.3, 0), "R"), ((0.3, 0.5, -0.8), "IA")],
@@ -166,49 +158,6 @@ def test_a_direction_is_told_by_the_letters_of_the_patient(direction, letters):
 def test_an_axial_view_has_the_patient_s_right_on_its_left(scene):
     node = scene.host.applicationLogic.GetSliceLogicByLayoutName("Red").GetSliceNode()
     assert view_frames.slice_letters(node) == {"left": "R", "right": "L", "top": "A", "bottom": "P"}
-
-
-def test_a_view_is_named_after_what_it_shows(scene, one_voxel):
-    logic = scene.host.applicationLogic.GetSliceLogicByLayoutName("Red")
-    composite = logic.GetSliceCompositeNode()
-    composite.SetBackgroundVolumeID(one_voxel.GetID())
-    composite.SetForegroundVolumeID(one_voxel.GetID())
-    composite.SetForegroundOpacity(0.6)
-    assert view_frames.slice_names(logic) == ["F: One voxel (60%)", "B: One voxel"]
-
-
-def test_pictures_in_rows_keep_their_pixels(tmp_path):
-    red, blue = (QtGui.QImage(30, 20, QtGui.QImage.Format.Format_RGB888) for _ in range(2))
-    red.fill(QtGui.QColor(255, 0, 0))
-    blue.fill(QtGui.QColor(0, 0, 255))
-    view_frames.write_png(view_frames.tiled([[red], [blue]]), tmp_path / "tiles.png")
-    read = QtGui.QImage(str(tmp_path / "tiles.png"))
-    seen = [read.pixelColor(10, row).getRgb()[:3] for row in (10, 20 + view_frames.GAP + 10)]
-    assert (read.height(), seen) == (40 + view_frames.GAP, [(255, 0, 0), (0, 0, 255)])
-
-
-PANELS = ("panel", "panel-needs", "panel-dark", "live-panel", "step-1-empty", "step-2-inputs", "step-4-progress", "step-6-report")
-VIEWS = (
-    *("slices", "compare", "overlay", "live", "step-3-settings", "step-5-result", "step-7-compare", "step-8-live"),
-    *("step-registration", "step-guidance"),
-)
-
-
-@pytest.mark.parametrize("name", [*PANELS, *VIEWS])
-def test_a_picture_of_the_readme_and_the_guide_is_there_and_small(name):
-    assert 2_000 < (REPOSITORY / "Resources" / "Screenshots" / f"{name}.png").stat().st_size < 400_000
-
-
-@pytest.mark.parametrize("name", PANELS)
-def test_the_panel_is_pictured_at_400_px(name):
-    """A panel that needed more would be pictured wider."""
-    header = (REPOSITORY / "Resources" / "Screenshots" / f"{name}.png").read_bytes()[16:20]
-    assert struct.unpack(">I", header) == (400,)
-
-
-def test_every_picture_of_the_folder_is_made_by_the_program():
-    there = {path.stem for path in (REPOSITORY / "Resources" / "Screenshots").glob("*.png")}
-    assert there == {*PANELS, *VIEWS}
 
 
 def test_the_picture_of_the_sample_data_has_the_size_that_slicer_asks():

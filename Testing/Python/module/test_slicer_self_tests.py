@@ -13,8 +13,9 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 HEAVY = ("scipy", "SimpleITK", "matplotlib", "numba", "pyigtl")
-LONGEST = 300
-"""s that one file of tests may take, where the slowest takes 30 on two cores with nothing else to do."""
+FILES = ["AIFReconTest", *sorted(path.stem for path in (REPOSITORY / "Testing" / "Slicer").glob("*Test.py"))]
+GROUPS = 4
+"""Processes that the files are shared out to: each starts the application, for seconds."""
 
 OPEN_THE_PANEL = """
 import sys
@@ -55,26 +56,22 @@ def run(*arguments: str) -> subprocess.CompletedProcess:
     """Python on these arguments in the repository; the test is skipped where the host cannot run at all."""
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     command = [sys.executable, *arguments]
-    try:
-        done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=LONGEST)
-    except subprocess.TimeoutExpired as error:
-        said = (error.stdout or b"").decode(errors="replace")
-        pytest.fail(f"It was still at work after {LONGEST} s, and had said:\n{said[-3000:]}")
+    done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", check=False)
     if "cannot run here" in done.stderr:
         pytest.skip(done.stderr.strip().splitlines()[-1])
     return done
 
 
-@pytest.mark.parametrize("file", ["AIFReconTest", *sorted(path.stem for path in (REPOSITORY / "Testing" / "Slicer").glob("*Test.py"))])
-def test_the_self_tests_pass(file):
-    done = run("Testing/host/run_self_tests.py", "-k", f"{file}.")
+@pytest.mark.parametrize("group", range(GROUPS))
+def test_the_self_tests_pass(group):
+    done = run("Testing/host/run_self_tests.py", "-k", *(f"{file}." for file in FILES[group::GROUPS]))
     assert done.returncode == 0, (done.stdout + done.stderr)[-6000:]
 
 
-@pytest.mark.parametrize("path", sorted((REPOSITORY / "Testing" / "Slicer").glob("*.py")), ids=lambda path: path.stem)
-def test_the_library_is_imported_when_a_self_test_runs_and_not_before(path):
+def test_the_library_is_imported_when_a_self_test_runs_and_not_before():
     """In Slicer all run in one go, and some reload the module: what was imported before is then of another library."""
-    imported = [node for node in ast.parse(path.read_text("utf-8")).body if isinstance(node, (ast.Import, ast.ImportFrom))]
+    trees = [ast.parse(path.read_text("utf-8")) for path in (REPOSITORY / "Testing" / "Slicer").glob("*.py")]
+    imported = [node for tree in trees for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
     names = [alias.name for node in imported for alias in node.names] + [getattr(node, "module", None) or "" for node in imported]
     assert [name for name in names if name.startswith(("AIFReconLib", "AIFReconScene", "AIFReconGui"))] == []
 

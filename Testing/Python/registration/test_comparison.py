@@ -9,10 +9,10 @@ import pytest
 from files import tracked_sequence, write_patient
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.registration.agreement import EchoFit, agreement_of
 from AIFReconLib.registration.comparison import compared
 from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH, LabeledBone
@@ -32,14 +32,9 @@ def labels():
 
 
 def test_a_sweep_without_bone_is_said_to_be_not_compared(sequence, labels):
-    (line,) = compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR)).lines
+    (line,) = compared(sequence, labels, np.eye(4), Recipe(probe=LINEAR)).lines
     assert line.startswith("CT and sweep were not compared. ")
     assert "too few" in line
-
-
-def test_a_cancel_is_no_finding(sequence, labels):
-    with pytest.raises(OperationCanceled):
-        compared(sequence, labels, np.eye(4), probe=ProbeGeometry(LINEAR), progress=lambda fraction, step: False)
 
 
 # ---- the width of the bone map
@@ -80,7 +75,7 @@ def test_the_widest_map_stands_where_no_echo_lies_near_bone():
 
 def test_only_weighted_leaves_its_width_to_the_sweep(sequence, labels):
     """This sweep shows no bone, so nothing is known of the CT's place."""
-    bone = LabeledBone(labels, None, sequence, probe=ProbeGeometry(LINEAR))
+    bone = LabeledBone(labels, None, sequence, Recipe(probe=LINEAR))
     assert bone.settings("weighted") == {"bone_sigma_mm": UNKNOWN_WIDTH}
     for method in ("aif", "aif-compensated", "average"):
         assert bone.settings(method) == {"bone_sigma_voxels": 10.0}
@@ -102,17 +97,6 @@ def test_a_width_that_is_given_holds_for_every_method(given, kept, method, label
 
 
 def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
-    half = LabeledBone(labels, sigma_mm=2.0, belief=0.5)
+    half = LabeledBone(labels, recipe=Recipe(bone_sigma_mm=2.0, bone_belief=0.5))
     assert half.settings("weighted") == {"bone_sigma_mm": 2.0, "bone_belief": 0.5}
     np.testing.assert_allclose(half.map("weighted").probability.array, 0.5 * BoneMap.from_labels(labels, sigma_mm=2.0).probability.array)
-
-
-@pytest.mark.parametrize("belief", [0.0, -1.0, 1.5, float("nan")])
-def test_a_belief_that_is_no_share_is_refused(belief, labels):
-    with pytest.raises(SettingsError, match="bone_belief must be above 0 and at most 1"):
-        LabeledBone(labels, belief=belief)
-
-
-def test_another_word_is_no_width(labels):
-    with pytest.raises(SettingsError, match="sigma_mm must be a number or auto; got 'wide'"):
-        LabeledBone(labels, sigma_mm="wide")

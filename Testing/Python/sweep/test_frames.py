@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,15 +11,13 @@ from sweeps import oblique_frames, rigid, turned_grid
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.imaging.region import ImageRegion
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.settings import ReconstructionSettings
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 PROBE = TransformName("Probe", "Tracker")
 STYLUS = TransformName("Stylus", "Tracker")
-NEEDLE = TransformName("Needle", "Tracker")
 
 
 def sequence_of(*records: FrameRecord, **others) -> TrackedSequence:
@@ -30,34 +28,6 @@ def sequence_of(*records: FrameRecord, **others) -> TrackedSequence:
 def tracked(name: TransformName, status: TransformStatus = TransformStatus.OK) -> FrameRecord:
     """A record with one transform."""
     return FrameRecord(transforms={name: TransformSample(np.eye(4), status)})
-
-
-def test_a_frame_size_is_columns_and_rows():
-    assert sequence_of(FrameRecord()).frame_size == (5, 4)
-
-
-def test_a_record_too_few_is_refused():
-    with pytest.raises(ValueError, match="got 1 for 2 images"):
-        TrackedSequence(np.zeros((2, 4, 5), np.uint8), [FrameRecord()])
-
-
-def test_a_sequence_is_named_after_its_file_if_it_has_one():
-    assert sequence_of().name == "sequence"
-    assert sequence_of(path=Path("folder") / "sweep.igs.mha").name == "sweep.igs.mha"
-
-
-def test_transforms_are_named_in_order_of_appearance_those_of_the_header_first():
-    sequence = sequence_of(tracked(STYLUS), tracked(PROBE), tracked(STYLUS), transforms={NEEDLE: TransformSample(np.eye(4))})
-    assert sequence.transform_names() == [NEEDLE, STYLUS, PROBE]
-
-
-def test_statuses_are_counted():
-    sequence = sequence_of(tracked(PROBE), tracked(PROBE, TransformStatus.OUT_OF_VIEW), tracked(PROBE))
-    assert sequence.status_counts(PROBE) == {TransformStatus.OK: 2, TransformStatus.OUT_OF_VIEW: 1}
-
-
-def test_a_frame_without_the_transform_counts_as_missing():
-    assert sequence_of(tracked(PROBE), tracked(STYLUS)).status_counts(PROBE) == {TransformStatus.OK: 1, TransformStatus.MISSING: 1}
 
 
 def test_the_transform_of_the_header_stands_in_where_a_frame_has_none():
@@ -80,7 +50,7 @@ def test_arrays_give_the_voxels_of_the_frames_one_by_one():
     # Their times say another order than the one they come in
     order = [2, 0, 3, 1]
     sequence = TrackedSequence.from_arrays(IMAGES[order], POSES[order], np.array(order) * 0.05)
-    result = reconstruct(sequence, settings, grid=turned_grid(), region=ImageRegion())
+    result = reconstruct(sequence, replace(settings, clip_px=(0,) * 4), grid=turned_grid())
     np.testing.assert_array_equal(result.intensity, one_by_one.reconstruction().intensity)
 
 
@@ -95,12 +65,8 @@ def test_poses_in_mm_and_the_size_of_a_pixel_are_poses_of_pixels():
 def test_a_frame_without_a_pose_is_skipped_with_its_reason():
     poses = POSES.copy()
     poses[2] = np.nan
-    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), grid=turned_grid(), region=ImageRegion())
+    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), ReconstructionSettings(clip_px=(0,) * 4), turned_grid())
     assert result.skipped == {"ImageToReference not finite": [2]}
-
-
-def test_a_list_of_images_is_a_stack():
-    assert TrackedSequence.from_arrays(list(IMAGES), list(POSES)).frame_size == (34, 26)
 
 
 def test_the_arrays_stay_the_giver_s():
@@ -132,11 +98,3 @@ RIGID = np.stack([rigid(translation=(0.0, 0.0, n)) for n in range(4)])
 def test_arrays_that_do_not_fit_are_refused_with_what_would(arguments, words):
     with pytest.raises(GeometryError, match=words):
         TrackedSequence.from_arrays(*arguments)
-
-
-@pytest.mark.parametrize(
-    ("poses", "spacing", "words"), [(RIGID, 0.0, "positive"), (RIGID, (1, 1, 1), "one or two"), (POSES, 0.4, "frame 0 is not rigid")]
-)
-def test_a_size_of_a_pixel_that_does_not_fit_is_refused(poses, spacing, words):
-    with pytest.raises(GeometryError, match=words):
-        TrackedSequence.from_arrays(IMAGES, poses, spacing=spacing)

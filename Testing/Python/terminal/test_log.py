@@ -6,21 +6,17 @@ import logging
 import subprocess
 import sys
 import threading
-import time
 
 import pytest
 from files import write_patient
+from waiting import until
 
-from AIFReconLib.commands.parser import COMMANDS, build_parser, main
-from AIFReconLib.compounding import engines
+from AIFReconLib.commands.parser import main
 from AIFReconLib.live.session.insertion import Inserter
 from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
-from AIFReconLib.machine import threads
-from AIFReconLib.settings import ReconstructionSettings
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.terminal.log import FIRST_WORDS
-
-LIBRARY = logging.getLogger("AIFReconLib")
 
 
 @pytest.fixture
@@ -35,22 +31,11 @@ def reconstruct(patient, tmp_path, *options) -> int:
 # ---- the options
 
 
-def test_every_command_has_them():
-    choices = build_parser()._subparsers._group_actions[0].choices
-    assert list(choices) == list(COMMANDS)
-    assert [name for name, parser in choices.items() if not {"--verbose", "--log"} <= set(parser._option_string_actions)] == []
-
-
 def test_verbose_tells_on_standard_error_what_happens(patient, tmp_path, capsys):
     assert reconstruct(patient, tmp_path, "--verbose") == 0
     said = capsys.readouterr()
     assert "6 of 6 frames by average" in said.err
     assert "frames by average" not in said.out
-
-
-def test_without_it_nothing_is_told(patient, tmp_path, capsys):
-    reconstruct(patient, tmp_path)
-    assert capsys.readouterr().err == ""
 
 
 def test_a_log_holds_the_command_what_happened_and_the_end(patient, tmp_path, capsys):
@@ -89,21 +74,6 @@ def test_a_log_of_another_kind_of_file_is_refused_and_the_file_stays(patient, tm
     assert not (tmp_path / "v.nrrd").exists()
 
 
-@pytest.mark.parametrize("name", ["sweep", "config"])
-def test_a_log_is_no_input(patient, tmp_path, name, capsys):
-    before = getattr(patient, name).read_bytes()
-    assert reconstruct(patient, tmp_path, "--log", getattr(patient, name)) == 2
-    assert "reads or writes it" in capsys.readouterr().err
-    assert getattr(patient, name).read_bytes() == before
-
-
-@pytest.mark.parametrize("suffix", [".mhd", ".raw"])
-def test_a_log_is_no_output(patient, tmp_path, suffix, capsys):
-    words = ["--output", str(tmp_path / "v.mhd"), "--log", str(tmp_path / f"v{suffix}")]
-    assert main([*patient.reconstruct, *words]) == 2
-    assert "reads or writes it" in capsys.readouterr().err
-
-
 def test_a_log_that_cannot_be_written_is_one_clear_line(patient, tmp_path, capsys):
     assert reconstruct(patient, tmp_path, "--log", tmp_path / "nowhere" / "log.txt") == 2
     err = capsys.readouterr().err
@@ -125,12 +95,6 @@ def test_a_log_that_the_disk_no_longer_takes_is_told_once_and_the_work_is_done(p
     assert "cannot be written any more" in done.stderr
 
 
-def test_a_log_ends_with_its_command(patient, tmp_path):
-    before = LIBRARY.level, LIBRARY.propagate, list(LIBRARY.handlers)
-    reconstruct(patient, tmp_path, "--log", tmp_path / "log.txt", "--verbose")
-    assert (LIBRARY.level, LIBRARY.propagate, LIBRARY.handlers) == before
-
-
 def test_a_program_that_asks_for_nothing_is_shown_nothing():
     done = subprocess.run(
         [sys.executable, "-c", "import AIFReconLib, logging; logging.getLogger('AIFReconLib.live').error('not to be seen')"],
@@ -147,9 +111,7 @@ def test_a_program_that_asks_for_nothing_is_shown_nothing():
 def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
     client = OpenIGTLinkClient("127.0.0.1", 9, retry_delays=(0.01,))
     with caplog.at_level(logging.INFO, "AIFReconLib"), client:
-        deadline = time.monotonic() + 10.0
-        while len(caplog.records) < 2 and time.monotonic() < deadline:
-            time.sleep(0.01)
+        assert until(lambda: len(caplog.records) >= 2)
     assert {record.name for record in caplog.records} == {"AIFReconLib.live.wire.client"}
     assert all(record.levelno == logging.WARNING and "Connecting again" in record.getMessage() for record in caplog.records[:2])
 
@@ -167,31 +129,3 @@ def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
     [record] = caplog.records
     assert record.exc_info[0] is ZeroDivisionError
     assert record.threadName != threading.main_thread().name
-
-
-def test_an_engine_that_stands_in_is_noted_with_its_reason(caplog, monkeypatch):
-    pytest.importorskip("numba")
-    monkeypatch.setitem(sys.modules, "AIFReconLib.compounding.compiled.numba_engine", None)
-    with caplog.at_level(logging.WARNING, "AIFReconLib"):
-        engines.choose_engine("auto")
-    [record] = caplog.records
-    assert "does not work" in record.getMessage()
-    assert record.exc_info
-
-
-def test_a_compiled_part_that_does_not_work_is_noted(caplog, monkeypatch):
-    pytest.importorskip("numba")
-    monkeypatch.setitem(sys.modules, "AIFReconLib.bone.numba_map", None)
-    with caplog.at_level(logging.WARNING, "AIFReconLib"):
-        assert threads.optional_module("AIFReconLib.bone.numba_map") is None
-    assert "AIFReconLib.bone.numba_map" in caplog.text
-
-
-def test_threads_that_the_system_does_not_allow_are_noted(caplog, monkeypatch):
-    def refuse(thread):
-        raise RuntimeError("can't start new thread")
-
-    monkeypatch.setattr(threading.Thread, "start", refuse)
-    with caplog.at_level(logging.WARNING, "AIFReconLib"):
-        assert not threads.start(threading.Thread(name="helper"))
-    assert "no more threads" in caplog.text

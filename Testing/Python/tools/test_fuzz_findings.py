@@ -14,6 +14,7 @@ if str(TESTING) not in sys.path:
     sys.path.insert(0, str(TESTING))
 
 from fuzz import seeds  # noqa: E402
+from fuzz.file_targets import SEQUENCES  # noqa: E402
 from fuzz.registry import TARGETS  # noqa: E402
 from fuzz.target import check  # noqa: E402
 
@@ -21,6 +22,7 @@ from AIFReconLib.io.foreign.openers import natural_order  # noqa: E402
 from AIFReconLib.io.foreign.pose_files import read_poses  # noqa: E402
 from AIFReconLib.io.foreign.pose_rows import PoseFormat  # noqa: E402
 from AIFReconLib.io.metafile.text_values import parse_number  # noqa: E402
+from AIFReconLib.io.sequence.files import KINDS  # noqa: E402
 
 ITK_TEXT = b"#Insight Transform File V1.0\n#Transform 0\nTransform: "
 HUGE_GRID = b"FixedParameters: 3000 3000 3000 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1\n"
@@ -50,7 +52,7 @@ REFUSED = [
         b"#Insight Transform File V1.0\nTransform: CompositeTransform_double_3_3\n"
         + 2 * b"Transform: AffineTransform_double_3_3\nParameters: 1e300 0 0 0 1e300 0 0 0 1e300 0 0 0\nFixedParameters: 0 0 0\n",
     ),
-    # ITK's reader of HDF5 crashed on addresses that lead nowhere
+    # ITK's reader of HDF5 crashes on addresses that lead nowhere
     ("transform-hdf5", seeds.transform_hdf5()[0].replace(b"OHDR\x02", b"OHDR\x02\xff", 3)),
     # A header that promises 4000 million pixels was believed (100 million of a bitmap: 600 MB)
     ("importance-mask-jpg", re.sub(rb"(?s)(\xff[\xc0\xc2]...)....", lambda found: found[1] + b"\xea\x60" * 2, JPEG)),
@@ -68,6 +70,10 @@ REFUSED = [
 ]
 
 
+def test_every_kind_of_recording_is_fuzzed():
+    assert all({Path(target.file_name).suffix for target in SEQUENCES} & set(kind.suffixes) for kind in KINDS)
+
+
 @pytest.fixture
 def folder(tmp_path):
     (tmp_path / "data.raw").write_bytes(bytes(range(24)) * 3)
@@ -83,13 +89,14 @@ def test_it_is_refused_in_one_line(folder, name, data, capfd):
 @pytest.mark.parametrize(
     "changes",
     [
-        # ITK's NRRD reader crashed on these, which were handed to it as they were
+        # ITK's NRRD reader crashed on these, or made up a place
         {"sizes": "6 4 3 1", "dimension": "4", "kinds": None},
         {"space_directions": "none none none"},
         {"space": "left-posterior-superior-time"},
         {"spacings": "1e400 nan -1", **NO_PLACE},
+        {"space_units": "x" * 1000},
     ],
-    ids=str,
+    ids=lambda changes: " ".join(changes),
 )
 def test_an_nrrd_volume_that_itk_must_not_see_is_refused(folder, changes):
     assert not check(TARGETS["volume-nrrd"], seeds.nrrd(pairs=[], **{"kinds": "domain domain domain", **changes}), folder)

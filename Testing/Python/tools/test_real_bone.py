@@ -17,9 +17,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from study.real_bone import main
 from study.real_bone_angles import traced_echoes
-from study.real_bone_cases import ALL, RealBone, Row
-from study.real_bone_measures import INCIDENCES, THRESHOLDS, by_incidence, false_bone, precision
-from study.real_bone_page import COLUMNS, real_bone_page
+from study.real_bone_cases import RealBone
+from study.real_bone_measures import by_incidence, false_bone, precision
 
 GRID = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (24, 24, 40), 1.0)
 TOP = 20
@@ -117,32 +116,3 @@ def real_bone(data_dir):
     if not (data_dir / "fibula").is_dir():
         pytest.skip("the fibula is not there")
     return RealBone(data_dir / "fibula")
-
-
-def test_the_recording_falls_into_the_three_passes_that_its_page_names(real_bone):
-    passes = {name: len(sequence) for name, sequence in real_bone.passes.items()}
-    assert list(passes) == [ALL, "pass 1", "pass 2", "pass 3"]
-    assert passes[ALL] == 568
-    assert 560 < sum(passes.values()) - 568 <= 568
-
-
-def test_the_page_has_a_line_for_every_method_and_error():
-    names = [name for _, name, _ in COLUMNS]
-    names += [f"{what}_{level}" for what in ("precision", "shown") for level in THRESHOLDS]
-    names += [
-        f"{what}_{low}"
-        for what in ("bone_cnr", "bone_coverage", "bone_thickness", "bone_localization_error", "bone_area")
-        for low in INCIDENCES
-    ]
-    numbers = {**dict.fromkeys(names, 0.5), "false_bone": 0.25}
-    rows = [Row("CT in place", ALL, "average", 0.0, numbers), Row("CT in place", ALL, "weighted", 4.0, numbers)]
-    for error in ("1 mm", "2 mm", "4 mm", "6 mm", "2 degrees", "5 degrees"):
-        for side, false in (("one way", 0.25), ("another way", 0.75)):
-            rows.append(Row(f"CT {error} {side}", ALL, "average", 0.0, numbers))
-            rows += [
-                Row(f"CT {error} {side}", ALL, method, 4.0, {**numbers, "false_bone": false})
-                for method in ("aif", "aif-compensated", "weighted")
-            ]
-    page = real_bone_page(rows)
-    assert "CC BY 4.0" in page
-    assert "| 6 mm, weighted | 0.50 | 0.50 | 50.0% | 50.0% | 0.50 | 50.0% | 50.0% | 25.0% | 50.0% |" in page

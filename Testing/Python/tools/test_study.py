@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -19,12 +18,12 @@ from AIFReconLib.simulation.scan import multi_angle_sweep
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from study import method_cases, methods
+from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
-from study.method_cases import Row, patient_rows, removed_surface, restricted, without_middle_process
-from study.method_page import COLUMNS, study_page
-from study.patients import Spread, read_rows, run_study, spread_of
+from study.method_cases import Row, patient_rows, without_middle_process
+from study.method_page import COLUMNS
+from study.patients import read_rows, run_study
 
 TESTING = Path(__file__).resolve().parents[2]
 NAMES = [name for _, name, _ in COLUMNS]
@@ -59,21 +58,6 @@ def test_the_phantom_without_its_process_has_the_same_bone_in_ct_and_ultrasound(
     np.testing.assert_array_equal(without.bone_distance.array <= 0, without.labels.array > 0)
 
 
-def test_the_removed_surface_is_that_of_the_process(phantom, scan):
-    removed = removed_surface(scan.truth.surface, without_middle_process(phantom).bone_distance)
-    middle = method_cases._middle(phantom)
-    assert 0.02 < removed.mean() < 0.2
-    assert (scan.truth.surface.points_reference[removed][:, 1] < middle[1]).all()
-
-
-def test_a_restricted_truth_measures_only_its_points(scan):
-    points = np.zeros(len(scan.truth.surface), bool)
-    points[::7] = True
-    part = restricted(scan.truth, points)
-    assert part.surface.areas.sum() == pytest.approx(scan.truth.surface.areas[points].sum())
-    assert len(part.best_cosine) == len(part.border) == points.sum()
-
-
 def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
     monkeypatch.setattr(method_cases, "SPACING", 2.0)
     monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
@@ -84,78 +68,10 @@ def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
 
 
-def test_average_and_weighted_are_compared_on_the_bone_that_both_show(phantom, scan, monkeypatch):
-    monkeypatch.setattr(method_cases, "SPACING", 2.0)
-    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
-    average, weighted = method_cases._where_both_show(2, "multi-angle", scan, phantom.labels)
-    assert (average.method, weighted.method) == ("average", "weighted")
-    assert (
-        average.metrics["bone_area"]
-        == weighted.metrics["bone_area"]
-        < method_cases._row(2, "multi-angle", "exact", "average", scan, phantom.labels).metrics["bone_area"]
-    )
-    assert weighted.metrics["bone_coverage"] > 0.8
-    assert average.metrics["bone_localization_error"] < 1.0
-
-
-@register_method
-def all_alike(intensity):
-    return 1.0, intensity
-
-
-def test_a_case_takes_a_method_of_one_s_own(phantom, scan, monkeypatch):
-    monkeypatch.setattr(method_cases, "SPACING", 2.0)
-    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
-    own, average = (method_cases._row(2, "multi-angle", "exact", method, scan, phantom.labels) for method in (all_alike.name, "average"))
-    assert (own.method, own.direction) == (all_alike.name, "")
-    assert own.metrics == average.metrics
-
-
-def test_the_page_has_a_line_for_a_method_of_one_s_own():
-    lines = study_page([row(0), row(0, "my_methods:mine", 3.0, direction="gradient")]).splitlines()
-    assert any(line.startswith("| my_methods:mine | 3.00 ") for line in lines)
-
-
 def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
     assert start(["methods", "--output", str(tmp_path / "out"), "--method", "not_there:mine"]) == 2
     assert "there is no module not_there here" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_spread_is_median_and_quartiles():
-    assert Spread.of([4.0, 1.0, 2.0, 3.0, 5.0]) == Spread(3.0, 2.0, 4.0)
-
-
-def test_a_spread_leaves_out_what_is_not_known():
-    assert Spread.of([float("nan"), 2.0]) == Spread(2.0, 2.0, 2.0)
-
-
-def test_a_spread_is_of_the_rows_asked_for():
-    rows = [row(0, value=1.0), row(0, "weighted", 5.0), row(1, value=3.0)]
-    assert spread_of(rows, "bone_cnr", method="average").median == 2.0
-
-
-def test_the_page_shows_the_median_of_every_column():
-    rows = [row(seed, method, value) for seed, value in enumerate((0.1, 0.2, 0.4)) for method in ("average", "latest", "maximum")]
-    line = next(line for line in study_page(rows).splitlines() if line.startswith("| average |"))
-    assert line.count("0.20 [0.15, 0.30]") == len(COLUMNS) - 3
-    assert line.count("20 [15, 30]") == 3
-
-
-def test_the_page_has_a_dash_where_nothing_is_known():
-    line = next(line for line in study_page([row(0)]).splitlines() if line.startswith("| maximum |"))
-    assert line.count(" - ") == len(COLUMNS)
-
-
-def test_gray_shadows_have_a_line_of_each_method_with_and_without_and_others_go_by_their_words():
-    others = method_cases.REFERENCES["incidence-weighted"]
-    tried = [("average", ""), ("weighted", "gradient"), (others, "gradient")]
-    rows = [row(0, name, 2.0, direction=way, condition=what) for name, way in tried for what in ("exact", method_cases.GRAY_SHADOWS)]
-    rows += [row(0, "weighted", 2.0, direction="", condition=method_cases.BOTH), row(0, "weighted", 2.0, direction="surface")]
-    table = study_page(rows).partition("### Shadows that are gray")[2].partition("###")[0]
-    names = [line.split("|")[1].strip() for line in table.splitlines() if line.startswith("| ")][1:]
-    assert names == [f"{what}, {name}" for name in ("average", "weighted", "incidence-weighted") for what in ("exact", "gray shadows")]
-    assert "| - |" not in table
 
 
 def test_a_finished_study_is_read_and_not_run_again(tmp_path):
@@ -178,31 +94,6 @@ def rows_in_another_process(seed):
 def test_the_rows_of_every_patient_are_made_in_processes_of_their_own(tmp_path):
     made = run_study(rows_in_another_process, Row, tmp_path, [3, 5])
     assert [(each.seed, each.metrics[NAMES[0]]) for each in made] == [(3, 3.0), (5, 5.0)]
-
-
-def test_the_study_writes_the_page_of_what_is_there(tmp_path):
-    (tmp_path / "patient-000.json").write_text(json.dumps([asdict(row(0))]))
-    assert start(["methods", "--output", str(tmp_path), "--patients", "1"]) == 0
-    assert (tmp_path / "study.md").read_text().startswith("1 simulated patient")
-    assert (tmp_path / "study.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-
-
-def test_a_study_of_nobody_is_refused(tmp_path, capsys):
-    with pytest.raises(SystemExit):
-        methods.main(["--output", str(tmp_path), "--patients", "0"])
-    assert "at least 1 patient" in capsys.readouterr().err
-
-
-def test_a_spoiled_result_is_one_line_of_the_study(tmp_path, capsys):
-    (tmp_path / "patient-000.json").write_text("[{]")
-    assert start(["methods", "--output", str(tmp_path), "--patients", "1"]) == 2
-    assert "patient-000.json" in capsys.readouterr().err
-
-
-def test_without_a_name_the_studies_are_listed(capsys):
-    assert start([]) == 2
-    said = capsys.readouterr().err
-    assert all(name in said for name in STUDIES)
 
 
 @pytest.mark.parametrize("name", STUDIES)

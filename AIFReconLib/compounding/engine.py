@@ -1,0 +1,74 @@
+"""What all engines are: they put frames into a `VoxelState`, the same voxels whichever of them does it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..arrays import Integers, Matrix, Reals, Singles
+from ..bone.placed.on_grid import PlacedBone
+from ..recipe.recipe import Recipe
+from .batch import FrameBatch
+from .evidence import FrameEvidence, ScanLines
+from .layout import PixelLayout
+from .methods.table import method_named
+from .state import VoxelState
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What an engine works on.
+
+    Parameters
+    ----------
+    grid_size : (i, j, k)
+    planes : (first, stop)
+        The part of the grid that state and bone are of.
+    maximum : float
+        Brightest value an image can hold.
+    importance : (rows, columns) float32 array, 0 to 1, or None
+        Weight of each pixel of an image; those of 0 do not enter.
+    threads : int or None
+        How many a compiled engine uses; by default every core.
+    """
+
+    state: VoxelState
+    grid_size: tuple[int, int, int]
+    planes: tuple[int, int]
+    settings: Recipe
+    maximum: float
+    bone: PlacedBone | None = None
+    importance: Reals | None = None
+    threads: int | None = None
+
+
+class Engine:
+    """Puts frames into a `VoxelState`, one by one on the caller's thread; others override `insert`."""
+
+    name = "numpy"
+    frames_at_once = 1
+
+    def __init__(self, job: Job):
+        self.job, self.state = job, job.state
+        self.method = method_named(job.state.method)
+
+    def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
+        """Put frames into the volume; how many pixels entered of each. `scan_lines` is for methods that judge shadows."""
+        return [self._insert(batch, place, layout, scan_lines) for place in range(len(batch))]
+
+    def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
+        raise NotImplementedError
+
+    def _entering(self, batch: FrameBatch, place: int, layout: PixelLayout) -> tuple[Integers, Integers]:
+        """Numbers of the layout's pixels that enter of a frame, and their voxels."""
+        pixels, voxels = layout.voxels(batch.image_to_ijk[place], self.job.grid_size, self.job.planes)
+        if place not in batch.measured:
+            return pixels, voxels
+        measured = layout.values(batch.measured[place])[pixels] > 0
+        return pixels[measured], voxels[measured]
+
+    def _evidence(self, values: Singles, image_to_ijk: Matrix, scan_lines: ScanLines | None, bone: PlacedBone | None) -> FrameEvidence:
+        """What a frame's values tell of shadows, where `bone` has a word if there is any."""
+        if scan_lines is None:
+            raise ValueError(f"Input scan_lines must be given for method {self.method.name}; got None.")
+        expected = None if bone is None else scan_lines.expected(bone.map_probability, bone.ijk_to_map @ image_to_ijk)
+        return scan_lines.evidence(values, self.job.maximum, expected)

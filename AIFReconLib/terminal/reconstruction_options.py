@@ -1,0 +1,201 @@
+"""The options of a reconstruction, recorded or live, which are the columns of a table of cases too; and the bone that they name."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..arrays import Matrix
+from ..bone.echo_bone import bone_from_sweep
+from ..bone.map import BoneMap
+from ..bone.model import OnnxModel
+from ..bone.predicted_bone import bone_from_frames
+from ..bone.recorded_predictions import RecordedPredictions
+from ..errors import SettingsError
+from ..geometry.volume import VoxelGrid
+from ..io.sequence.files import read_sequence
+from ..io.transform.files import read_transform
+from ..io.volume.files import read_labels, read_volume
+from ..machine.threads import usable_cores
+from ..progress import Progress
+from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, ReadingSettings, Recipe, VolumeSettings
+from ..registration.labeled_bone import LabeledBone
+from ..sweep.frames import TrackedSequence
+from .recipe_options import add_imaging_options, add_setting, add_settings
+
+SIDE_OUTPUTS = {
+    "score": "sum of weights",
+    "hits": "pixels per voxel",
+    "mask": "0 empty, 1 measured, 2 filled",
+    "cosine": "best cosine of incidence",
+}
+
+
+def add_reconstruction_options(parser: argparse.ArgumentParser, without: Sequence[str] = ()) -> argparse._ArgumentGroup:
+    """All that a reconstruction can be asked for, beside what says how a sweep is tracked; the answer is the group of its volumes."""
+    add_bone_options(parser)
+    add_settings(add_imaging_options(parser), ImagingSettings)
+    volume = parser.add_argument_group("volume")
+    where = volume.add_mutually_exclusive_group()
+    where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use this volume's voxels (any orientation)")
+    add_setting(where, "spacing")
+    add_settings(volume, VolumeSettings, OutputSettings)
+    for name, meaning in SIDE_OUTPUTS.items():
+        volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
+    add_settings(parser.add_argument_group("tuning"), MethodSettings, ReadingSettings, without=without)
+    return volume
+
+
+def add_memory_option(group: argparse._ArgumentGroup) -> None:
+    """How much memory the volumes may take."""
+    meaning = "that volumes may take; larger ones are worked in parts, with the same voxels (default: three quarters of what is free)"
+    group.add_argument("--memory", type=gigabytes, metavar="GB", help=meaning)
+
+
+def gigabytes(text: str) -> int:
+    """GB as bytes."""
+    try:
+        size = 1e9 * float(text)
+    except ValueError:
+        size = 0.0
+    if not 0 < size < float("inf"):
+        raise argparse.ArgumentTypeError(f"must be positive GB, got {text!r}")
+    return int(size)
+
+
+def grid_from(arguments: argparse.Namespace) -> VoxelGrid | None:
+    """The voxels of --grid-like; None where the recipe says which."""
+    return read_volume(arguments.grid_like).grid if arguments.grid_like else None
+
+
+# ---- bone
+
+SOURCES = ("bone_from_sweep", "bone_frames", "bone_model", "bone_image")
+"""Options by which the frames themselves say where bone is."""
+
+
+def add_bone_options(parser: argparse.ArgumentParser) -> None:
+    """Where bone is, and how it becomes a map."""
+    bone = parser.add_argument_group(
+        "bone", "a registered CT's segmentation, or a bone probability; methods that weight by incidence need one"
+    )
+    source = bone.add_mutually_exclusive_group()
+    source.add_argument("--bone-labels", type=Path, metavar="VOLUME", help="segmentation of the CT; any label above 0 is bone")
+    source.add_argument("--bone-probability", type=Path, metavar="VOLUME", help="ready bone probability, 0 to 1")
+    add_setting(source, "bone_from_sweep")
+    source.add_argument(
+        "--bone-frames",
+        type=Path,
+        action="append",
+        metavar="SEQUENCE",
+        help="no CT: a sequence of a network's predictions for the frames, 8 bit or 0 to 1; of several sweeps once for each",
+    )
+    source.add_argument(
+        "--bone-model", type=Path, metavar="FILE.onnx", help="no CT: a network that tells bone in a frame (needs onnxruntime)"
+    )
+    bone.add_argument(
+        "--bone-transform",
+        type=Path,
+        metavar="FILE",
+        help="transform CT -> Reference as Slicer saves it (.tfm, .txt, .h5); default: none needed",
+    )
+    add_width_options(bone)
+    add_settings(bone, BoneSettings)
+
+
+def add_width_options(group: argparse._ActionsContainer) -> None:
+    """Smoothing of the bone map, in voxels or mm."""
+    width = group.add_mutually_exclusive_group()
+    for name in ("bone_sigma_voxels", "bone_sigma_mm"):
+        add_setting(width, name)
+
+
+def check_bone_options(arguments: argparse.Namespace) -> None:
+    """Return if the options that say where bone is go together.
+
+    Raises
+    ------
+    SettingsError
+    """
+    check_seen_bone(arguments)
+    if arguments.bone_transform and not (arguments.bone_labels or arguments.bone_probability):
+        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
+
+
+def seen_source(arguments: argparse.Namespace) -> str | None:
+    """The option, as users write it, that lets the frames say where bone is; None where there is none."""
+    return next((f"--{name.replace('_', '-')}" for name in SOURCES if getattr(arguments, name, None)), None)
+
+
+def check_seen_bone(arguments: argparse.Namespace) -> None:
+    """Return if these options go together with the others.
+
+    Raises
+    ------
+    SettingsError
+    """
+    source = seen_source(arguments)
+    if getattr(arguments, "bone_frames_px", None) and not getattr(arguments, "bone_frames", None):
+        raise SettingsError("--bone-frames-px says what predictions cover, and there are none. Give --bone-frames.")
+    if source is None:
+        return
+    if arguments.bone_transform:
+        raise SettingsError("--bone-transform places a CT, and {source} needs none. Leave out one of them.", source=source)
+    if getattr(arguments, "speed_of_sound", None) is not None:
+        raise SettingsError(
+            "{source} takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels.", source=source
+        )
+
+
+def seen_bone_inputs(arguments: argparse.Namespace) -> list[Path | None]:
+    """The files that they name."""
+    model = getattr(arguments, "bone_model", None)
+    return [*(getattr(arguments, "bone_frames", None) or []), model, None if model is None else beside(model)]
+
+
+def beside(model: Path) -> Path | None:
+    """The description of a model, where there is one."""
+    path = model.parent / f"{model.stem}.json"
+    return path if path.is_file() else None
+
+
+def labeled_bone_from(arguments: argparse.Namespace, sequence: TrackedSequence | None, recipe: Recipe) -> LabeledBone | None:
+    """The labels that the options name, placed in Reference; None where they name none. A live scan has no sequence yet."""
+    check_bone_options(arguments)
+    if not arguments.bone_labels:
+        return None
+    return LabeledBone(read_labels(arguments.bone_labels), _place(arguments), sequence, recipe)
+
+
+def _place(arguments: argparse.Namespace) -> Matrix | None:
+    return read_transform(arguments.bone_transform) if arguments.bone_transform else None
+
+
+def bone_from(
+    arguments: argparse.Namespace,
+    labeled: LabeledBone | None,
+    sequence: TrackedSequence | None,
+    recipe: Recipe,
+    progress: Progress | None = None,
+) -> BoneMap | None:
+    """The bone map that the recipe's method gets of the labels of `labeled_bone_from`, or of what else the options name; None of nothing.
+
+    A live scan has no sequence yet.
+    """
+    if labeled is not None:
+        return labeled.map(recipe.method_for(True), progress)
+    if arguments.bone_probability:
+        return BoneMap.from_probability(read_volume(arguments.bone_probability), _place(arguments))
+    if sequence is None:
+        if recipe.bone_from_sweep:
+            raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
+        return None
+    if recipe.bone_from_sweep:
+        return bone_from_sweep(sequence, recipe=recipe, progress=progress)
+    if arguments.bone_frames:
+        predicted = [read_sequence(path) for path in arguments.bone_frames]
+        return bone_from_frames(sequence, RecordedPredictions(sequence, predicted, recipe.bone_frames_px), recipe=recipe, progress=progress)
+    if arguments.bone_model:
+        return bone_from_frames(sequence, OnnxModel(arguments.bone_model, usable_cores()), recipe=recipe, progress=progress)
+    return None
