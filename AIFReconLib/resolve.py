@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from .arrays import Reals
-from .compounding.methods.table import LINEAR_METHODS, method_named
+from .compounding.methods.table import DEFAULT_METHOD_WITHOUT_BONE, LINEAR_METHODS, method_named
 from .errors import BeamGeometryError, SettingsError
 from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
@@ -20,7 +20,7 @@ from .imaging.images import ImageStack
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import Sentence, said
-from .recipe.recipe import DEFAULT_METHOD_WITHOUT_BONE, ImagingSettings, Recipe
+from .recipe.recipe import ImagingSettings, Recipe
 from .remedies import Remedy
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     sequence = sequence_from(arguments)
     recipe = recipe_from(arguments)
     report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress)
+    report = replace(report, findings=tuple(map(in_options, report.findings)))
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict

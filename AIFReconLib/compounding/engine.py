@@ -20,14 +20,11 @@ class Job:
 
     Parameters
     ----------
-    state : VoxelState
     grid_size : (i, j, k)
     planes : (first, stop)
         The part of the grid that state and bone are of.
-    settings : Recipe
     maximum : float
         Brightest value an image can hold.
-    bone : PlacedBone or None
     importance : (rows, columns) float32 array, 0 to 1, or None
         Weight of each pixel of an image; those of 0 do not enter.
     threads : int or None

@@ -95,11 +95,6 @@ class FrameEvidence:
 class ScanLines:
     """Samples along the beams of one image layout, and which sample belongs to which pixel.
 
-    Parameters
-    ----------
-    layout : PixelLayout
-    probe : ProbeGeometry
-
     Attributes
     ----------
     step : float, mm

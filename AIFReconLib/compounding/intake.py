@@ -53,11 +53,8 @@ class Intake:
 
     Parameters
     ----------
-    grid : VoxelGrid
-    settings : Recipe
     region : ImageRegion
         Pixels outside it never enter.
-    probe : ProbeGeometry or None
     needs_beams : bool
         Whether pixels get the direction of their beam.
     judges_shadows : bool

@@ -82,7 +82,6 @@ class Reconstructor:
     ----------
     grid : VoxelGrid
         The voxels to fill.
-    settings : Recipe
     bone : BoneMap or None
         Needed by the methods that weight by incidence.
     probe : ProbeGeometry or None
@@ -186,8 +185,6 @@ class Reconstructor:
 
         Parameters
         ----------
-        frames : TrackedFrame or several
-        progress : Progress or None
         count : int
             How many frames come, for the fraction that `progress` hears.
 

@@ -68,7 +68,6 @@ class VoxelState:
 
     Parameters
     ----------
-    method : str
     hits : (voxels,) uint32 array
         Pixels that entered; none where they are `packed`, or not counted.
     value : (voxels,) array
@@ -102,9 +101,6 @@ class VoxelState:
 
         Parameters
         ----------
-        voxels : int
-        method : str
-        best_cosine : bool
         shares : bool
             An average keeps the sum of what pixels count.
         whole : bool
@@ -291,8 +287,6 @@ class Reconstruction(Described):
         0 empty, 1 measured, 2 filled from a neighbor.
     cosine : Volume of float32 or None
         Best cosine of incidence, when it was asked for.
-    method : str
-    frames_inserted : int
     skipped : dict of str to list of int
         Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
     said : tuple of str

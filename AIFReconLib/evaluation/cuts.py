@@ -14,7 +14,7 @@ from ..geometry.volume import Volume
 from ..inspection.raised import BANDS
 from .figures import BONE_COLOR, CT_WINDOW, NOT_SCANNED
 from .preview import PLANES, middle_of_bone
-from .slices import Plane, cut, extent_along
+from .slices import Plane, cut, whole_cut
 
 PIXELS = 420
 """Along the longest side of a cut."""
@@ -60,27 +60,17 @@ def cut_pictures(scene: Scene, center: Floats | None = None) -> list[tuple[str, 
 
     Parameters
     ----------
-    scene : Scene
     center : (3,) array or None, mm
         Where the cuts meet; by default `Scene.middle`.
     """
     place = scene.middle() if center is None else center
-    return [(_caption(plane), png(_colors(scene, plane, place))) for plane in PLANES]
-
-
-def _caption(plane: Plane) -> str:
-    left, _right, top, _bottom = plane.edges
-    return f"{plane.name.capitalize()}: {left} is left, {top} is up"
+    captions = (f"{plane.name.capitalize()}: {plane.edges[0]} is left, {plane.edges[2]} is up" for plane in PLANES)
+    return [(caption, png(_colors(scene, plane, place))) for caption, plane in zip(captions, PLANES, strict=True)]
 
 
 def _colors(scene: Scene, plane: Plane, center: Floats) -> Bytes:
     """(rows, columns, 3) uint8."""
-    grid = scene.shown.grid
-    (left, right), (top, bottom) = (extent_along(grid, way) for way in (plane.right_ras, plane.down_ras))
-    size = max(right - left, grid.spacing.max()), max(bottom - top, grid.spacing.max())
-    across, down = np.asarray(plane.right_ras, float), np.asarray(plane.down_ras, float)
-    normal = np.cross(across, down)
-    middle = (left + right) / 2 * across + (top + bottom) / 2 * down + (center @ normal) * normal
+    middle, size = whole_cut(scene.shown.grid, plane, center)
 
     def sampled(volume: Volume, order: int = 0) -> Floats:
         return np.nan_to_num(cut(volume, plane, middle, *size, max(size) / PIXELS, order=order))

@@ -17,12 +17,13 @@ from ..errors import OutputError
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
 from ..message import shorten
-from .slices import AXIAL, CORONAL, SAGITTAL, Plane, cut, extent_along
+from .slices import AXIAL, CORONAL, SAGITTAL, cut, whole_cut
 from .surface import BoneSurface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 CT_WINDOW = (-200.0, 700.0)
 """Hounsfield units shown from black to white: soft tissue and bone."""
@@ -79,6 +80,29 @@ def own_looks() -> Iterator[None]:
         yield
 
 
+def new_figure(width: float, height: float, **looks: str) -> Figure:
+    """A dark figure of this size in inches that no window shows."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), facecolor=BACKGROUND, **looks)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(path: str | Path, figure: Figure) -> None:
+    """Write a figure to a PNG, PDF or SVG file; an OutputError where it cannot be written."""
+    with atomic_output(path) as temporary:
+        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+
+
+def png_of(figure: Figure) -> bytes:
+    """A figure as a PNG file."""
+    png = io.BytesIO()
+    figure.savefig(png, format="png", dpi=DPI, facecolor=BACKGROUND)
+    return png.getvalue()
+
+
 @own_looks()
 def compare_figure(
     path: str | Path,
@@ -89,12 +113,10 @@ def compare_figure(
     mask: Volume | None = None,
     title: str = "",
 ) -> None:
-    """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side, into a file.
+    """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side, into a PNG, PDF or SVG file.
 
     Parameters
     ----------
-    path : str or Path
-        PNG, PDF or SVG file to write.
     ct : Volume of HU, placed in Reference
     reconstructions : dict of str to Volume
         The first one's grid says what is shown. 8-bit volumes are shown from 0 to 255, others to the brightest voxel of all.
@@ -104,31 +126,21 @@ def compare_figure(
         Its outline is drawn over the CT.
     mask : Volume or None
         As reconstructions give it: where it is 0 nothing was scanned, and the picture is tinted instead of black.
-    title : str
 
     Raises
     ------
     OutputError
         When the file cannot be written.
     """
-    figure = _draw(ct, reconstructions, center_ras, bone, mask, title)
-    with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+    save_figure(path, _draw(ct, reconstructions, center_ras, bone, mask, title))
 
 
 @own_looks()
 def comparison_png(
-    ct: Volume,
-    reconstructions: dict[str, Volume],
-    center_ras: ArrayLike,
-    bone: Volume | None = None,
-    mask: Volume | None = None,
-    title: str = "",
+    ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None = None, mask: Volume | None = None
 ) -> bytes:
-    """The picture of `compare_figure` as the bytes of a PNG file."""
-    png = io.BytesIO()
-    _draw(ct, reconstructions, center_ras, bone, mask, title).savefig(png, format="png", dpi=DPI, facecolor=BACKGROUND)
-    return png.getvalue()
+    """The picture of `compare_figure` as a PNG file."""
+    return png_of(_draw(ct, reconstructions, center_ras, bone, mask, ""))
 
 
 def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
@@ -155,24 +167,22 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
 def _draw(
     ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None, mask: Volume | None, title: str
 ) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     planes = (SAGITTAL, AXIAL, CORONAL)
     grid = next(iter(reconstructions.values())).grid
     columns = 1 + len(reconstructions)
     # All panels have one width and one scale, so that one scale bar holds for all
-    width = max(_size(grid, plane)[0] for plane in planes)
-    sizes = [(width, _size(grid, plane)[1]) for plane in planes]
+    wholes = [whole_cut(grid, plane, center_ras) for plane in planes]
+    width = max(size[0] for _, size in wholes)
+    sizes = [(width, size[1]) for _, size in wholes]
     heights = [PANEL * height / width for _, height in sizes]
     figure_width = LEFT + columns * (PANEL + GAP)
     above = TOP if title or mask is not None else TOP_UNTITLED
     figure_height = above + sum(heights) + len(planes) * GAP
-    figure = Figure(figsize=(figure_width, figure_height), facecolor=BACKGROUND)
-    FigureCanvasAgg(figure)
+    figure = new_figure(figure_width, figure_height)
     brightest = _brightest(reconstructions.values())
     top = figure_height - above
-    for plane, (_, height), panel_height in zip(planes, sizes, heights, strict=True):
+    for plane, (middle, (_, height)), panel_height in zip(planes, wholes, heights, strict=True):
+        extent = (0.0, width, height, 0.0)
         axes = [
             figure.add_axes(
                 (
@@ -184,22 +194,21 @@ def _draw(
             )
             for column in range(columns)
         ]
-        middle = _middle(grid, plane, center_ras)
         picture = cut(ct, plane, middle, width, height)
-        axes[0].imshow(picture, cmap="gray", vmin=CT_WINDOW[0], vmax=CT_WINDOW[1], extent=_extent(width, height))
+        axes[0].imshow(picture, cmap="gray", vmin=CT_WINDOW[0], vmax=CT_WINDOW[1], extent=extent)
         if bone is not None:
             outline = np.nan_to_num(cut(bone, plane, middle, width, height, order=0)) > 0
             if outline.any() and not outline.all():
-                axes[0].contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=_extent(width, height), origin="upper")
+                axes[0].contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=extent, origin="upper")
         for ax, volume in zip(axes[1:], reconstructions.values(), strict=True):
             picture = np.nan_to_num(cut(volume, plane, middle, width, height))
             if mask is not None:
                 scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
                 # Not typed in every numpy
                 picture = cast("Any", np.ma).masked_array(picture, mask=~scanned)
-            ax.imshow(picture, cmap="gray", vmin=0, vmax=brightest, extent=_extent(width, height))
+            ax.imshow(picture, cmap="gray", vmin=0, vmax=brightest, extent=extent)
         for ax in axes:
-            _bare(ax, plane)
+            edge_letters(ax, plane.edges, 0.02, 7, alpha=0.7)
         axes[0].set_ylabel(plane.name, color=INK, fontsize=9)
         if plane is planes[0]:
             for ax, name in zip(axes, ["CT and its bone" if bone is not None else "CT", *reconstructions], strict=True):
@@ -224,34 +233,17 @@ def _shortened(name: str) -> str:
     return name if len(name) <= LONGEST_NAME else "\N{HORIZONTAL ELLIPSIS}" + name[1 - LONGEST_NAME :]
 
 
-def _size(grid: VoxelGrid, plane: Plane) -> tuple[float, float]:
-    spans = (np.subtract(*extent_along(grid, direction)[::-1]) for direction in (plane.right_ras, plane.down_ras))
-    width, height = spans
-    return float(width), float(height)
-
-
-def _middle(grid: VoxelGrid, plane: Plane, center_ras: ArrayLike) -> Floats:
-    """The middle of the grid within the plane, at the depth of `center_ras` across it."""
-    right, down = np.asarray(plane.right_ras, float), np.asarray(plane.down_ras, float)
-    across = np.cross(right, down)
-    along = [sum(extent_along(grid, d)) / 2 * d for d in (right, down)]
-    middle: Floats = along[0] + along[1] + across * (np.asarray(center_ras, float) @ across)
-    return middle
-
-
-def _extent(width: float, height: float) -> tuple[float, float, float, float]:
-    return 0.0, width, height, 0.0
-
-
-def _bare(ax: Axes, plane: Plane) -> None:
-    ax.set_xticks([])
-    ax.set_yticks([])
-    ax.set_facecolor(NOT_SCANNED)
+def edge_letters(ax: Axes, plane_edges: tuple[str, str, str, str], inset: float, size: float, **looks: float) -> list[Text]:
+    """Write which way is which at the left, right, top and bottom edge of a picture without ticks and frame."""
+    ax.set(xticks=[], yticks=[], facecolor=NOT_SCANNED)
     for spine in ax.spines.values():
         spine.set_visible(False)
-    places = ((0.02, 0.5, "left", "center"), (0.98, 0.5, "right", "center"), (0.5, 0.98, "center", "top"), (0.5, 0.02, "center", "bottom"))
-    for letter, (x, y, horizontal, vertical) in zip(plane.edges, places, strict=True):
-        ax.text(x, y, letter, color=INK, alpha=0.7, fontsize=7, ha=horizontal, va=vertical, transform=ax.transAxes)
+    far = 1 - inset
+    places = ((inset, 0.5, "left", "center"), (far, 0.5, "right", "center"), (0.5, far, "center", "top"), (0.5, inset, "center", "bottom"))
+    return [
+        ax.text(x, y, letter, color=INK, fontsize=size, ha=across, va=up, transform=ax.transAxes, **looks)
+        for letter, (x, y, across, up) in zip(plane_edges, places, strict=True)
+    ]
 
 
 def _scale_bar(ax: Axes, size: tuple[float, float], length: float = 20.0) -> None:

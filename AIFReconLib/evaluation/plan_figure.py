@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Floats
-from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, DPI, INK, own_looks
+from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
 
 LEVELS_DEG = (45.0, 60.0, 70.0, 85.0)
 """Where the colors change: squarely met, obliquely, steeply, grazed."""
@@ -29,25 +28,13 @@ def plan_figure(path: str | Path, points_patient: Floats, best_cosine: Floats, f
 
     Parameters
     ----------
-    path : str or Path
-        PNG, PDF or SVG.
     points_patient : (n, 3) array, mm
     best_cosine : (n,) array
         NaN where not met.
     faces_patient, beams : (frames, 3) arrays
         mm, and which way the images' rows run, of any length.
-    title : str
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(12.0, 6.4), facecolor=BACKGROUND, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(12.0, 6.4, layout="constrained")
     angles = np.degrees(np.arccos(np.clip(np.nan_to_num(best_cosine, nan=-1.0), -1.0, 1.0)))
     kinds = np.digitize(angles, LEVELS_DEG)
     ends = faces_patient + 12.0 * beams / np.linalg.norm(beams, axis=1)[:, None]
@@ -70,5 +57,4 @@ def plan_figure(path: str | Path, points_patient: Floats, best_cosine: Floats, f
     handles = [ax.scatter([], [], color=color, s=30) for color in COLORS] + [ax.plot([], [], color=BEAM)[0]]
     figure.legend(handles, [*WORDS, "probe"], loc="outside lower center", ncols=len(handles), frameon=False, labelcolor=INK, fontsize=10)
     figure.suptitle(title, color=INK, fontsize=13, parse_math=False)
-    with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+    save_figure(path, figure)

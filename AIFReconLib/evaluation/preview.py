@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,8 +12,8 @@ from ..arrays import Floats, Mask
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, DPI, INK, NOT_SCANNED, own_looks
-from .slices import Plane, cut, extent_along
+from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, INK, edge_letters, new_figure, own_looks, png_of
+from .slices import Plane, cut, whole_cut
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,12 +41,7 @@ PITCHES = 600
 
 @dataclass(frozen=True)
 class Picture:
-    """A drawn picture: a notebook shows it, `write` keeps it.
-
-    Parameters
-    ----------
-    png : bytes
-    """
+    """A drawn picture: a notebook shows it, `write` keeps it."""
 
     png: bytes
 
@@ -58,13 +52,7 @@ class Picture:
         return self.png
 
     def write(self, path: str | Path) -> None:
-        """Write the PNG file.
-
-        Raises
-        ------
-        OutputError
-            When it cannot be written; no partial file is left.
-        """
+        """Write the PNG file, or no part of it; an OutputError where it cannot be written."""
         with atomic_output(path) as temporary:
             Path(temporary).write_bytes(self.png)
 
@@ -96,7 +84,6 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
         Without labels they meet in the middle of what was scanned.
     ct : Volume of HU or None
         Shown beside, placed in Reference.
-    title : str
 
     Raises
     ------
@@ -119,9 +106,7 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
     notes = ["blue: not scanned" if mask is not None else "blue: 0, not scanned or black"]
     if labels is not None:
         notes.append("orange: bone of the CT")
-    png = io.BytesIO()
-    _draw(panels, columns, title, ", ".join(notes)).savefig(png, format="png", dpi=DPI, facecolor=BACKGROUND)
-    return Picture(png.getvalue())
+    return Picture(png_of(_draw(panels, columns, title, ", ".join(notes))))
 
 
 def middle_of_bone(volume: Volume, scanned: Mask, labels: Volume | None) -> Floats:
@@ -164,13 +149,8 @@ def _cut_panel(
     name: str = "",
 ) -> _Panel:
     """The cut through `center`, over all of `grid` (by default the volume's own)."""
-    (left, right), (top, bottom) = (extent_along(grid or volume.grid, way) for way in (plane.right_ras, plane.down_ras))
-    thinnest = float((grid or volume.grid).spacing.max())
-    size = max(right - left, thinnest), max(bottom - top, thinnest)
-    pitch = max(*size) / PITCHES
-    across, down = np.asarray(plane.right_ras, float), np.asarray(plane.down_ras, float)
-    normal = np.cross(across, down)
-    middle = (left + right) / 2 * across + (top + bottom) / 2 * down + (center @ normal) * normal
+    middle, size = whole_cut(grid or volume.grid, plane, center)
+    pitch = max(size) / PITCHES
     picture = cut(volume, plane, middle, *size, pitch)
     if seen is not None:
         picture[~(cut(seen, plane, middle, *size, pitch, order=0) > 0)] = np.nan
@@ -197,9 +177,6 @@ def _projection(volume: Volume, scanned: Mask, window: tuple[float, float]) -> _
 
 
 def _draw(panels: list[_Panel], columns: int, title: str, note: str) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     rows = [panels[first : first + columns] for first in range(0, len(panels), columns)]
     widths = [max(row[column].size[0] for row in rows if column < len(row)) for column in range(columns)]
     heights = [max(panel.size[1] for panel in row) for row in rows]
@@ -207,8 +184,7 @@ def _draw(panels: list[_Panel], columns: int, title: str, note: str) -> Figure:
     scale = min((width - (columns + 1) * GAP) / sum(widths), (LONGEST_HEIGHT - TOP - BOTTOM - len(rows) * (GAP + 0.2)) / sum(heights))
     width = max(scale * sum(widths) + (columns + 1) * GAP, 6.0)
     height = scale * sum(heights) + TOP + BOTTOM + len(rows) * (GAP + 0.2)
-    figure = Figure(figsize=(width, height), facecolor=BACKGROUND)
-    FigureCanvasAgg(figure)
+    figure = new_figure(width, height)
     top = height - TOP
     left_of_all = (width - scale * sum(widths) - (columns - 1) * GAP) / 2
     for row, tall in zip(rows, heights, strict=True):
@@ -232,22 +208,12 @@ def _show(ax: Axes, panel: _Panel) -> None:
     from matplotlib.patheffects import withStroke
 
     extent = (0.0, panel.size[0], panel.size[1], 0.0)
-    ax.set_facecolor(NOT_SCANNED)
     ax.imshow(panel.picture, cmap="gray", vmin=panel.window[0], vmax=panel.window[1], extent=extent, aspect="auto")
     if panel.outline is not None and panel.outline.any() and not panel.outline.all():
         ax.contour(panel.outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.6, alpha=0.8, extent=extent, origin="upper")
-    ax.set(xticks=[], yticks=[], xlim=extent[:2], ylim=extent[2:])
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    places = (
-        (0.015, 0.5, "left", "center"),
-        (0.985, 0.5, "right", "center"),
-        (0.5, 0.985, "center", "top"),
-        (0.5, 0.015, "center", "bottom"),
-    )
-    for letter, (x, y, horizontal, vertical) in zip(panel.edges, places, strict=True):
-        text = ax.text(x, y, letter, color=INK, fontsize=8, ha=horizontal, va=vertical, transform=ax.transAxes)
+    for text in edge_letters(ax, panel.edges, 0.015, 8):
         text.set_path_effects([withStroke(linewidth=2, foreground=BACKGROUND)])
+    ax.set(xlim=extent[:2], ylim=extent[2:])
 
 
 def _scale_bar(figure: Figure, width: float, height: float, scale: float) -> None:

@@ -23,7 +23,6 @@ class Quantity:
     label, form, unit : str
         `form` as Python's `format` takes it; a percentage carries its unit itself.
     best : "most", "least", "nearest 0" or ""
-    definition : str
     """
 
     label: str

@@ -10,8 +10,7 @@ import scipy
 from ..arrays import Floats
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
-from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, DPI, INK, own_looks
+from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
 from .surface import DISTANCE_LIMIT, distance_from_labels
 
 SLAB = 2.5
@@ -37,29 +36,17 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
 
     Parameters
     ----------
-    path : str or Path
-        PNG, PDF or SVG.
     echoes : (n, 3) array, mm
         Where bone was seen, in the frame of the labels, whose axes are the patient's.
-    labels : Volume of integers
-    title : str
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
-    from matplotlib.figure import Figure
 
     points, field_of_bone = echoes, distance_from_labels(labels)
     distances = np.abs(_sample(field_of_bone, points))
     near = distances < NEAR
     middle = np.median(points[near] if near.any() else points, axis=0)
-    figure = Figure(figsize=(13.0, 5.2), facecolor=BACKGROUND)
-    FigureCanvasAgg(figure)
+    figure = new_figure(13.0, 5.2)
     panels = figure.subplots(1, 3)
     colors = LinearSegmentedColormap.from_list("distance", COLORS)
     for panel, (name, across, right, up) in zip(panels, CUTS):
@@ -90,8 +77,7 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
     bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
     bar.ax.tick_params(colors=INK, labelsize=8)
     figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
-    with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+    save_figure(path, figure)
 
 
 def _densest(values: Floats, otherwise: float) -> float:

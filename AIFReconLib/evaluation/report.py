@@ -97,7 +97,6 @@ class Section:
 
     Parameters
     ----------
-    title : str
     rows : tuple of (str, str)
         Names and values.
     said : tuple of str
@@ -121,7 +120,6 @@ class Report:
 
     Parameters
     ----------
-    title, date : str
     metrics : dict of str to BoneMetrics
         By the name of the volume or method; none: the page does not judge them.
     frames : int or None
@@ -134,8 +132,6 @@ class Report:
         By method; empty where they are not known.
     versions : dict of str to str
         Of the software, see `software_versions`.
-    figure_png : bytes or None
-    figure_caption : str
     sections : tuple of Section
         Between the figure and the metrics.
     language : str
@@ -167,46 +163,36 @@ def file_sizes(paths: Iterable[Path | None]) -> tuple[tuple[str, int], ...]:
 
 
 def write_report(path: str | Path, report: Report) -> None:
-    """Write the page, completely or not at all.
-
-    Raises
-    ------
-    OutputError
-        When it cannot be written.
-    """
+    """Write the page, completely or not at all; an OutputError where it cannot be written."""
     write_text(path, report_html(report))
 
 
 def report_html(report: Report) -> str:
     """One self-contained HTML page: figure, table, definitions, provenance. The same report gives the same page."""
-    return "\n".join(
-        [
-            "<!DOCTYPE html>",
-            f'<html lang="{escape(report.language)}">',
-            "<head>",
-            '<meta charset="utf-8">',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">",
-            f"<title>{escape(report.title)}</title>",
-            f"<style>{STYLE}</style>",
-            "</head>",
-            "<body>",
-            "<header>",
-            f"<h1>{escape(report.title)}</h1>",
-            f"<p>{escape(report.date)}. Made by AIFRecon, which is research software: not a medical device, not for diagnosis or "
-            "treatment.</p>",
-            "</header>",
-            "<main>",
-            *_figure(report),
-            *(line for section in report.sections for line in _section(section)),
-            *(_judged(report) if report.metrics else ()),
-            *_provenance(report),
-            "</main>",
-            "</body>",
-            "</html>",
-            "",
-        ]
-    )
+    title = escape(report.title)
+    lines = [
+        f"""<!DOCTYPE html>
+<html lang="{escape(report.language)}">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
+<title>{title}</title>
+<style>{STYLE}</style>
+</head>
+<body>
+<header>
+<h1>{title}</h1>
+<p>{escape(report.date)}. Made by AIFRecon, which is research software: not a medical device, not for diagnosis or treatment.</p>
+</header>
+<main>""",
+        *([] if report.figure_png is None else [_picture(report.figure_caption, report.figure_png, wide=True)]),
+        *(line for section in report.sections for line in _section(section)),
+        *(_judged(report) if report.metrics else ()),
+        *_provenance(report),
+        "</main>\n</body>\n</html>\n",
+    ]
+    return "\n".join(lines)
 
 
 def _section(section: Section) -> list[str]:
@@ -214,8 +200,7 @@ def _section(section: Section) -> list[str]:
     if section.pictures:
         lines += ['<div class="pictures">', *(_picture(caption, data) for caption, data in section.pictures), "</div>"]
     if section.rows:
-        lines += ['<dl class="facts">', *(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in section.rows)]
-        lines.append("</dl>")
+        lines += _facts(section.rows)
     if section.table:
         headings, *rows = section.table
         lines += ['<div class="wide"><table class="named">', f"<thead><tr>{_cells('th', headings)}</tr></thead><tbody>"]
@@ -224,13 +209,24 @@ def _section(section: Section) -> list[str]:
     return [*lines, *(f"<p>{escape(sentence)}</p>" for sentence in section.said), "</section>"]
 
 
+def _facts(rows: Iterable[tuple[str, str]]) -> list[str]:
+    return ['<dl class="facts">', *(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in rows), "</dl>"]
+
+
+def _pairs(rows: Iterable[tuple[str, str]]) -> list[str]:
+    """A table of two columns."""
+    return ['<div class="wide"><table class="plain"><tbody>', *(f"<tr>{_cells('td', row)}</tr>" for row in rows), "</tbody></table></div>"]
+
+
 def _cells(tag: str, texts: Iterable[str]) -> str:
     return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
 
 
-def _picture(caption: str, data: bytes) -> str:
-    source = base64.b64encode(data).decode("ascii")
-    return f'<figure><img alt="{escape(caption)}" src="data:image/png;base64,{source}"><figcaption>{escape(caption)}</figcaption></figure>'
+def _picture(caption: str, data: bytes, wide: bool = False) -> str:
+    caption, source = escape(caption), base64.b64encode(data).decode("ascii")
+    image = f'<img alt="{caption}" src="data:image/png;base64,{source}">'
+    image = f'<div class="wide">{image}</div>' if wide else image
+    return f"<figure>{image}<figcaption>{caption}</figcaption></figure>"
 
 
 def _judged(report: Report) -> list[str]:
@@ -238,31 +234,15 @@ def _judged(report: Report) -> list[str]:
     first = next(iter(report.metrics.values()))
     counted = what_counted(first, report.frames).replace("cm2", "cm\N{SUPERSCRIPT TWO}")
     counted = counted if report.frames is None else f"Numbers are {counted}."
+    best = "<strong>Highlighted</strong>: the best of each row." if len(report.metrics) > 1 else ""
     return [
         "<section>",
         "<h2>How clearly, sharply and completely bone is shown</h2>",
-        f"<p>{escape(counted)} {_best_note(report)}</p>",
+        f"<p>{escape(counted)} {best}</p>",
         *_metrics_table(report),
         "<h3>Definitions</h3>",
         *_definitions(report),
         "</section>",
-    ]
-
-
-def _best_note(report: Report) -> str:
-    return "<strong>Highlighted</strong>: the best of each row." if len(report.metrics) > 1 else ""
-
-
-def _figure(report: Report) -> list[str]:
-    if report.figure_png is None:
-        return []
-    caption = escape(report.figure_caption)
-    data = base64.b64encode(report.figure_png).decode("ascii")
-    return [
-        "<figure>",
-        f'<div class="wide"><img alt="{caption}" src="data:image/png;base64,{data}"></div>',
-        f"<figcaption>{caption}</figcaption>",
-        "</figure>",
     ]
 
 
@@ -311,20 +291,10 @@ def _definitions(report: Report) -> list[str]:
 
 def _provenance(report: Report) -> list[str]:
     facts = {**report.facts, "Software": ", ".join(f"{name} {version}" for name, version in report.versions.items())}
-    files = [f"<tr><td>{escape(name)}</td><td>{_size(size)}</td></tr>" for name, size in report.inputs]
-    lines = ["<section>", "<h2>Where this comes from</h2>", '<dl class="facts">']
-    lines += [f"<div><dt>{escape(name)}</dt><dd>{escape(text)}</dd></div>" for name, text in facts.items()]
-    lines += ["</dl>", '<div class="pair">']
+    lines = ["<section>", "<h2>Where this comes from</h2>", *_facts(facts.items()), '<div class="pair">']
     lines += ["<div>", "<h3>Settings</h3>", *_settings(report.settings, report.metrics), "</div>"]
-    if files:
-        lines += [
-            "<div>",
-            "<h3>Input files</h3>",
-            '<div class="wide"><table class="plain"><tbody>',
-            *files,
-            "</tbody></table></div>",
-            "</div>",
-        ]
+    if report.inputs:
+        lines += ["<div>", "<h3>Input files</h3>", *_pairs((name, _size(size)) for name, size in report.inputs), "</div>"]
     return [*lines, "</div>", "</section>"]
 
 
@@ -334,22 +304,14 @@ def _settings(settings: dict[str, Recipe], volumes: Iterable[str]) -> list[str]:
     notes = [f"<p>Not known of {escape(', '.join(unknown))}: a volume that AIFRecon did not write does not say it.</p>"] if unknown else []
     if not settings:
         return notes
-    rows = []
+    rows = [("method", ", ".join(dict.fromkeys(str(chosen.method) for chosen in settings.values())))]
     for spec in fields(Recipe):
-        if spec.name == "method":
+        if spec.name == "method" or all(getattr(chosen, spec.name) is None for chosen in settings.values()):
             continue
         values = {name: _setting(getattr(chosen, spec.name), spec.metadata["unit"]) for name, chosen in settings.items()}
         shared = len(set(values.values())) == 1
-        text = next(iter(values.values())) if shared else "; ".join(f"{name}: {value}" for name, value in values.items())
-        rows.append(f"<tr><td>{spec.name}</td><td>{escape(text)}</td></tr>")
-    methods = escape(", ".join(dict.fromkeys(str(chosen.method) for chosen in settings.values())))
-    return [
-        '<div class="wide"><table class="plain"><tbody>',
-        f"<tr><td>method</td><td>{methods}</td></tr>",
-        *rows,
-        "</tbody></table></div>",
-        *notes,
-    ]
+        rows.append((spec.name, next(iter(values.values())) if shared else "; ".join(f"{name}: {value}" for name, value in values.items())))
+    return [*_pairs(rows), *notes]
 
 
 def _setting(value: object, unit: str) -> str:

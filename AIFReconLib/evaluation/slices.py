@@ -34,8 +34,6 @@ def cut(volume: Volume, plane: Plane, center_ras: ArrayLike, width: float, heigh
 
     Parameters
     ----------
-    volume : Volume
-    plane : Plane
     center_ras : (3,), mm
         The middle of the picture.
     width, height, pitch : float, mm
@@ -59,6 +57,16 @@ def cut(volume: Volume, plane: Plane, center_ras: ArrayLike, width: float, heigh
     ijk = points @ volume.grid.reference_to_ijk[:3, :3].T + volume.grid.reference_to_ijk[:3, 3]
     places = np.moveaxis(ijk[..., ::-1], -1, 0)
     return scipy.ndimage.map_coordinates(volume.array, places, np.float64, 0 if order == 0 else 1, cval=np.nan)
+
+
+def whole_cut(grid: VoxelGrid, plane: Plane, center_ras: ArrayLike) -> tuple[Floats, tuple[float, float]]:
+    """Middle (3,) and size, in mm, of the picture that shows all of a grid on a plane through `center_ras`; no side below a voxel."""
+    across, down = np.asarray(plane.right_ras, float), np.asarray(plane.down_ras, float)
+    (left, right), (top, bottom) = (extent_along(grid, way) for way in (across, down))
+    normal = np.cross(across, down)
+    middle: Floats = (left + right) / 2 * across + (top + bottom) / 2 * down + (np.asarray(center_ras, float) @ normal) * normal
+    thinnest = float(grid.spacing.max())
+    return middle, (max(right - left, thinnest), max(bottom - top, thinnest))
 
 
 def extent_along(grid: VoxelGrid, direction_ras: ArrayLike) -> tuple[float, float]:

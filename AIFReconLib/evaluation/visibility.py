@@ -61,7 +61,6 @@ class SweepBeams:
     ----------
     image_to_reference : (frames, 4, 4) float64 array, pixels to mm
     frame_size : (columns, rows)
-    probe : ProbeGeometry
     region : ImageRegion
         The pixels that are ultrasound.
     thickness : float, mm
@@ -101,7 +100,6 @@ class BoneTruth:
 
     Parameters
     ----------
-    surface : BoneSurface
     distance : Volume of float32, mm
         Signed distance to bone, negative inside.
     border : (n,) bool array
@@ -128,10 +126,8 @@ def bone_truth(
     ----------
     labels : Volume of integers, placed in Reference
         Any label above 0 is bone; a label per vertebra tells where the interspinous gaps are.
-    sweep : SweepBeams or None
     distance : Volume of float, mm, or None
         The signed distance to bone where it is known better than labels can tell.
-    progress : Progress or None
     """
     report(progress, 0.0, "Finding the bone surface")
     distance = distance_from_labels(labels) if distance is None else distance
@@ -161,7 +157,6 @@ def look(
     Parameters
     ----------
     points_reference : (n, 3) array, mm
-    sweep : SweepBeams
     distance : Volume of float, mm
         Signed distance to bone. Beyond it there is none.
     normals_reference : (n, 3) array of unit vectors or None

@@ -43,7 +43,6 @@ def with_limit(
 
     Parameters
     ----------
-    settings : Recipe
     configured : tuple of HoleFilling
         The configuration's ways, which stay where the settings name neither a way nor a limit.
     poses, shown, grid
@@ -107,7 +106,6 @@ def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Flo
     ----------
     poses : (frames, 3, 4) array, pixels to mm
     shown : (rows, columns) bool array
-    grid : VoxelGrid
 
     Notes
     -----

@@ -32,8 +32,6 @@ def fill_as_asked(
         Of which `holes`, `hole_limit` (a number: see `with_limit`) and `engine` count.
     configured : tuple of HoleFilling
         What is done where the settings have neither a way nor a limit.
-    progress : Progress or None
-    threads : int or None
     score : [k, j, i] array or None
         See `fill_holes_by_kind`.
     """

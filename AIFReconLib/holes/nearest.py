@@ -58,7 +58,6 @@ def fill_holes(
     spacing : (3,) array, mm along i, j, k
     limit : float, mm
         Farthest measured voxel to take a value from; 0 fills nothing.
-    progress : Progress or None
     engine : "auto", "numpy" or "numba"
         Who does it; the answer is the same.
     threads : int or None

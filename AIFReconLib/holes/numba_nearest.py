@@ -42,10 +42,8 @@ def fill_plane(
         Offsets of the rows within reach, nearest first, equally near ones by rising [k, j].
     lengths : (rows, reach + 2) int64 array
         How far the voxel is that lies so many steps along i in each of these rows; as much as in the last column: out of reach.
-    k : int
     box : tuple of 4 int
         Rows [j] from the first to before the second, and columns [i] likewise, beside which nothing is within reach.
-    low : int
     steps, near : (planes, j, i) uint8 and bool arrays
         Room for notes on the planes from `low` on: those that are filled one after the other with it, and those within reach of them.
     vain : (1,) int64 array

@@ -49,7 +49,6 @@ def fill_holes_by_kind(
         MEASURED or EMPTY; filled voxels become FILLED.
     kinds : tuple of HoleFilling
         Tried in this order: a hole that one leaves empty is the next one's.
-    progress : Progress or None
     engine : "auto", "numpy" or "numba"
         Who does it; the answer is the same.
     threads : int or None

@@ -53,7 +53,6 @@ def require_memory(
         Voxels along i, j, k.
     spacing : (3,) mm
         For the advice in the message.
-    bytes_per_voxel : int
     available : int or None
         Bytes; asked from the system by default.
     most : int or None

@@ -13,9 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Reals
-from ..compounding.methods.table import METHODS
+from ..compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, IN_WORDS, LINEAR_METHODS, METHODS
 from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
+from ..message import listed
 from ..remedies import Remedy
 from .rules import FILE, FLAG, MATRIX, NUMBERS, TEXT, WHOLE, Rule, checked, rule_of, setting
 
@@ -26,8 +27,6 @@ ENGINES = ("auto", "numpy", "numba")
 INTERPOLATIONS = ("nearest", "linear")
 HOLE_FILLINGS = ("off", "nearest", "cube", "gaussian", "stick")
 
-DEFAULT_METHOD_WITH_BONE = "weighted"
-DEFAULT_METHOD_WITHOUT_BONE = "average"
 DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
 LONGEST_GAP = 0.5
@@ -240,7 +239,7 @@ class MethodSettings(Branch):
 
     method: str | None = setting(
         None,
-        "how pixels of a voxel are combined; the last: a method of your own "
+        f"how pixels of a voxel are combined. {IN_WORDS}; the last: a method of your own "
         f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, else the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,
@@ -285,7 +284,7 @@ class MethodSettings(Branch):
     )
     interpolation: str | None = setting(
         None,
-        "each pixel enters its nearest voxel, or spreads linearly over the eight around it (average, latest and maximum only; "
+        f"each pixel enters its nearest voxel, or spreads linearly over the eight around it ({listed(LINEAR_METHODS)} only; "
         "default: the configuration's, else nearest)",
         choices=INTERPOLATIONS,
         label="Between voxels:",

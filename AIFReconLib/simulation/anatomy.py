@@ -202,7 +202,6 @@ class LumbarPhantom:
 
     Parameters
     ----------
-    anatomy : LumbarAnatomy
     vertebrae : tuple of Vertebra
         From superior to inferior.
     ct, labels : Volume
@@ -211,7 +210,6 @@ class LumbarPhantom:
         Identity unless the phantom was made otherwise.
     bone_distance : Volume
         Signed distance to the nearest bone surface, float32, mm, negative in bone, cut off at 6 mm; in Reference.
-    soft_tissue : SoftTissue
     ct_vertebrae : tuple of Vertebra
         Where the vertebrae were for the CT: the same places, unless the spine has bent since.
     """
@@ -262,7 +260,6 @@ def make_lumbar_phantom(
 
     Parameters
     ----------
-    anatomy : LumbarAnatomy, optional
     spacing : float, mm
         Of CT, labels and the distance volume.
     ct_to_reference : (4, 4), mm, optional
@@ -272,7 +269,6 @@ def make_lumbar_phantom(
     ct_flexion_deg : float
         How much farther the spine was bent forward at each disc for the CT than for the scan (see `flexed`). Soft tissue in the CT does
         not follow.
-    progress : Progress, optional
 
     Returns
     -------

@@ -36,14 +36,12 @@ def hounsfield_units(
 
     Parameters
     ----------
-    tissue : SoftTissue
     grid_in_reference : VoxelGrid
         Where the voxels are in Reference.
     bone_distance : [k, j, i] float32 array, mm
         Signed distance to bone on that grid.
     noise : float, HU
         Standard deviation, correlated over about a voxel as a soft kernel leaves it.
-    rng : numpy.random.Generator
     """
     spacing = float(grid_in_reference.spacing.max())
     matrix = grid_in_reference.ijk_to_reference.astype(np.float32)

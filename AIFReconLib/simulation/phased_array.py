@@ -35,7 +35,6 @@ class PhasedArray:
 
     Parameters
     ----------
-    field_of_view_deg : float
     depth : float, mm
         From the probe's face to the last sample in the middle.
     apex_offset : float, mm

@@ -116,7 +116,6 @@ def contact_pose(
 
     Parameters
     ----------
-    phantom : ScannedBack
     target_x, target_z : float, mm, Reference
     orientation : "transverse" or "sagittal"
         Image columns along +x (to the patient's right) or along +z (superior).
@@ -339,7 +338,6 @@ def plus_configuration_xml(probe: PhasedArray, image_to_probe: Matrix | None = N
 
     Parameters
     ----------
-    probe : PhasedArray
     image_to_probe : (4, 4) array, pixels to mm, optional
         The calibration to write; the probe's own by default.
     output_spacing : float, mm

@@ -172,12 +172,8 @@ def simulate_frame(
 
     Parameters
     ----------
-    phantom : UltrasoundTarget
-    probe : PhasedArray
     probe_to_reference : (4, 4) array, mm
         Of the probe's marker.
-    rng : numpy.random.Generator
-    effects : UltrasoundEffects, optional
 
     Returns
     -------

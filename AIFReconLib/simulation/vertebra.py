@@ -37,7 +37,6 @@ class Vertebra:
     vertebra_to_reference : (4, 4) float64 array
     scale : float
         Of everything but spinous process and gap.
-    body_width, body_depth, body_height, canal_width, canal_depth, transverse_width : float
     spinous_length : float
         From the spinolaminar junction to the tip.
     spinous_top, spinous_bottom : (at the junction, change per mm forward)

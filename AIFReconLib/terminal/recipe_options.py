@@ -13,10 +13,10 @@ from typing import Any
 from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
 from ..errors import MethodError
-from ..message import said
 from ..recipe.recipe import RULES, Branch, Recipe
 from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE
 from .one_line_parser import NumbersAction, numbers
+from .remedies import in_options
 
 
 class OwnChoices(tuple[str, ...]):
@@ -42,7 +42,7 @@ class MethodAction(argparse.Action):
             if is_own_method(name):
                 load_method_here(name)
         except MethodError as error:
-            parser.error(f"argument {option_string}: {said(error).rstrip('.')}")
+            parser.error(f"argument {option_string}: {in_options(error).rstrip('.')}")
         setattr(namespace, self.dest, name)
 
 

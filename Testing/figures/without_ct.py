@@ -17,6 +17,9 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 from AIFReconLib.bone.from_sweep import BoneEchoFinder, bone_from_sweep
+from AIFReconLib.compounding.methods.average import AVERAGE
+from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
+from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging
@@ -30,7 +33,6 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("AIFRECON_DATA_DIR") or REPOSITORY.parent / "shared" / "data")
 IMAGES = REPOSITORY / "docs" / "images"
 
-METHODS = ("average", "aif", "aif-compensated", "weighted")
 RECORDINGS = {
     "bone": ("BoneUltrasound_L14.igs.mha", "BoneUltrasound_L14_config.xml", 0.3),
     "spine-phantom": ("SpinePhantomFreehand.igs.mha", "SpinePhantom_NN_MEAN.xml", 0.4),
@@ -95,17 +97,17 @@ def study(name: str) -> None:
     imaging = Imaging(detected.region, detected.probe)
     looked = imaging_fields(detected.region, detected.probe)
     bone = bone_from_sweep(sequence, poses, imaging)
-    settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in METHODS]
+    settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in COMPARED_METHODS]
     results = {
-        method: reconstruct(sequence, replace(s, **looked), None if method == "average" else bone)
-        for method, s in zip(METHODS, settings, strict=True)
+        method: reconstruct(sequence, replace(s, **looked), bone if method_named(method).needs_bone else None)
+        for method, s in zip(COMPARED_METHODS, settings, strict=True)
     }
 
     # Without the brightening of bone: what remains is the weighting
     plain = {
         f"{s.method}, plain": reconstruct(sequence, replace(s, alpha=0.0, bone_gain=0.0, **looked), bone)
         for s in settings
-        if s.method != "average"
+        if method_named(s.method or "").needs_bone
     }
 
     middle = int(poses.usable[len(poses.usable) // 2])
@@ -116,11 +118,11 @@ def study(name: str) -> None:
     for method, result in (results | plain).items():
         peak, before, behind, width = measure(*profiles(result.intensity, pose, inner, pixel))
         print(f"  {method:25} peak {peak:5.1f}  to tissue before {before:4.2f}  to shadow behind {behind:5.2f}  width {width:4.2f} mm")
-    difference = np.abs(results["weighted"].intensity.array.astype(float) - results["average"].intensity.array)
-    measured = results["average"].mask.array == 1
+    difference = np.abs(results[WEIGHTED.name].intensity.array.astype(float) - results[AVERAGE.name].intensity.array)
+    measured = results[AVERAGE.name].mask.array == 1
     print(f"  weighted differs from average by {difference[measured].mean():.2f} gray levels on average, at most {difference.max():.0f}")
-    hits = np.asarray(results["average"].hits)
-    near_bone = measured & (sample_grid(bone, results["average"].grid) > 0.5)
+    hits = np.asarray(results[AVERAGE.name].hits)
+    near_bone = measured & (sample_grid(bone, results[AVERAGE.name].grid) > 0.5)
     print(f"  pixels per measured voxel: median {np.median(hits[measured]):.0f}; measured voxels with P > 0.5: {near_bone.sum()}")
 
     assert imaging.region.clip is not None, "the recordings have a border"

@@ -122,11 +122,12 @@ def slices(module: Module, folder: Path) -> None:
 
 def compare(module: Module, folder: Path) -> None:
     """compare.png: the methods side by side."""
+    from AIFReconLib.compounding.methods.table import COMPARED_METHODS
     from host import view_frames
 
     module.press(module.widget.ui.compareButton)
-    views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in (1, 2, 3, 4)]
-    view_frames.write_png(view_frames.tiled([views[:2], views[2:]]), folder / "compare.png")
+    views = [module.slice_view(f"AIFRecon{number}", (440, 275), field_of_view=125.0) for number in range(1, len(COMPARED_METHODS) + 1)]
+    view_frames.write_png(view_frames.tiled([views[first : first + 2] for first in range(0, len(views), 2)]), folder / "compare.png")
     guide_pictures.compared(module, views, folder)
     module.press(module.widget.ui.singleViewButton)
 

@@ -27,6 +27,8 @@ from AIFReconLib.bone.from_sweep import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.model import OnnxModel
 from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.compounding.methods.average import AVERAGE
+from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume
@@ -92,8 +94,8 @@ def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], 
     def seen(estimator):
         return lambda: bone_from_frames(case.sequence, estimator, poses, imaging)
 
-    yield "average", lambda: None
-    yield CT, lambda: LabeledBone(case.labels, None, case.sequence, Recipe(**imaging_fields(probe=case.probe))).map("weighted")
+    yield AVERAGE.name, lambda: None
+    yield CT, lambda: LabeledBone(case.labels, None, case.sequence, Recipe(**imaging_fields(probe=case.probe))).map(WEIGHTED.name)
     yield "CT, map of 4 mm", lambda: BoneMap.from_labels(case.labels, sigma_mm=4.0)
     yield RIGHT, seen(TrueBone(case.labels, imaging))
     if model is not None:
@@ -109,7 +111,7 @@ def compare(case: Case, model: Path | None) -> bool:
     found = {}
     for name, bone_of in sources(case, model):
         bone = bone_of()
-        method = "average" if bone is None else "weighted"
+        method = AVERAGE.name if bone is None else WEIGHTED.name
         settings = ReconstructionSettings(method=method, spacing=case.spacing, hole_limit=HOLE_LIMIT)
         result = reconstruct(case.sequence, replace(settings, **imaging_fields(probe=case.probe)), bone, beside=())
         met = evaluate(result.intensity, truth, result.mask)

@@ -145,7 +145,7 @@ class _Case:
         return self._measured(name, self._scan(poses), poses, passes)
 
     def _measured(self, name: str, scan: Scan, poses: np.ndarray, passes: int) -> Row:
-        settings = ReconstructionSettings(method="weighted", spacing=SPACING, hole_limit=HOLE_LIMIT)
+        settings = ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT)
         result = reconstruct(scan.sequence, settings, self._map)
         metrics = evaluate(result.intensity, scan.truth, result.mask)
         met = BoneMet(geometry_of(self.bone, self.probe))

@@ -8,7 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.compounding.methods.table import BONE_METHODS, method_named
+from AIFReconLib.compounding.methods.aif import AIF_COMPENSATED
+from AIFReconLib.compounding.methods.average import AVERAGE
+from AIFReconLib.compounding.methods.table import BONE_METHODS, COMPARED_METHODS, METHODS, method_named
+from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.evaluation.metrics import evaluate, shown_points
@@ -35,7 +38,11 @@ SIGMA = 4.0
 
 BEAM_THICKNESS = 3.0
 MULTI_FRAMES, SINGLE_FRAMES = 360, 120
-METHODS = ("average", "aif", "aif-compensated", "weighted")
+PLAIN, OURS = AVERAGE.name, WEIGHTED.name
+CONTROLLED = (AIF_COMPENSATED.name, OURS)
+"""Methods that are tried with CTs that show what is not there, or lack what is."""
+
+WITHOUT_BONE = tuple(method for method in METHODS if method not in BONE_METHODS)
 REFERENCES = {"confidence-weighted": confidence_weighted_sector.name, "incidence-weighted": incidence_weighted.name}
 """Methods of others, by what they are called here, tried with exact poses and CT."""
 
@@ -90,21 +97,21 @@ def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
     single = simulated_scan(phantom, probe, single_angle_sweep(phantom, SINGLE_FRAMES), seed)
     rows += _exact(seed, "single-angle", single, phantom.labels, own)
     against_multi = Scan(single.sequence, multi.truth)
-    rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in ("average", "weighted")]
+    rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in (PLAIN, OURS)]
     about = _middle(phantom)
     for condition, (translation, rotation_deg) in MISREGISTRATIONS.items():
         wrong = phantom.labels.placed_by(ct_misregistration(translation, rotation_deg, seed, about))
         rows += [_row(seed, "multi-angle", condition, method, multi, wrong) for method in bone_methods]
     noisy = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed=seed, errors=TRACKER_NOISE)
     noisy_scan = Scan(_configured(noisy, probe), multi.truth)
-    rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in (*METHODS, *own)]
+    rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in (*COMPARED_METHODS, *own)]
     gray = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed, UltrasoundEffects(clutter=True))
-    rows += [_row(seed, "multi-angle", GRAY_SHADOWS, method, gray, phantom.labels) for method in (*METHODS, *REFERENCES.values())]
+    rows += [_row(seed, "multi-angle", GRAY_SHADOWS, method, gray, phantom.labels) for method in (*COMPARED_METHODS, *REFERENCES.values())]
     return rows + _controls(seed, phantom, probe, multi)
 
 
 def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...] = ()) -> list[Row]:
-    methods = ("average", "latest", "maximum", *BONE_METHODS, *REFERENCES.values(), *own)
+    methods = (*WITHOUT_BONE, *BONE_METHODS, *REFERENCES.values(), *own)
     rows = [_row(seed, name, "exact", method, scan, labels) for method in methods]
     rows += [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
     return rows + _where_both_show(seed, name, scan, labels)
@@ -112,7 +119,7 @@ def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...
 
 def _where_both_show(seed: int, name: str, scan: Scan, labels: Volume) -> list[Row]:
     """Average and `weighted` on the bone that both show: how wide and how far off their lines are is told of what each shows."""
-    made = {method: _result(method, scan, labels) for method in ("average", "weighted")}
+    made = {method: _result(method, scan, labels) for method in (PLAIN, OURS)}
     both = np.logical_and.reduce([shown_points(result.intensity, scan.truth, result.mask) for result in made.values()])
     truth = restricted(scan.truth, both)
     return [Row(seed, name, BOTH, method, "", evaluate(result.intensity, truth, result.mask).to_dict()) for method, result in made.items()]
@@ -131,14 +138,14 @@ def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan
         ("CT one level off", phantom.labels.placed_by(level)),
         ("CT lacks a process", without.labels),
     ):
-        rows += [_row(seed, "multi-angle", condition, method, multi, labels) for method in ("aif-compensated", "weighted")]
+        rows += [_row(seed, "multi-angle", condition, method, multi, labels) for method in CONTROLLED]
     of_process = Scan(multi.sequence, restricted(multi.truth, process))
     for condition, labels in (("right CT, that process", phantom.labels), ("CT lacks it, that process", without.labels)):
-        rows += [_row(seed, "multi-angle", condition, method, of_process, labels) for method in ("average", "aif-compensated", "weighted")]
+        rows += [_row(seed, "multi-angle", condition, method, of_process, labels) for method in (PLAIN, *CONTROLLED)]
     lacking = simulated_scan(without, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
     no_process = Scan(lacking.sequence, restricted(multi.truth, process, lacking.truth.shadows))
     for condition, labels in (("no process, right CT", without.labels), ("no process, CT shows one", phantom.labels)):
-        rows += [_row(seed, "multi-angle", condition, method, no_process, labels) for method in ("average", "aif-compensated", "weighted")]
+        rows += [_row(seed, "multi-angle", condition, method, no_process, labels) for method in (PLAIN, *CONTROLLED)]
     return rows
 
 

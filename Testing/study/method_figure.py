@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.io.disk.atomic import atomic_output
 
 from .method_cases import Row
@@ -18,7 +19,7 @@ PANELS = (
     ("bone_thickness", "thickness, mm (less is better)", 1.0),
     ("speckle_snr", "speckle SNR of soft tissue", 1.0),
 )
-COLORS = {"average": "#8a8a8a", "aif": "#7fb2e5", "aif-compensated": "#2f6db3", "weighted": "#e07b00"}
+COLORS = dict(zip(COMPARED_METHODS, ("#8a8a8a", "#7fb2e5", "#2f6db3", "#e07b00", "#5b8f4e", "#a05fa8"), strict=False))
 
 
 def study_figure(path: str | Path, rows: list[Row]) -> None:
@@ -40,9 +41,9 @@ def study_figure(path: str | Path, rows: list[Row]) -> None:
                 spread = _spread(rows, name, condition, method)
                 if spread is None:
                     continue
-                x = place + 0.2 * (number - 1.5)
+                x = place + 0.8 / len(COLORS) * (number - (len(COLORS) - 1) / 2)
                 low, median, high = (scale * value for value in (spread.low, spread.median, spread.high))
-                ax.bar(x, median, width=0.18, color=color, label=method if place == 0 else None)
+                ax.bar(x, median, width=0.72 / len(COLORS), color=color, label=method if place == 0 else None)
                 ax.plot([x, x], [low, high], color="black", linewidth=0.8)
         ax.set_title(title, fontsize=10, loc="left")
         ax.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=7, rotation=30, ha="right", rotation_mode="anchor")
@@ -57,9 +58,9 @@ def study_figure(path: str | Path, rows: list[Row]) -> None:
 
 
 def _spread(rows: list[Row], name: str, condition: str, method: str):
-    """The spread of a number; the average's does not depend on the CT, so it stands for every wrong one. None where nothing is known."""
+    """The spread of a number, None where nothing is known; that of a method without bone stands for every wrong CT."""
     wanted = {"scan": "multi-angle", "condition": condition, "method": method, "direction": "gradient"}
-    if method == "average":
+    if not method_named(method).needs_bone:
         wanted = {**wanted, "direction": "", "condition": "tracker noise" if condition == "tracker noise" else "exact"}
     spread = spread_of(rows, name, **wanted)
     return spread if spread.median == spread.median else None

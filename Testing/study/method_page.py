@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from AIFReconLib.compounding.methods.table import is_own_method
+from AIFReconLib.compounding.methods.table import COMPARED_METHODS, is_own_method
 
 from .method_cases import (
     BOTH,
+    CONTROLLED,
     GRAY_SHADOWS,
-    METHODS,
     MISREGISTRATIONS,
     MULTI_FRAMES,
     OF_MULTI,
+    OURS,
+    PLAIN,
     REFERENCES,
     SIGMA,
     SINGLE_FRAMES,
     SPACING,
+    WITHOUT_BONE,
     Row,
 )
 from .patients import Spread, spread_of
@@ -49,7 +52,7 @@ def study_page(rows: list[Row]) -> str:
     """
     patients = len({row.seed for row in rows})
     multi = {"scan": "multi-angle", "condition": "exact"}
-    average = ("average (any CT)", {**multi, "method": "average"})
+    average = ("average (any CT)", {**multi, "method": PLAIN})
     sections = {
         "Exact poses and CT, multi-angle": _exact(rows, "multi-angle"),
         "Exact poses and CT, single-angle": _exact(rows, "single-angle"),
@@ -58,13 +61,13 @@ def study_page(rows: list[Row]) -> str:
             [
                 (f"{scan}, {method}", {"scan": scan, "condition": BOTH, "method": method})
                 for scan in ("multi-angle", "single-angle")
-                for method in ("average", "weighted")
+                for method in (PLAIN, OURS)
             ],
         ),
         "Single against multi-angle, on the bone that multi-angle reaches": _table(
             rows,
-            [(f"single-angle, {method}", {"scan": OF_MULTI, "method": method}) for method in ("average", "weighted")]
-            + [(f"multi-angle, {m}", {**multi, "method": m, "direction": d}) for m, d in (("average", ""), ("weighted", "gradient"))],
+            [(f"single-angle, {method}", {"scan": OF_MULTI, "method": method}) for method in (PLAIN, OURS)]
+            + [(f"multi-angle, {m}", {**multi, "method": m, "direction": d}) for m, d in ((PLAIN, ""), (OURS, "gradient"))],
         ),
         "A misregistered CT": _table(
             rows,
@@ -72,7 +75,7 @@ def study_page(rows: list[Row]) -> str:
             + [
                 (f"{condition}, {method}", {**multi, "condition": condition, "method": method, "direction": "gradient"})
                 for condition in ("exact", *MISREGISTRATIONS)
-                for method in METHODS[1:]
+                for method in COMPARED_METHODS[1:]
             ]
             + [
                 (f"{condition}, {_called(method)}", {**multi, "condition": condition, "method": method})
@@ -84,7 +87,7 @@ def study_page(rows: list[Row]) -> str:
             rows,
             [
                 (_called(method), {**multi, "condition": "tracker noise", "method": method})
-                for method in (*METHODS, *_own(rows, "tracker noise"))
+                for method in (*COMPARED_METHODS, *_own(rows, "tracker noise"))
             ],
         ),
         "Shadows that are gray, as real ones are": _table(
@@ -95,10 +98,8 @@ def study_page(rows: list[Row]) -> str:
                 for condition in ("exact", GRAY_SHADOWS)
             ],
         ),
-        "A wrong CT": _table(rows, [average, *_conditions(WRONG, METHODS[2:])]),
-        "One spinous process that the CT lacks, or shows where there is none": _table(
-            rows, _conditions(PROCESS, ("average", *METHODS[2:]))
-        ),
+        "A wrong CT": _table(rows, [average, *_conditions(WRONG, CONTROLLED)]),
+        "One spinous process that the CT lacks, or shows where there is none": _table(rows, _conditions(PROCESS, (PLAIN, *CONTROLLED))),
     }
     head = (
         f"{patients} simulated patients; medians, with quartiles in brackets. Multi-angle: {MULTI_FRAMES} frames in nine passes; "
@@ -124,8 +125,8 @@ def _conditions(conditions: Iterable[str], methods: Iterable[str]) -> list[tuple
 
 def _exact(rows: list[Row], scan: str) -> str:
     wanted = {"scan": scan, "condition": "exact"}
-    lines = [(method, {**wanted, "method": method, "direction": ""}) for method in ("average", "latest", "maximum")]
-    for method in METHODS[1:]:
+    lines = [(method, {**wanted, "method": method, "direction": ""}) for method in WITHOUT_BONE]
+    for method in COMPARED_METHODS[1:]:
         lines += [(f"{method}, {d}", {**wanted, "method": method, "direction": d}) for d in ("gradient", "surface")]
     lines += [(_called(method), {**wanted, "method": method}) for method in _own(rows, "exact")]
     return _table(rows, lines)

@@ -59,7 +59,6 @@ def run_study(
         The dataclass of the rows.
     folder : Path
         Holds one file per patient; exists.
-    seeds : iterable of int
     jobs : int
         Patients at a time, each in a process of its own.
 

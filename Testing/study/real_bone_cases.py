@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.compounding.methods.table import BONE_METHODS
+from AIFReconLib.compounding.methods.average import AVERAGE
+from AIFReconLib.compounding.methods.table import BONE_METHODS, method_named
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.evaluation.metrics import evaluate
@@ -29,6 +30,7 @@ from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
+from .method_cases import WITHOUT_BONE
 from .patients import run_tasks
 from .real_bone_measures import by_incidence, false_bone, precision, reached_points
 from .reference_methods import confidence_weighted, incidence_weighted, largest_contrast
@@ -43,11 +45,14 @@ PASS_GAP, PASS_FRAMES = 1.0, 20
 """s without a frame that part two passes, and the fewest frames of one."""
 
 CONTRAST = "largest contrast"
-REFERENCES = {"confidence-weighted": confidence_weighted.name, "incidence-weighted": incidence_weighted.name, CONTRAST: "average"}
+REFERENCES = {"confidence-weighted": confidence_weighted.name, "incidence-weighted": incidence_weighted.name, CONTRAST: AVERAGE.name}
 """Methods of others, by what they are called here, and the method that makes their volumes; the last joins those of single passes."""
 
 WITH_BONE = (*BONE_METHODS, "incidence-weighted")
 """Methods that need a bone map."""
+
+CHOOSING = tuple(method for method in BONE_METHODS if method_named(method).follows_agreement)
+"""Those whose bone map is as wide as it follows from how well CT and sweep agree."""
 
 SHIFTS, TURNS, WIDTHS = (1.0, 2.0, 4.0, 6.0), (2.0, 5.0), (1.5, 2.0, 6.0)
 """mm, degrees, and mm of the bone map."""
@@ -129,8 +134,8 @@ class RealBone:
 
     def cases(self) -> Iterator[Case]:
         """Everything that is tried."""
-        with_bone = ("average", *BONE_METHODS)
-        yield Case("CT in place", ("average", "latest", "maximum", *REFERENCES, *BONE_METHODS))
+        with_bone = (AVERAGE.name, *BONE_METHODS)
+        yield Case("CT in place", (*WITHOUT_BONE, *REFERENCES, *BONE_METHODS))
         for name in self.passes:
             if name != ALL:
                 yield Case("CT in place", with_bone, name)
@@ -168,8 +173,8 @@ class RealBone:
 
     def _joined(self) -> Reconstruction:
         """Plain means of the single passes, joined by their contrast."""
-        grid = self.reconstructed(Case("CT in place", ("average",)), "average").grid
-        return largest_contrast([self._reconstruct(each, "average", None, grid) for name, each in self.passes.items() if name != ALL])
+        grid = self.reconstructed(Case("CT in place", (AVERAGE.name,)), AVERAGE.name).grid
+        return largest_contrast([self._reconstruct(each, AVERAGE.name, None, grid) for name, each in self.passes.items() if name != ALL])
 
     @cached_property
     def _without_ct(self) -> dict[tuple[str, str], Reconstruction]:
@@ -181,7 +186,7 @@ class RealBone:
 
     def _placed_map(self, case: Case, method: str) -> BoneMap:
         """The bone map of a case where its CT lies."""
-        if method == "weighted" and case.sigma == SIGMA:
+        if method in CHOOSING and case.sigma == SIGMA:
             return LabeledBone(self.labels, case.ct_error, self.passes[case.frames], Recipe(probe=LINEAR)).map(method)
         bone = self._map(case.sigma)
         inside = bone.inside.placed_by(case.ct_error) if bone.inside else None

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import ndimage
 
+from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SOURCE = "Ultrasound and CT: UltraBones100k (Wu, Cavalcanti, Seibold et al.), CC BY 4.0; reconstructed by AIFRecon."
-SHOWN = ("average", CONTRAST, *BONE_METHODS)
+SHOWN = (AVERAGE.name, CONTRAST, *BONE_METHODS)
 CURVES = {**COLORS, "confidence-weighted": "#5b8f4e", CONTRAST: "#a05fa8"}
 PLACES = (0.15, 0.4, 0.65, 0.9)
 """Of the cuts along the bone: parts of its points that lie before."""

@@ -87,7 +87,6 @@ def false_bone(volume: Volume, truth: BoneTruth, ct_error: np.ndarray) -> dict[s
 
     Parameters
     ----------
-    volume : Volume
     truth : BoneTruth
         In the right place, with the sweep's beams.
     ct_error : (4, 4) array, mm

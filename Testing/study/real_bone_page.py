@@ -7,9 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import BONE_METHODS
 
-from .real_bone_cases import ALL, HOLE_LIMIT, SHIFTS, SIGMA, SPACING, TURNS, WIDTHS, Row
+from .real_bone_cases import ALL, CHOOSING, HOLE_LIMIT, SHIFTS, SIGMA, SPACING, TURNS, WIDTHS, Row
 from .real_bone_measures import BRIGHT, ELSEWHERE, INCIDENCES
 
 SOURCE = (
@@ -31,7 +32,7 @@ COLUMNS = (
 )
 MISPLACED = ("CNR", "CNR oblique", "coverage %", "coverage oblique %", "off mm", f"on bone above {BRIGHT}")
 IN_PLACE = "CT in place"
-METHODS = ("average", *BONE_METHODS)
+METHODS = (AVERAGE.name, *BONE_METHODS)
 SHOWN = (120, 150, BRIGHT, 210)
 
 
@@ -71,7 +72,7 @@ def _exact(row: Row) -> bool:
 
 def _width(row: Row) -> str:
     """The width of a row's bone map; `RealBone` lets weighted choose it where nothing else is tried."""
-    return "chosen by itself" if row.method == "weighted" and row.sigma == SIGMA else f"{row.sigma:g} mm"
+    return "chosen by itself" if row.method in CHOOSING and row.sigma == SIGMA else f"{row.sigma:g} mm"
 
 
 def _table(columns: Iterable[tuple[str, str, str]], lines: Iterable[tuple[str, Row]]) -> str:
@@ -110,7 +111,7 @@ def _misplaced(rows: list[Row]) -> str:
     text = _head([*(label for label, _, _ in columns), "false bone", "beyond average's", "at worst"])
     for error in (*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)):
         of_error = [row for row in rows if row.condition.startswith(f"CT {error}")]
-        average = {row.condition: row.metrics["false_bone"] for row in of_error if row.method == "average"}
+        average = {row.condition: row.metrics["false_bone"] for row in of_error if row.method == AVERAGE.name}
         for method in METHODS:
             some = [row for row in of_error if row.method == method]
             beyond = np.array([row.metrics["false_bone"] - average[row.condition] for row in some])

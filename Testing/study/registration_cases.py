@@ -112,7 +112,7 @@ def _volumes(case: _Case) -> list[Row]:
 
     def shown(labels_to_reference: np.ndarray) -> BoneMetrics:
         bone = BoneMap.from_labels(case.phantom.labels, sigma_mm=SIGMA, labels_to_reference=labels_to_reference)
-        result = reconstruct(scan.sequence, ReconstructionSettings(method="weighted", spacing=SPACING, hole_limit=HOLE_LIMIT), bone)
+        result = reconstruct(scan.sequence, ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT), bone)
         return evaluate(result.intensity, scan.truth, result.mask)
 
     exact, rows = shown(case.truth), []

@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 ROOMS = (
-    *("reconstruction", "settings", "errors", "message", "progress", "arrays", "resolve"),
+    *("reconstruction", "recipe", "errors", "message", "remedies", "progress", "arrays", "resolve"),
     *("sweep", "geometry", "imaging", "bone", "compounding", "holes", "io", "registration", "guidance", "inspection", "evaluation"),
     *("provenance", "simulation", "live", "batch", "machine", "commands", "terminal"),
 )

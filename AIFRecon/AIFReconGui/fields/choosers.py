@@ -5,7 +5,7 @@ from typing import Any
 import qt
 import slicer
 from AIFReconScene.inputs import boxes, presets
-from AIFReconScene.inputs.parameters import Method, Region, ownMethods
+from AIFReconScene.inputs.parameters import Method, Region, inWords, ownMethods
 from AIFReconScene.sweep.severalSweeps import furtherSweeps
 from slicer.i18n import tr as _
 
@@ -176,6 +176,8 @@ class MethodChooser(Follower):
             self._comboBox.clear()
             for label in (*(method.label() for method in Method), *own):
                 self._comboBox.addItem(label)
+            for row, method in enumerate(Method):
+                self._comboBox.setItemData(row, inWords(method.value), qt.Qt.ToolTipRole)
         self._comboBox.currentIndex = len(Method) + own.index(chosen) if chosen else list(Method).index(self._parameterNode.method)
         self._updating = False
 

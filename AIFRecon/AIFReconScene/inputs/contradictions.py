@@ -2,8 +2,7 @@
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.compounding.methods.table import method_named
-from AIFReconLib.recipe.recipe import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE
+from AIFReconLib.compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, method_named
 
 from .boneSource import BoneSource
 from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom, methodOf, ownMethods

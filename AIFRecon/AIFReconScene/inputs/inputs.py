@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.errors import InsufficientMemoryError, SettingsError
 from AIFReconLib.progress import part, report
@@ -261,7 +262,7 @@ class PreparedInputs:
 
         from AIFReconLib import reconstruct
 
-        plain = replace(settings, method="average", best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
+        plain = replace(settings, method=AVERAGE.name, best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
 
         def work(progress):
             return reconstruct(self.sequence, plain, None, result.grid, beside=(), progress=progress).intensity

@@ -166,6 +166,11 @@ def methodOf(parameterNode) -> str:
     return parameterNode.ownMethod or parameterNode.method.value
 
 
+def inWords(method: str) -> str:
+    """What a method does, in a few words; empty where the library chooses."""
+    return method_named(method).words if method else ""
+
+
 def needsBone(method: str) -> bool:
     """Whether a method weights by where bone is; of one that is not known nothing is asked yet."""
     return method in (*METHODS, *ownMethods()) and method_named(method).needs_bone

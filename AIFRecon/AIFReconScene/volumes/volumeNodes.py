@@ -8,6 +8,7 @@ import slicer
 import vtk
 from vtk.util import numpy_support
 
+from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 
@@ -153,7 +154,7 @@ def outputNodes(
             elif hasGivenName(node) and re.sub(r"_\d+$", "", node.GetName()) != name:
                 giveName(node, name, scene)
             _place(node, images[kind], volume)
-            node.SetAttribute("AIFRecon.Method", "average" if kind == MEASURED else result.method)
+            node.SetAttribute("AIFRecon.Method", AVERAGE.name if kind == MEASURED else result.method)
             node.SetAttribute(KIND_ATTRIBUTE, kind)
             node.SetNodeReferenceID(COMPARED_ROLE, None)
             _show(node, kind, window, scene)

@@ -207,17 +207,12 @@ def judge(
     Parameters
     ----------
     image : (rows, columns) uint8 or float32 array, finite
-    places : Places
-    ct : Expected
     matrix : (4, 4) float64 array
         From the image to the CT's voxels.
-    lengths : Lengths
-    scales : Scales
     whole : bool
         Whether all pixels are whole numbers, small enough for their sums to be exact.
     room : Room
         Best the same every time, so that it is in the cache.
-    results : Results
 
     Returns
     -------
@@ -302,7 +297,6 @@ class FrameJudge:
 
     Parameters
     ----------
-    scan_lines : ScanLines
     dtype : dtype of the images
     maximum : float
         Brightest value an image can hold.

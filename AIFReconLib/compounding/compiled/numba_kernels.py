@@ -69,7 +69,6 @@ def clip_to_volume(matrices: Matrix, pieces: Integers, bounds: Floats, axis: int
     pieces : (n, 4) int64 array
     bounds : (2, 3) float64 array, along i, j, k
         The first voxel of the part that counts, and the one after the last.
-    axis : int
     spans : (frames, n, 4) int32 array
         Result.
     """
@@ -180,10 +179,6 @@ def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: 
 
     Parameters
     ----------
-    rule : int
-    frames : Frames
-    slab : Slab
-    state : Voxels
     entered : (frames,) int64 array
         Result: raised by the pixels that entered.
     """

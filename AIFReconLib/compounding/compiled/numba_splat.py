@@ -80,9 +80,6 @@ def spread(
     Parameters
     ----------
     rule : AVERAGE, LATEST or MAXIMUM
-    frames : SplatFrames
-    slab : Slab
-    pixels : Pixels
     tolerance : float, voxels
         As in `PixelLayout.places`.
     least_share : float

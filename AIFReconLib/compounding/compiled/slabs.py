@@ -40,7 +40,6 @@ def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers, slabs
     Parameters
     ----------
     matrices : (frames, 4, 4) float64 array, image_to_ijk
-    layout : PixelLayout
     bounds : (2, 3) array, along i, j, k
         The first voxel of the part that counts, and the one after the last.
     slabs : int

@@ -51,8 +51,6 @@ def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None) -> list[Pl
 
     Parameters
     ----------
-    grid : VoxelGrid
-    costs : Costs
     memory : int or None
         Bytes to stay within; None: any number.
 

@@ -25,16 +25,12 @@ class Results:
 
     Parameters
     ----------
-    grid : VoxelGrid
-    settings : Recipe
     output_type : "uint8", "float32" or None
         Of the intensity; None before any image is known.
     beside : names of `BESIDE`
         Which volumes are wanted beside intensity and mask, and the cosine where the states have it.
     configured : tuple of HoleFilling
         As in `fill_as_asked`.
-    threads : int or None
-
     """
 
     def __init__(
@@ -105,7 +101,6 @@ class Results:
         ----------
         poses, shown
             As in `automatic_limit`.
-        progress : Progress or None
         """
         settings, said = with_limit(self._settings, self._configured, poses, shown, self.grid)
         values = self._room("intensity", self._first_type)

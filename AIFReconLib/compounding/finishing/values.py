@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import ModuleType
 
 import numpy as np
@@ -24,7 +25,6 @@ def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine:
 
     Parameters
     ----------
-    state : VoxelState
     intensity : (voxels,) uint8 or float32 array
         0 elsewhere, or the state's own values. Gray levels of 8 bits are rounded, halves up.
     mask : (voxels,) uint8 array
@@ -35,11 +35,12 @@ def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine:
         How many numba uses; by default every core.
     """
     to_8_bit = intensity.dtype == np.uint8
-    compiled = None if engine == "numpy" else optional_module("AIFReconLib.compounding.compiled.numba_finish")
+    method = method_named(state.method)
+    compiled = None if engine == "numpy" or method.finish is not None else optional_module("AIFReconLib.compounding.compiled.numba_finish")
     voxels = len(intensity)
     if compiled is None:
         for start in range(0, voxels, AT_ONCE):
-            _finish(state, start, min(start + AT_ONCE, voxels), intensity, mask, to_8_bit)
+            _finish(state, start, min(start + AT_ONCE, voxels), intensity, mask, to_8_bit, method.finish)
     else:
         _finish_compiled(compiled, state, intensity, mask, to_8_bit, threads or usable_cores())
     overfull = state.whole_of_overfull()
@@ -70,7 +71,9 @@ def divisor_of(state: VoxelState) -> Numbers | None:
     return state.hits if state.weight is None else state.weight
 
 
-def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: Bytes, to_8_bit: bool) -> None:
+def _finish(
+    state: VoxelState, start: int, stop: int, intensity: Numbers, mask: Bytes, to_8_bit: bool, finish: Callable[[Numbers], Numbers] | None
+) -> None:
     part = slice(start, stop)
     sums: Numbers
     hits: NDArray[np.unsignedinteger]
@@ -87,6 +90,8 @@ def _finish(state: VoxelState, start: int, stop: int, intensity: Numbers, mask: 
     # Where next to nothing is empty, numpy is faster with all
     at = slice(None) if met.size == stop - start else met
     values = sums[at] if divisor is None else np.true_divide(sums[at], divisor[at])
+    if finish is not None:
+        values = finish(values)
     values = values.astype(np.float32)
     intensity[part][at] = _written(values, to_8_bit)
     mask[part][at] = 1

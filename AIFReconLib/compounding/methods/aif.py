@@ -95,6 +95,7 @@ def _insert(kept: Kept, pixels: Pixels, compensated: bool) -> None:
 
 AIF = BuiltInMethod(
     name="aif",
+    words="the paper's running average by the angle of incidence",
     kept=_kept,
     insert=partial(_insert, compensated=False),
     reads_bone="everywhere",
@@ -103,6 +104,7 @@ AIF = BuiltInMethod(
 
 AIF_COMPENSATED = BuiltInMethod(
     name="aif-compensated",
+    words="the same with oblique beams raised",
     kept=_kept,
     insert=partial(_insert, compensated=True),
     reads_bone="everywhere",

@@ -27,10 +27,12 @@ def _spread(kept: Kept, voxels: Integers, values: Singles, shares: Reals) -> Non
 
 AVERAGE = BuiltInMethod(
     name="average",
+    words="mean of all pixels",
     kept=_kept,
     insert=_insert,
     spread=_spread,
     weighs_pixels=True,
     is_mean=True,
     compared=True,
+    in_plus="MEAN",
 )

@@ -21,4 +21,4 @@ def _spread(kept: Kept, voxels: Integers, values: Singles, _: Reals) -> None:
     kept.value[voxels] = values
 
 
-LATEST = BuiltInMethod(name="latest", kept=_kept, insert=_insert, spread=_spread, least_share=0.125)
+LATEST = BuiltInMethod(name="latest", words="last pixel", in_plus="LATEST", kept=_kept, insert=_insert, spread=_spread, least_share=0.125)

@@ -22,4 +22,6 @@ def _spread(kept: Kept, voxels: Integers, values: Singles, _: Reals) -> None:
     np.maximum.at(kept.value, voxels, values)
 
 
-MAXIMUM = BuiltInMethod(name="maximum", kept=_kept, insert=_insert, spread=_spread, least_share=0.125)
+MAXIMUM = BuiltInMethod(
+    name="maximum", words="brightest pixel", in_plus="MAXIMUM", kept=_kept, insert=_insert, spread=_spread, least_share=0.125
+)

@@ -52,7 +52,6 @@ class Pixels:
     values : (m,) float32 array
     voxels : (m,) int64 array
         Where each enters, flat [k, j, i]; several may enter one voxel.
-    factors : Factors
     beams : Beams
         Without components where nobody needs them.
     probability, directions : (voxels,) and (voxels, 3) float32 arrays
@@ -98,7 +97,8 @@ class Method:
 
     Parameters
     ----------
-    name : str
+    words : str
+        What it does, for people, in a few words that follow its name.
     kept : callable
         `Kinds` by whether pixels are whole numbers of 8 bits, and whether they spread over voxels or count unequally.
     spread : callable, or None
@@ -108,13 +108,14 @@ class Method:
         Of a pixel, below which a voxel gets nothing of it where it spreads.
     weighs_pixels : bool
         Whether an importance mask may weigh them.
-    reads_bone : Reading
     needs_shadows : bool
         Whether it looks at what a frame itself tells of bone.
     works_in_parts : bool
         Whether a grid that does not fit into memory can be reconstructed part by part.
     is_mean : bool
         Values are sums, to be divided by the weights, or by the hits where there are none.
+    finish : callable, or None
+        What values (n,) become then, before they are rounded. With one, numpy finishes them.
     always_weighs : bool
         Weights are above 0 wherever a pixel entered: hits need not be counted to know where.
     widens : bool
@@ -122,10 +123,13 @@ class Method:
     follows_agreement : bool
         How far CT and sweep agree decides how wide its bone map is, where nothing else is asked for.
     compared : bool
-        Whether comparisons in pictures show it, where all would be too many.
+        Whether comparisons in pictures, and the study's tables of wrong CTs and poses, show it, where all would be too many.
+    in_plus : str
+        Plus's word for it, its CompoundingMode.
     """
 
     name: str
+    words: str
     kept: Callable[[bool, bool], Kinds]
     spread: Callable[[Kept, Integers, Singles, Reals], None] | None = None
     least_share: float = 0.0
@@ -134,10 +138,12 @@ class Method:
     needs_shadows: bool = False
     works_in_parts: bool = True
     is_mean: bool = False
+    finish: Callable[[Numbers], Numbers] | None = None
     always_weighs: bool = False
     widens: bool = False
     follows_agreement: bool = False
     compared: bool = False
+    in_plus: str = ""
 
     @property
     def needs_bone(self) -> bool:

@@ -29,6 +29,8 @@ METHODS = tuple(method.name for method in BUILT_IN)
 BONE_METHODS = tuple(method.name for method in BUILT_IN if method.needs_bone)
 """Methods that need a bone map and the direction of the beams."""
 LINEAR_METHODS = tuple(method.name for method in BUILT_IN if method.spread is not None)
+IN_WORDS = "; ".join(f"{method.name}: {method.words}" for method in BUILT_IN)
+DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE = WEIGHTED.name, AVERAGE.name
 COMPARED_METHODS = tuple(method.name for method in BUILT_IN if method.compared)
 
 _TABLE: dict[str, Method] = {method.name: method for method in BUILT_IN}

@@ -31,6 +31,7 @@ def _insert(kept: Kept, pixels: Pixels) -> None:
 
 WEIGHTED = BuiltInMethod(
     name="weighted",
+    words="mean weighted by the bone and shadow that frames show",
     kept=_kept,
     insert=_insert,
     reads_bone="at onsets",

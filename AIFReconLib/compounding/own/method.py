@@ -38,7 +38,6 @@ class Method(AnyMethod):
 
     Parameters
     ----------
-    function : callable
     arrays : tuple of str
         Which of `ARRAYS` it takes.
     """
@@ -192,6 +191,7 @@ def register_method(function: Callable[..., Answer]) -> Method:
     sees_bone = not set(arrays).isdisjoint(OF_BONE)
     method = Method(
         name=name,
+        words="a method of one's own",
         kept=_kept,
         reads_bone="everywhere" if sees_bone else "nowhere",
         works_in_parts=not sees_bone,

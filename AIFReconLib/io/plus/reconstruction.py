@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TypeVar
 from xml.etree.ElementTree import Element
 
+from ...compounding.methods.average import AVERAGE
+from ...compounding.methods.table import BUILT_IN
 from ...errors import AIFReconError
 from ...geometry.transform_graph import capital
 from ...holes.filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
@@ -17,7 +19,8 @@ from .xml_attributes import Attributes
 
 Thing = TypeVar("Thing")
 
-_METHODS = {"MEAN": "average", "LATEST": "latest", "MAXIMUM": "maximum", "IMPORTANCE_MASK": "average"}
+_IMPORTANCE_MASK = "IMPORTANCE_MASK"
+_METHODS = {method.in_plus: method.name for method in BUILT_IN if method.in_plus} | {_IMPORTANCE_MASK: AVERAGE.name}
 _INTERPOLATIONS = {"NEAREST_NEIGHBOR": "nearest", "LINEAR": "linear"}
 _DEFAULT_FAN_RADIUS_STOP = 500.0
 _NO_EXTENT = (0,) * 6
@@ -124,14 +127,14 @@ def _read_method(attributes: Attributes) -> str | None:
     if mode is not None:
         return _METHODS[mode]
     if calculation == "MAXIMUM":
-        return "maximum"
+        return _METHODS[calculation]
     if compounding is not None:
-        return "average" if compounding else "latest"
-    return "average" if calculation else None
+        return _METHODS["MEAN" if compounding else "LATEST"]
+    return _METHODS["MEAN"] if calculation else None
 
 
 def _uses_importance_mask(attributes: Attributes) -> bool:
-    return attributes.word("CompoundingMode", tuple(_METHODS)) == "IMPORTANCE_MASK"
+    return attributes.word("CompoundingMode", tuple(_METHODS)) == _IMPORTANCE_MASK
 
 
 def _read_importance_mask(path: Path, attributes: Attributes) -> Path | None:

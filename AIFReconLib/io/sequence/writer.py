@@ -6,7 +6,7 @@ import zlib
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 import numpy as np
 
@@ -42,19 +42,7 @@ _SIZE_DIGITS = 20
 Entries = Iterable[tuple[str, str]]
 
 
-class Encoder(Protocol):
-    """What compresses the pixels: an object of zlib's."""
-
-    def compress(self, data: memoryview, /) -> bytes:
-        """A part of the compressed data."""
-        ...
-
-    def flush(self) -> bytes:
-        """The rest of them."""
-        ...
-
-
-PixelWriter = Callable[[BinaryIO, Encoder | None], None]
+PixelWriter = Callable[[BinaryIO, "zlib._Compress | None"], None]
 
 
 def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool = True, progress: Progress | None = None) -> None:
@@ -93,7 +81,7 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
         checked(frame_entries(sequence.records, IMAGE_STATUS_IN_NRRD if suffix == ".nrrd" else IMAGE_STATUS), reserved=False),
     )
 
-    def write_pixels(file: BinaryIO, encoder: Encoder | None) -> None:
+    def write_pixels(file: BinaryIO, encoder: zlib._Compress | None) -> None:
         _write_pixels(file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, f"Writing {path.name}"))
 
     if suffix == ".mhd":
@@ -207,7 +195,7 @@ def _write_lines(file: BinaryIO, lines: Iterable[str], watched: str | None = Non
     return place
 
 
-def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: Encoder | None, tell: Callable[[float], None]) -> None:
+def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: zlib._Compress | None, tell: Callable[[float], None]) -> None:
     shape = tuple(images.shape[1:])
     tell(0.0)
     for index in range(len(images)):

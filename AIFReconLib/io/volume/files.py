@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import SimpleITK as sitk
 
-from ...arrays import Numbers
+from ...arrays import Matrix, Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
@@ -55,13 +55,13 @@ def read_volume(path: str | Path) -> Volume:
     VolumeFormatError
         When the file is damaged, incomplete, or holds something other than one scalar 3D volume.
     """
-    stored = _read_stored(Path(path))
-    if stored.components != 1:
+    path = Path(path)
+    array, ijk_to_lps, fields = _read_stored(path)
+    if array.ndim != 3:
         raise VolumeFormatError(
-            f"{stored.path}: its voxels must be single numbers; got {stored.components} each ({stored.array.dtype}). Export a scalar "
-            "volume."
+            f"{path}: its voxels must be single numbers; got {array.shape[3]} each ({array.dtype}). Export a scalar volume."
         )
-    return _as_volume(stored, stored.array)
+    return _as_volume(path, array, ijk_to_lps, fields)
 
 
 def read_labels(path: str | Path) -> Volume:
@@ -78,16 +78,15 @@ def read_labels(path: str | Path) -> Volume:
     VolumeFormatError
         As `read_volume`, and when a voxel is not a whole number or is negative.
     """
-    stored = _read_stored(Path(path))
-    array = stored.array
-    if stored.components != 1:
-        if not any(key.startswith("Segment") for key in stored.fields):
+    path = Path(path)
+    array, ijk_to_lps, fields = _read_stored(path)
+    if array.ndim != 3:
+        if not any(key.startswith("Segment") for key in fields):
             raise VolumeFormatError(
-                f"{stored.path}: its voxels must be single labels; got {stored.components} numbers each ({array.dtype}). Export a "
-                "label volume."
+                f"{path}: its voxels must be single labels; got {array.shape[3]} numbers each ({array.dtype}). Export a label volume."
             )
         array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
-    return _as_volume(stored, _as_labels(stored.path, array))
+    return _as_volume(path, _as_labels(path, array), ijk_to_lps, fields)
 
 
 def read_label_names(path: str | Path) -> dict[int, str]:
@@ -206,13 +205,13 @@ def _read_stored(path: Path) -> StoredVolume:
     return read_nifti(path) if suffix in NIFTI_SUFFIXES else read_metafile_volume(path)
 
 
-def _as_volume(stored: StoredVolume, array: Numbers) -> Volume:
+def _as_volume(path: Path, array: Numbers, ijk_to_lps: Matrix, fields: dict[str, str]) -> Volume:
     """Place an array [k, j, i] where the file says: the only way from LPS files into memory."""
     try:
-        own = {key: text for key, text in stored.fields.items() if key.startswith(OWN_FIELDS)}
-        return Volume(array, LPS_FROM_RAS @ stored.ijk_to_lps, own)
+        own = {key: text for key, text in fields.items() if key.startswith(OWN_FIELDS)}
+        return Volume(array, LPS_FROM_RAS @ ijk_to_lps, own)
     except GeometryError as error:
-        raise VolumeFormatError(f"{stored.path}: its place in space cannot be used. {error}") from error
+        raise VolumeFormatError(f"{path}: its place in space cannot be used. {error}") from error
 
 
 def _as_labels(path: Path, array: Numbers) -> Numbers:

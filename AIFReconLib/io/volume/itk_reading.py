@@ -8,8 +8,8 @@ from __future__ import annotations
 import itertools
 import logging
 import re
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import SimpleITK as sitk
@@ -46,29 +46,12 @@ _METAIMAGE_NUMBERS = {
 """How many numbers each has; ITK takes what is missing or no number for something."""
 
 
-@dataclass(frozen=True, eq=False)
-class StoredVolume:
-    """Voxels and their place, as a file gives them.
+class StoredVolume(NamedTuple):
+    """Voxels [k, j, i], or [k, j, i, n] for several values each, their place (not checked yet, mm), and the file's own fields."""
 
-    Parameters
-    ----------
-    path : Path
-    array : [k, j, i] array, or [k, j, i, n] for several values per voxel
-    ijk_to_lps : (4, 4) float64 array, mm
-        Not checked yet.
-    fields : dict of str to str
-        The file's own, by which segmentations are told.
-    """
-
-    path: Path
     array: Numbers
     ijk_to_lps: Matrix
-    fields: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def components(self) -> int:
-        """Values per voxel."""
-        return self.array.shape[3] if self.array.ndim == 4 else 1
+    fields: dict[str, str]
 
 
 def read_nifti(path: Path) -> StoredVolume:
@@ -83,7 +66,7 @@ def read_nifti(path: Path) -> StoredVolume:
     seen = file_stamp(path)
     head = check_nifti(path, VolumeFormatError)
     image = _read(path, seen, "NiftiImageIO")
-    stored = StoredVolume(path, sitk.GetArrayFromImage(image), ijk_to_lps(image))
+    stored = StoredVolume(sitk.GetArrayFromImage(image), ijk_to_lps(image), {})
     _note_contradiction(path, head, LPS_FROM_RAS @ stored.ijk_to_lps, image.GetSize())
     return stored
 
@@ -122,7 +105,7 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     if directions is not None:
         # ITK takes these apart and multiplies them again, which rounds their last digit
         place[:3, :3] = np.copysign(directions.T, place[:3, :3])
-    return StoredVolume(path, array, place, metafile.fields)
+    return StoredVolume(array, place, metafile.fields)
 
 
 def _read(path: Path, seen: tuple[int, int] | None, reader: str, data: Path | None = None) -> sitk.Image:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from AIFReconLib.recipe.recipe import RULES
+
 REPOSITORY = Path(__file__).resolve().parents[3]
 MODULE = REPOSITORY / "AIFRecon"
 MODULE_FILES = sorted(MODULE.rglob("*.py"))
@@ -22,6 +24,8 @@ WITHIN_A_RECONSTRUCTION = (
 )  # fmt: skip
 HEAVY = {"scipy", "SimpleITK", "matplotlib", "numba", "pyigtl"}
 SCIPY_PARTS = {"fft", "interpolate", "linalg", "ndimage", "optimize", "signal", "sparse", "spatial", "special", "stats"}
+LABELS = {re.sub("_(.)", lambda found: found[1].upper(), name): rule["label"] for name, rule in RULES.items() if rule["label"]}
+"""Of the fields of the library's settings, by the names of the panel's parameters."""
 
 
 def name_of(path: Path) -> str:
@@ -141,9 +145,14 @@ def test_every_input_and_section_is_in_the_tab_order_from_top_to_bottom():
 def test_every_bound_widget_names_a_parameter():
     tree = ast.parse((MODULE / "AIFReconGui" / "parameterNode.py").read_text("utf-8"))
     node = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == "AIFReconParameterNode")
-    parameters = {field.target.id for field in node.body if isinstance(field, ast.AnnAssign)}
+    parameters = {*LABELS, *(field.target.id for field in node.body if isinstance(field, ast.AnnAssign))}
     bound = [property_of(widget, "SlicerParameterName") for widget in WIDGETS.values()]
     assert {name for name in bound if name} - parameters == set()
+
+
+@pytest.mark.parametrize("name", [name for name in LABELS if f"{name}Label" in WIDGETS])
+def test_a_setting_is_called_as_the_library_calls_it(name):
+    assert property_of(WIDGETS[f"{name}Label"], "text") == LABELS[name]
 
 
 def test_no_parameter_is_bound_twice():
