@@ -105,11 +105,8 @@ def run_tasks(
             for name, made in completed(client, work, missing):
                 if isinstance(made, Lost):
                     raise InsufficientMemoryError(
-                        "A process of the study was ended from outside, for memory most likely, after {done} of {count} {counted}. "
-                        "Run it again with fewer --jobs; it goes on where it stopped.",
-                        done=done,
-                        count=len(given),
-                        counted=counted,
+                        f"A process of the study was ended from outside, for memory most likely, after {done} of {len(given)} {counted}. "
+                        "Run it again with fewer --jobs; it goes on where it stopped."
                     )
                 write_text(_file(folder, name), json.dumps([asdict(each) for each in made], indent=1) + "\n")
                 done += 1
@@ -122,9 +119,7 @@ def read_rows(path: Path, row: type[Row]) -> list[Row]:
     try:
         return [row(**values) for values in json.loads(path.read_text("utf-8"))]
     except (ValueError, TypeError) as error:
-        raise FileFormatError(
-            "{path}: it is no result of the study ({problem}). Delete it, and run the study again.", path=path, problem=error
-        ) from None
+        raise FileFormatError(f"{path}: it is no result of the study ({error}). Delete it, and run the study again.") from None
 
 
 def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
