@@ -92,6 +92,9 @@ class _Work:
 class Reconstructor:
     """Collects tracked frames into a volume.
 
+    All but the grid may be left out. There are many parameters because they are what `reconstruct` finds in recipe, configuration, images
+    and memory, one by one, and who inserts frames by hand need not have these.
+
     Parameters
     ----------
     grid : VoxelGrid
