@@ -151,7 +151,7 @@ def test_custom_fields_come_back(converted):
 def test_what_a_record_could_not_be_read_back_with_is_refused(scene):
     from AIFReconScene.sweep.sweepRecord import encode
 
-    with pytest.raises(TypeError, match="ReconstructionSettings"):
+    with pytest.raises(TypeError, match="Recipe"):
         encode({"settings": ReconstructionSettings()})
 
 

@@ -92,14 +92,14 @@ def test_only_weighted_leaves_its_width_to_the_sweep(sequence, labels):
 @pytest.mark.parametrize(
     ("given", "kept"),
     [
-        ({"sigma_mm": 2.5}, {"bone_sigma_mm": 2.5}),
-        ({"sigma_voxels": 3.0}, {"bone_sigma_voxels": 3.0}),
-        ({"sigma_mm": "auto"}, {"bone_sigma_mm": UNKNOWN_WIDTH}),
+        ({"bone_sigma_mm": 2.5}, {"bone_sigma_mm": 2.5}),
+        ({"bone_sigma_voxels": 3.0}, {"bone_sigma_voxels": 3.0}),
+        ({"bone_sigma_mm": "auto"}, {"bone_sigma_mm": UNKNOWN_WIDTH}),
     ],
 )
 @pytest.mark.parametrize("method", ["aif", "weighted"])
 def test_a_width_that_is_given_holds_for_every_method(given, kept, method, labels):
-    assert LabeledBone(labels, **given).settings(method) == kept
+    assert LabeledBone(labels, recipe=Recipe(**given)).settings(method) == kept
 
 
 def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
@@ -110,10 +110,10 @@ def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
 
 @pytest.mark.parametrize("belief", [0.0, -1.0, 1.5, float("nan")])
 def test_a_belief_that_is_no_share_is_refused(belief, labels):
-    with pytest.raises(SettingsError, match="bone_belief must be above 0 and at most 1"):
+    with pytest.raises(SettingsError, match="Input bone_belief must be"):
         LabeledBone(labels, recipe=Recipe(bone_belief=belief))
 
 
 def test_another_word_is_no_width(labels):
-    with pytest.raises(SettingsError, match="sigma_mm must be a number or auto; got 'wide'"):
+    with pytest.raises(SettingsError, match="bone_sigma_mm must be a finite number or auto; got 'wide'"):
         Recipe(bone_sigma_mm="wide")
