@@ -84,6 +84,8 @@ def plan_scan(
 ) -> ScanPlan:
     """The passes that show most of a target with a number of frames.
 
+    Bone and probe are given; each of the other parameters is one thing that a planner may want otherwise.
+
     Parameters
     ----------
     target : str
