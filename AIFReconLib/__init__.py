@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     # The names below, for editors and type checkers; a test compares
-    from .bone.from_sweep import bone_from_sweep
+    from .bone.echo_bone import bone_from_sweep
     from .bone.map import BoneMap
     from .compounding.own.method import Method, register_method
     from .compounding.reconstructor import Reconstructor
@@ -66,7 +66,7 @@ _PUBLIC = {
     "TransformGraph": "geometry.transform_graph",
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
-    "bone_from_sweep": "bone.from_sweep",
+    "bone_from_sweep": "bone.echo_bone",
     "estimate_time_offset": "inspection.offset_estimate",
     "evaluate": "evaluation.metrics",
     "read_labels": "io.volume.files",

@@ -266,7 +266,7 @@ def reconstruct(
         raise NoUsableFramesError(
             f"{sequence.name}: no frame falls into the volume ({describe_skipped(counts.skipped)}).", Remedy.CHECK_THE_BOX
         )
-    for last in np.cumsum([len(each) for each in sequence.parts]) - 1:
+    for last in np.cumsum([len(each) for each in sequence.sweeps]) - 1:
         if last not in order or prepared.poses.problems[last] is not None:
             # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
             sequence.images[int(last)]
@@ -274,7 +274,7 @@ def reconstruct(
     report(progress, 1.0, "Reconstructed")
     size, inserted = result.grid.size, result.frames_inserted
     logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
-    warnings = dict.fromkeys(warning for each in sequence.parts for warning in each.configuration.warnings)
+    warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     result = with_origin(result, imaging, asked, settings, sequence.configuration, input_files(sequence))
     return replace(
         result,

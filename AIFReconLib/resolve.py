@@ -260,8 +260,8 @@ def imaging_fields(region: ImageRegion | None = None, probe: ProbeGeometry | Non
 
 def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_region: bool) -> None:
     """Return if sweeps that were joined show the same part of the image alike, as far as that is left to their configurations."""
-    first, names = sequence.configuration, names_of(sequence.parts)
-    for other, name in zip(sequence.parts, names, strict=True):
+    first, names = sequence.configuration, names_of(sequence.sweeps)
+    for other, name in zip(sequence.sweeps, names, strict=True):
         if about_region and other.configuration.imaged_region != first.imaged_region:
             raise BeamGeometryError(
                 f"The configurations of {names[0]} and {name} name different parts of the image.", Remedy.ONE_CLIP_FOR_ALL

@@ -292,7 +292,7 @@ class _Work:
     def _tracking(self, result: Reconstruction) -> list[dict[str, object]]:
         """How each sweep was tracked."""
         names = self._recipe.image_to_reference, self._recipe.reference
-        shares = zip(result.sweeps, self._sequence.parts, strict=True)
+        shares = zip(result.sweeps, self._sequence.sweeps, strict=True)
         reports = [(share.name, tracking_report(one, sweep_poses(one, *names), result, n)) for n, (share, one) in enumerate(shares)]
         return [{"sequence": name, **report.to_dict()} for name, report in reports]
 

@@ -22,8 +22,8 @@ from ..message import Described, listed
 from ..progress import Progress, part, report
 from ..remedies import Remedy
 from .placed.at_voxels import BoneAtVoxels
+from .placed.coordinates import SLABS, MapCoordinates
 from .placed.on_grid import BoneOnGrid
-from .placed.placement import PARTS, Placement
 
 SIGMA_VOXELS = 10.0
 """Smoothing of the probability map in the paper, in voxels of the labels."""
@@ -53,6 +53,9 @@ class BoneMap(Described):
     inside: Volume | None = None
     """uint8. 1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half."""
     notes: tuple[str, ...] = ()  #: What a user should know of how it was made, one sentence each
+    slopes: Singles | None = None
+    """(3, k, j, i), along i, j, k of the map, where frames drew it: V_dir before it is normalized, with the side from which beams saw the
+    bone. Then `gradient` and `surface` directions are one."""
     grows: ClassVar[bool] = False
     """Whether it is told more while it is read, and then has to lie on the grid of the reconstruction."""
 
@@ -156,20 +159,12 @@ class BoneMap(Described):
         volume = Volume(array, probability.ijk_to_reference)
         return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
 
-    def _slopes(self) -> Singles | None:
-        """V_dir along i, j, k of the map, (3, k, j, i), where it is not the Sobel gradient of `_potential`."""
-        return None
-
     def _potential(self, direction: str) -> Numbers:
         """What V_dir is the gradient of, on the map's voxels."""
         if direction == "gradient":
             return self.probability.array
         bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
         return _smoothed(bone.astype(np.float32), SURFACE_SIGMA / self.probability.grid.spacing[::-1])
-
-    def _to_reference(self) -> Singles:
-        """What takes slopes along the map's axes to mm in Reference, (3, 3)."""
-        return np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
 
     def at_voxels(
         self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
@@ -180,11 +175,14 @@ class BoneMap(Described):
         """
         _require_known(direction)
         report(progress, 0.0, "Placing the bone map")
-        slopes, array = self._slopes(), np.ascontiguousarray(self.probability.array, np.float32)
-        potential = array if slopes is not None or direction == "gradient" else np.ascontiguousarray(self._potential(direction), np.float32)
-        placement = Placement.of(self.probability.grid, grid, planes or (0, grid.shape[0]))
+        array = np.ascontiguousarray(self.probability.array, np.float32)
+        potential = (
+            array if self.slopes is not None or direction == "gradient" else np.ascontiguousarray(self._potential(direction), np.float32)
+        )
+        coordinates = MapCoordinates.of(self.probability.grid, grid, planes or (0, grid.shape[0]))
         ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
-        placed = BoneAtVoxels(array, ijk_to_map, potential, slopes, self._to_reference(), placement)
+        to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
+        placed = BoneAtVoxels(array, ijk_to_map, potential, self.slopes, to_reference, coordinates)
         report(progress, 1.0, "Placed the bone map")
         return placed
 
@@ -206,15 +204,15 @@ class BoneMap(Described):
         (the inverse transpose of the matrix), interpolated linearly to the grid and normalized; zero where there is no gradient.
         """
         placed = self.at_voxels(grid, direction, part(progress, 0.0, 0.1), planes)
-        place = placed.placement
-        _ = placed.lit  # made once, before several threads ask for it
-        (first, stop), rows, columns = place.planes, slice(*place.rows), slice(*place.columns)
-        line = np.arange(rows.start, rows.stop)[:, None] * place.shape[2] + np.arange(columns.start, columns.stop)
-        probability, directions = np.zeros(place.shape, np.float32), np.zeros((*place.shape, 3), np.float32)
+        within = placed.coordinates
+        _ = placed.occupied  # made once, before several threads ask for it
+        (first, stop), rows, columns = within.planes, slice(*within.rows), slice(*within.columns)
+        line = np.arange(rows.start, rows.stop)[:, None] * within.shape[2] + np.arange(columns.start, columns.stop)
+        probability, directions = np.zeros(within.shape, np.float32), np.zeros((*within.shape, 3), np.float32)
 
         def sample(number: int) -> None:
             k = first + number
-            found, facing = placed.at(k * place.shape[1] * place.shape[2] + line.ravel(), everywhere=True)
+            found, facing = placed.at(k * within.shape[1] * within.shape[2] + line.ravel(), everywhere=True)
             found, facing = found.reshape(line.shape), facing.reshape(*line.shape, 3)
             # What is not written takes no memory
             some = np.flatnonzero(found.any(axis=1) | facing.any(axis=(1, 2)))
@@ -229,23 +227,21 @@ class BoneMap(Described):
 
 def _require_known(direction: str) -> None:
     if direction not in DIRECTIONS:
-        raise GeometryError(
-            "Input direction must be {directions}; got {direction!r}.".format(directions=listed(DIRECTIONS, " or "), direction=direction)
-        )
+        raise GeometryError(f"Input direction must be {listed(DIRECTIONS, ' or ')}; got {direction!r}.")
 
 
-def _edges_of_parts(count: int) -> Integers:
-    return np.linspace(0, count, min(PARTS, count) + 1).astype(int)
+def _edges_of_slabs(count: int) -> Integers:
+    return np.linspace(0, count, min(SLABS, count) + 1).astype(int)
 
 
 def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
-    """A float32 array after a Gaussian, in place; axis by axis in parts, which share no line along it."""
+    """A float32 array after a Gaussian, in place; axis by axis in slabs, which share no line along it."""
     for axis, sigma in enumerate(sigma_kji):
         across = 1 if axis == 0 else 0
-        edges = _edges_of_parts(array.shape[across])
+        edges = _edges_of_slabs(array.shape[across])
 
-        def smooth(part: int, axis: int = axis, sigma: float = sigma, across: int = across, edges: Integers = edges) -> None:
-            lines = array[(slice(None),) * across + (slice(edges[part], edges[part + 1]),)]
+        def smooth(slab: int, axis: int = axis, sigma: float = sigma, across: int = across, edges: Integers = edges) -> None:
+            lines = array[(slice(None),) * across + (slice(edges[slab], edges[slab + 1]),)]
             scipy.ndimage.gaussian_filter1d(lines, sigma, axis=axis, output=lines, mode="nearest", truncate=GAUSSIAN_REACH)
 
         in_parts(smooth, len(edges) - 1, usable_cores())
@@ -253,13 +249,13 @@ def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
 
 
 def _sobel_magnitude(array: Singles) -> Singles:
-    """How long the Sobel gradient [k, j, i] is, in parts, each with a plane of its neighbors on either side."""
+    """How long the Sobel gradient [k, j, i] is, in slabs, each with a plane of its neighbors on either side."""
     length = np.zeros_like(array)
     planes = len(array)
-    edges = _edges_of_parts(planes)
+    edges = _edges_of_slabs(planes)
 
-    def measure(part: int) -> None:
-        first, stop = int(edges[part]), int(edges[part + 1])
+    def measure(slab: int) -> None:
+        first, stop = int(edges[slab]), int(edges[slab + 1])
         low, high = max(first - 1, 0), min(stop + 1, planes)
         squared = length[first:stop]
         for axis in range(3):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -13,10 +15,9 @@ from ..errors import ModelError
 from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..sweep.frames import TrackedFrame
-from .model_description import CLASSES, LARGEST_SIDE, LOGITS, ModelDescription, read_description
 from .onnx_file import why_not_self_contained
 from .onnx_process import ModelProcess
-from .seen import Prediction, white_of
+from .predictions import Prediction, white_of
 
 LARGEST_MODEL = 2**30
 """Bytes of a model file."""
@@ -27,15 +28,76 @@ ROUNDING = 1e-3
 Shape = tuple[int | str | None, ...]
 
 
+LOGITS, PROBABILITY, CLASSES = "logits", "probability", "classes"
+OUTPUTS = (LOGITS, PROBABILITY, CLASSES)
+NAMES = ("input_size", "mean", "std", "output", "bone_class")
+LARGEST_FILE = 65536
+LARGEST_SIDE, LARGEST_NUMBER = 4096, 1e9
+
+
+@dataclass(frozen=True)
+class ModelDescription:
+    """How images go into a model, and bone comes out."""
+
+    input_size: tuple[int, int] | None = None
+    """(rows, columns). What images are resized to; None: what the model's own input says, else their own size."""
+    mean: tuple[float, ...] = (0.0,)
+    std: tuple[float, ...] = (1.0,)
+    """One for all channels, or one for each. A gray level goes in as (level / white - mean) / std."""
+    output: str = LOGITS
+    """One of `OUTPUTS`: of bone, 1 x 1 x H x W; classes: logits of several, 1 x N x H x W, of which softmax makes
+    probabilities."""
+    bone_class: int = 1  #: Which of several channels is bone
+
+
+def read_description(path: Path) -> ModelDescription:
+    """What the JSON file says; raises ModelError when it is none, or names or values are not those of a description."""
+    try:
+        table = json.loads(read_bytes(path, LARGEST_FILE, ModelError).decode("utf-8"))
+    except (ValueError, RecursionError):
+        raise ModelError(f"{path}: this is no JSON. Write an object with {', '.join(NAMES)}.") from None
+    if not isinstance(table, dict):
+        raise ModelError(f"{path}: a model's description must be an object with {', '.join(NAMES)}.")
+    unknown = [name for name in table if name not in NAMES]
+    if unknown:
+        raise ModelError(f"{path}: {unknown[0]} is not known. Names are {', '.join(NAMES)}.")
+    description = ModelDescription()
+    if table.get("input_size") is not None:
+        description = replace(description, input_size=_size(path, table["input_size"]))
+    mean, std = (_per_channel(path, name, table.get(name, list(getattr(description, name)))) for name in ("mean", "std"))
+    if not all(value > 0 for value in std):
+        raise ModelError(f"{path}: std must be above 0; got {table['std']}.")
+    output = table.get("output", description.output)
+    if output not in OUTPUTS:
+        raise ModelError(f"{path}: output must be one of {', '.join(OUTPUTS)}; got {output!r}.")
+    bone_class = table.get("bone_class", description.bone_class)
+    if not isinstance(bone_class, int) or isinstance(bone_class, bool) or bone_class < 0:
+        raise ModelError(f"{path}: bone_class must be the number of a channel, from 0; got {bone_class!r}.")
+    return replace(description, mean=mean, std=std, output=output, bone_class=bone_class)
+
+
+def _size(path: Path, value: object) -> tuple[int, int]:
+    if isinstance(value, list) and len(value) == 2 and all(type(n) is int and 1 <= n <= LARGEST_SIDE for n in value):
+        return value[0], value[1]
+    raise ModelError(f"{path}: input_size must be two whole numbers, rows and columns, of 1 to {LARGEST_SIDE}; got {value!r}.")
+
+
+def _per_channel(path: Path, name: str, value: object) -> tuple[float, ...]:
+    numbers = [
+        float(each)
+        for each in (value if isinstance(value, list) else [value])
+        if isinstance(each, int | float) and not isinstance(each, bool) and abs(each) < LARGEST_NUMBER
+    ]
+    if len(numbers) in (1, 3) and len(numbers) == (len(value) if isinstance(value, list) else 1):
+        return tuple(numbers)
+    raise ModelError(f"{path}: {name} must be a number, or three; got {value!r}.")
+
+
 class OnnxModel:
     """A model as an estimator of bone.
 
-    Parameters
-    ----------
-    path : str or Path
-        The ``.onnx`` file. A JSON file of the same name beside it, if there is one, says how images go in; see `ModelDescription`.
-    threads : int
-        How many onnxruntime uses.
+    A JSON file of the same name beside the ``.onnx`` file, if there is one, says how images go in; see `ModelDescription`. `threads` are
+    onnxruntime's.
 
     Raises ModelError when onnxruntime is not installed, or the file is no model that takes an image and answers with one, which is
     tried on a black image; or takes more time or memory than it may. Nothing but the file itself, and the JSON beside it, is read.
@@ -44,8 +106,8 @@ class OnnxModel:
     def __init__(self, path: str | Path, threads: int = 1):
         self.path = Path(path)
         require_regular_file(self.path, ModelError)
-        beside = self.path.with_suffix(".json")
-        self.description = read_description(beside) if beside.is_file() else ModelDescription()
+        json_path = self.path.with_suffix(".json")
+        self.description = read_description(json_path) if json_path.is_file() else ModelDescription()
         self._process = _process(self.path, threads)
         inputs = self._process.inputs
         if len(inputs) != 1 or not self._process.outputs:
@@ -56,7 +118,7 @@ class OnnxModel:
             raise self._misfit(f"its input is {kind} of {_words(shape)}")
         self._channels = shape[1] if isinstance(shape[1], int) else max(len(self.description.mean), len(self.description.std))
         if not {len(self.description.mean), len(self.description.std)} <= {1, self._channels}:
-            raise ModelError(f"{self.path}: mean and std of {beside.name} must be one number, or {self._channels}. Correct them.")
+            raise ModelError(f"{self.path}: mean and std of {json_path.name} must be one number, or {self._channels}. Correct them.")
         self._size = self._input_size(shape)
         self._resizers: dict[tuple[int, int], tuple[scipy.sparse.csr_matrix[np.float32], scipy.sparse.csr_matrix[np.float32]]] = {}
         rows, columns = self._size or (256, 256)
@@ -75,16 +137,15 @@ class OnnxModel:
 
     def _input_size(self, shape: Shape) -> tuple[int, int] | None:
         asked = self.description.input_size
-        own = tuple(side if isinstance(side, int) else None for side in shape[2:])
-        if any(side is not None and not 1 <= side <= LARGEST_SIDE for side in own):
+        stated = tuple(side if isinstance(side, int) else None for side in shape[2:])
+        if any(side is not None and not 1 <= side <= LARGEST_SIDE for side in stated):
             raise self._misfit(f"its input is {_words(shape)}")
         if asked is None:
-            asked = (own[0], own[1]) if own[0] is not None and own[1] is not None else None
-        elif any(side is not None and side != wanted for side, wanted in zip(own, asked, strict=True)):
+            asked = (stated[0], stated[1]) if stated[0] is not None and stated[1] is not None else None
+        elif any(side is not None and side != wanted for side, wanted in zip(stated, asked, strict=True)):
+            described = self.path.with_suffix(".json").name
             raise ModelError(
-                "{path}: its input is {shape}, and input_size of {beside} says {asked}. Correct one of them.".format(
-                    path=self.path, shape=_words(shape), beside=self.path.with_suffix(".json").name, asked=_words(asked)
-                )
+                f"{self.path}: its input is {_words(shape)}, and input_size of {described} says {_words(asked)}. Correct one of them."
             )
         return asked
 

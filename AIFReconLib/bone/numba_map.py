@@ -11,69 +11,67 @@ from .placed.at_voxels import SHORTEST
 STEPS = ((1, 16, 4), (4, 16, 1), (16, 4, 1))
 """In a patch of 4 x 4 x 4, flat: a step along i, j or k, and along the other axes in scipy's order."""
 
-SEEN = 2**12
+REMEMBERED = 2**12
 """Voxels that are remembered while others are looked up."""
 
 
 @inlined
 def smoothed(values: Singles, step: int, result: Singles) -> None:
     """Every value of a patch, twice, and its neighbors `step` before and after it."""
-    beside = np.uint64(step)
-    for n in range(beside, np.uint64(64) - beside):
-        result[n] = np.float64(values[n]) * 2.0 + (np.float64(values[n - beside]) + np.float64(values[n + beside]))
+    stride = np.uint64(step)
+    for n in range(stride, np.uint64(64) - stride):
+        result[n] = np.float64(values[n]) * 2.0 + (np.float64(values[n - stride]) + np.float64(values[n + stride]))
 
 
 @compiled
 def look_up(
     arrays: tuple[Singles, Singles, Singles],
     slopes: Singles | None,
-    part: tuple[tuple[int, int, int], tuple[int, int], tuple[int, int], tuple[int, int]],
+    box: tuple[tuple[int, int, int], tuple[int, int], tuple[int, int], tuple[int, int]],
     starts: Floats,
     matrix: Floats,
     voxels: Integers,
-    lit: Integers | None,
+    occupied: Integers | None,
     probability: Singles,
     directions: Singles,
 ) -> None:
     """Probability and direction of bone at some voxels.
 
+    A Sobel gradient is made of the 4 x 4 x 4 values around a place, flat, of which the inner 2 x 2 x 2 get one: differences along its
+    axis, then sums along the others in their order, each rounded to float32 as scipy does. Other values are not used. So a bone
+    map does not depend on whether numba is there. Branches for an argument that is None are left out when this is compiled.
+
     Parameters
     ----------
     arrays : probability and potential [k, j, i], to_reference (3, 3), float32, of `BoneAtVoxels`
     slopes : (3, k, j, i) float32 array, or None where they are the Sobel gradient of the potential
-    part : shape, planes, rows and columns of the `Placement`
-    starts, matrix : float64 arrays of the `Placement`
+    box : shape, planes, rows and columns of the `MapCoordinates`
+    starts, matrix : float64 arrays of the `MapCoordinates`
     voxels : (m,) int64 array, flat [k, j, i]
-    lit : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`, or None
+    occupied : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`, or None
         Directions are wanted where the probability is 0, too, and these are the places at which anything is not 0. Without it they are 0
         there.
     probability : (m,) float32 array
     directions : (m, 3) float32 array
         Results.
-
-    Notes
-    -----
-    A Sobel gradient is made of the 4 x 4 x 4 values around a place, flat, of which the inner 2 x 2 x 2 get one: differences along its
-    axis, then sums along the others in their order, each rounded to float32 as scipy does. What the other values get is of no account.
-    So a bone map does not depend on whether numba is there. What is asked of None is left out when this is compiled.
     """
     source, potential, turn = arrays
-    shape, in_planes, in_rows, in_columns = part
+    shape, in_planes, in_rows, in_columns = box
     planes, rows, columns = source.shape
     patch, rise, summed = np.zeros(64, np.float32), np.zeros(64, np.float32), np.zeros(64, np.float32)
     slope, cube = np.empty(3, np.float32), np.empty(8, np.float32)
     flat = source.ravel()
     rises = flat if slopes is None else slopes.ravel()
-    seen = np.zeros(SEEN, np.int64)
+    seen = np.zeros(REMEMBERED, np.int64)
     for n in range(voxels.size):
         # Pixels of a frame meet a voxel several times
-        before = seen[voxels[n] % SEEN]
+        before = seen[voxels[n] % REMEMBERED]
         if before < n and voxels[before] == voxels[n]:
             probability[n] = probability[before]
             for component in range(3):
                 directions[n, component] = directions[before, component]
             continue
-        seen[voxels[n] % SEEN] = n
+        seen[voxels[n] % REMEMBERED] = n
         line, i = divmod(voxels[n], shape[2])
         k, j = divmod(line, shape[1])
         probability[n] = directions[n, 0] = directions[n, 1] = directions[n, 2] = np.float32(0)
@@ -84,7 +82,9 @@ def look_up(
         at_j = (starts[k, 1] + row * matrix[1, 1]) + column * matrix[1, 2]
         at_i = (starts[k, 2] + row * matrix[2, 1]) + column * matrix[2, 2]
         a, b, c = int(np.floor(at_k)), int(np.floor(at_j)), int(np.floor(at_i))
-        if lit is not None and not (-1 <= a < planes and -1 <= b < rows and lit[a + 1, b + 1, 0] <= c <= lit[a + 1, b + 1, 1]):
+        if occupied is not None and not (
+            -1 <= a < planes and -1 <= b < rows and occupied[a + 1, b + 1, 0] <= c <= occupied[a + 1, b + 1, 1]
+        ):
             continue
         wk, wj, wi = at_k - a, at_j - b, at_i - c
         vk, vj, vi = 1.0 - wk, 1.0 - wj, 1.0 - wi
@@ -99,9 +99,9 @@ def look_up(
                             patch[4 * m + right] = potential[z, y, min(max(c - 1 + right, 0), columns - 1)]
                 if term > 0:
                     step, other, third = STEPS[term - 1]
-                    beside = np.uint64(step)
-                    for m in range(beside, np.uint64(64) - beside):
-                        rise[m] = np.float64(patch[m + beside]) - np.float64(patch[m - beside])
+                    stride = np.uint64(step)
+                    for m in range(stride, np.uint64(64) - stride):
+                        rise[m] = np.float64(patch[m + stride]) - np.float64(patch[m - stride])
                     smoothed(rise, other, summed)
                     smoothed(summed, third, rise)
             for corner in range(8):
@@ -127,9 +127,9 @@ def look_up(
                 slope[term - 1] = total
                 continue
             probability[n] = total
-            if lit is None and probability[n] == 0:
+            if occupied is None and probability[n] == 0:
                 break
-        if lit is None and probability[n] == 0:
+        if occupied is None and probability[n] == 0:
             continue
         for component in range(3):
             directions[n, component] = (turn[component, 0] * slope[0] + turn[component, 1] * slope[1]) + turn[component, 2] * slope[2]

@@ -8,7 +8,7 @@ MOST_NESTED = 100
 
 _MODEL, _GRAPH, _NODE, _ATTRIBUTE, _TENSOR, _SPARSE, _FUNCTION, _TRAINING = range(8)
 
-_PARTS = {
+_FIELDS_OF = {
     _MODEL: {7: _GRAPH, 20: _TRAINING, 25: _FUNCTION},
     _GRAPH: {1: _NODE, 5: _TENSOR, 15: _SPARSE},
     _NODE: {5: _ATTRIBUTE},
@@ -47,12 +47,12 @@ def _names_other_files(data: memoryview, kind: int, depth: int) -> bool:
     for number, wire, value in _fields(data):
         if kind == _TENSOR and (number == _EXTERNAL_DATA or (number == _DATA_LOCATION and value != 0)):
             return True
-        part = _PARTS[kind].get(number)
-        if part is None:
+        message = _FIELDS_OF[kind].get(number)
+        if message is None:
             continue
         if wire != _LENGTH or not isinstance(value, memoryview):
             raise _Damaged
-        if _names_other_files(value, part, depth + 1):
+        if _names_other_files(value, message, depth + 1):
             return True
     return False
 

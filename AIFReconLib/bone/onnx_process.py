@@ -35,21 +35,14 @@ MOST_ANSWER = 2**28
 class ModelProcess:
     """A session of onnxruntime in another process, ended with this object.
 
-    Parameters
-    ----------
-    path : Path
-        For sentences.
-    data : bytes
-        The model.
-    threads : int
-        How many onnxruntime uses.
+    `path` is for sentences, `data` the model, `threads` are onnxruntime's.
+
+    Raises ModelError when the model cannot be run.
 
     Attributes
     ----------
     inputs : list of (name, type, shape)
     outputs : list of str
-
-    Raises ModelError when the model cannot be run.
     """
 
     def __init__(self, path: Path, data: bytes, threads: int):
@@ -85,10 +78,9 @@ class ModelProcess:
         """
         facts, data = self._answer({"shape": image.shape}, np.ascontiguousarray(image, dtype=np.float32).tobytes())
         if "error" in facts:
+            shape, why = " x ".join(map(str, image.shape)), _reason(str(facts["error"]))
             raise ModelError(
-                "{path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it.".format(
-                    path=self._path, shape=" x ".join(map(str, image.shape)), why=_reason(str(facts["error"]))
-                )
+                f"{self._path}: the model fails with an input of {shape} ({why}). Check input_size in the JSON file beside it."
             )
         answer: Numbers = np.frombuffer(data, np.dtype(facts["kind"])).reshape(facts["shape"])
         return answer

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
 import numpy as np
 import scipy
 
 from ..arrays import Array, Floats, Mask, Numbers, Singles
 from ..errors import BeamGeometryError
+from ..geometry.transforms import pixel_spacing
 from ..imaging.scan_lines import scan_line_samples
 from ..remedies import Remedy
 from ..resolve import Imaging
+from ..sweep.frames import TrackedFrame
 
 LINE_PITCH, SAMPLE_STEP = 0.5, 0.2
 """mm. Scan lines and samples closer than this are read as one, half of what echoes are smoothed by."""
@@ -18,17 +23,31 @@ Rectangle = tuple[float, float, float, float]
 """x, y, width, height in pixels of a frame; a pixel (column, row) covers column to column + 1, row to row + 1."""
 
 
+Tool = TypeVar("Tool")
+
+
+class ForEachKind(Generic[Tool]):
+    """What reads images of one size and spacing, made for each kind of image that comes: sweeps that were joined may differ in depth."""
+
+    def __init__(self, make: Callable[[tuple[int, int], tuple[float, float], Imaging], Tool], imaging: Imaging):
+        self._make, self._imaging = make, imaging
+        self._made: dict[tuple[object, ...], Tool] = {}
+
+    def of(self, frame: TrackedFrame) -> Tool:
+        """The one for a frame that has an image and a pose."""
+        image, pose = frame.placed()
+        size, spacing = (int(image.shape[1]), int(image.shape[0])), pixel_spacing(pose)
+        key = (size, *np.round(spacing, 6))
+        if key not in self._made:
+            self._made[key] = self._make(size, spacing, self._imaging)
+        return self._made[key]
+
+
 class ScanLineReader:
     """Reads images of one size, spacing and probe along their scan lines.
 
-    Parameters
-    ----------
-    size : (columns, rows)
-    spacing : (x, y), mm
-    imaging : Imaging
-        Region and probe; both must be known.
-    pitch, step : float, mm
-        Scan lines and samples closer than these are read as one.
+    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe. Scan lines and samples closer than `pitch` and
+    `step` (mm) are read as one.
 
     Attributes
     ----------
@@ -60,7 +79,7 @@ class ScanLineReader:
         known = _within(columns, rows, mask)
         # As many lines and samples are read as one as the smoothing that follows would blur anyway
         together = max(min(int(pitch / apart), len(columns)), 1), max(min(int(step / lines.step), columns.shape[1]), 1)
-        self.size, self._every = size, (columns, rows, known, together)
+        self.size, self._samples = size, (columns, rows, known, together)
         self._read = _reading_matrix(columns, rows, known, size, together)
         self._drawn = mask, lines.sample_of_pixel
         self._others: dict[tuple[tuple[int, int], Rectangle], scipy.sparse.csr_matrix[np.float32]] = {}
@@ -75,18 +94,18 @@ class ScanLineReader:
             image = np.nan_to_num(image, nan=0.0, posinf=0.0, neginf=0.0)
         return self._of(self._read, np.maximum(image, 0.0))
 
-    def read_part(self, values: Singles, rectangle: Rectangle) -> Singles:
+    def read_rectangle(self, values: Singles, rectangle: Rectangle) -> Singles:
         """The same of an array (rows, columns) of any size that covers this rectangle of the frame; 0 outside it."""
         size = int(values.shape[1]), int(values.shape[0])
         key = size, rectangle
         if key not in self._others:
-            columns, rows, known, together = self._every
+            columns, rows, known, together = self._samples
             x, y, width, height = rectangle
             # Both count pixels from their centers
             there = (columns + 0.5 - x) * (size[0] / width) - 0.5, (rows + 0.5 - y) * (size[1] / height) - 0.5
             within = known.copy()
-            for place, count in zip(there, size, strict=True):
-                within &= (place > -0.5 - 1e-9) & (place < count - 0.5 + 1e-9)
+            for at, count in zip(there, size, strict=True):
+                within &= (at > -0.5 - 1e-9) & (at < count - 0.5 + 1e-9)
             self._others[key] = _reading_matrix(*there, within, size, together)
         return self._of(self._others[key], values)
 
@@ -94,8 +113,8 @@ class ScanLineReader:
         """An image, (rows, columns) float32, of values on the samples: each pixel has that of its nearest one; 0 elsewhere."""
         mask, nearest = self._drawn
         image: Singles = np.zeros(mask.shape, dtype=np.float32)
-        line, sample = np.divmod(nearest, self._every[0].shape[1])
-        together = self._every[3]
+        line, sample = np.divmod(nearest, self._samples[0].shape[1])
+        together = self._samples[3]
         last = np.array(samples.shape) - 1
         image[mask] = samples[np.minimum(line // together[0], last[0]), np.minimum(sample // together[1], last[1])]
         return image
@@ -117,8 +136,8 @@ def _within(columns: Floats, rows: Floats, mask: Mask) -> Mask:
 def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
     """Means over blocks of so many lines and samples; lines and samples that fill no block are left out."""
     lines, samples = (n // block for n, block in zip(values.shape, together))
-    kept = values[: lines * together[0], : samples * together[1]]
-    means: Floats = kept.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
+    whole = values[: lines * together[0], : samples * together[1]]
+    means: Floats = whole.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
     return means
 
 
@@ -128,9 +147,9 @@ def _reading_matrix(
     """The matrix that takes an image's pixels to the mean of each block of known samples, by linear interpolation; sparse float32."""
     lines, samples = (n // block for n, block in zip(columns.shape, together))
     line, sample = (number // block for number, block in zip(np.nonzero(known), together))
-    kept = (line < lines) & (sample < samples)
-    block = (line * samples + sample)[kept]
-    column, row = (np.clip(values[known][kept], 0, n - 1) for values, n in zip((columns, rows), size))
+    whole = (line < lines) & (sample < samples)
+    block = (line * samples + sample)[whole]
+    column, row = (np.clip(values[known][whole], 0, n - 1) for values, n in zip((columns, rows), size))
     left, top = (np.minimum(values.astype(np.int64), n - 2) for values, n in zip((column, row), np.maximum(size, 2)))
     right, down = column - left, row - top
     corners = [(0, 0, (1 - right) * (1 - down)), (1, 0, right * (1 - down)), (0, 1, (1 - right) * down), (1, 1, right * down)]

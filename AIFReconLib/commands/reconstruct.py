@@ -125,7 +125,7 @@ def run(arguments: argparse.Namespace) -> None:
     agreement = list(map(in_options, lines))
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, recipe.image_to_reference, recipe.reference), result, number)
-        for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.parts, strict=True))
+        for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.sweeps, strict=True))
     }
     if arguments.report:
         said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(arguments, sequence, recipe)}

@@ -294,7 +294,7 @@ class Reconstructor:
         place = bone.on_grid if self._on_grid else bone.at_voxels
         placed = place(self.grid, self.settings.bone_direction, progress, self._part)
         self.notes += bone.notes
-        if not placed.overlaps:
+        if not (placed.overlaps or bone.grows):
             self.notes.append(BESIDE_BONE)
         return placed
 
@@ -312,7 +312,7 @@ class Reconstructor:
         if not self._intake.fits(image, pose):
             self._compute(progress)
             self._intake.lay_out(image, pose)
-        layout, kept = self._intake.layout, self._intake.filter.kept(image)
+        layout, kept = self._intake.layout, self._intake.filter.entering(image)
         if kept is not None and layout is not None and not layout.has_any(kept):
             self.counts.skip("nothing bright enough in the image", frame.number)
             return

@@ -16,18 +16,13 @@ from .transforms import invert
 def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     """The pose at `fraction` of the way from `first` (0) to `second` (1).
 
-    Parameters
-    ----------
-    first, second : (4, 4) float64 array
-        Affine poses of one frame in another, both mirrored or neither.
-    fraction : float
-        0 to 1. At 0 and 1 the answer is `first` and `second` to the bit.
+    Poses are affine (4, 4), both mirrored or neither. At fractions of 0 and 1 the answer is `first` and `second` to the bit.
+
+    Raises GeometryError when `fraction` is outside 0 to 1, a pose is singular, or one is mirrored and the other is not.
 
     Returns
     -------
     pose : (4, 4) float64 array
-
-    Raises GeometryError when `fraction` is outside 0 to 1, a pose is singular, or one is mirrored and the other is not.
 
     Notes
     -----
@@ -51,33 +46,6 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     return pose
 
 
-def interpolate_at(times: Floats, poses: Matrix, time: float) -> Matrix:
-    """The pose at `time` from samples in time order.
-
-    Parameters
-    ----------
-    times : (n,) float64 array, s, rising
-    poses : (n, 4, 4) float64 array
-    time : float, s
-        Within the first and the last of `times`.
-
-    Returns
-    -------
-    pose : (4, 4) float64 array
-        A sample itself, to the bit, where `time` is that of the sample.
-
-    Raises GeometryError when `time` lies outside: poses are not extrapolated.
-    """
-    if not len(times) or not times[0] <= time <= times[-1]:
-        span = f"{times[0]:.3f} to {times[-1]:.3f} s" if len(times) else "no samples"
-        raise GeometryError(f"Input time must lie within the samples ({span}); got {time:.3f} s. Poses are not extrapolated.")
-    after = int(np.searchsorted(times, time, side="left"))
-    if times[after] == time:
-        return np.array(poses[after], dtype=np.float64)
-    before = after - 1
-    return interpolate_pose(poses[before], poses[after], float((time - times[before]) / (times[after] - times[before])))
-
-
 def pose_change(first: Matrix, second: Matrix) -> tuple[float, float]:
     """How far apart two poses are: distance of their origins (mm) and angle of the turn between them (radians, 0 to pi)."""
     _, angle = rotation_between(_polar(first)[0], _polar(second)[0])
@@ -87,9 +55,7 @@ def pose_change(first: Matrix, second: Matrix) -> tuple[float, float]:
 def rotation_between(first: Matrix, second: Matrix) -> tuple[Floats, float]:
     """Axis (3,), unit vector in the frame before `first`, and angle (radians, 0 to pi) with first @ turn(axis, angle) = second.
 
-    Parameters
-    ----------
-    first, second : (3, 3) float64 array, rotations (or both mirrored)
+    Both are (3, 3) rotations, or both mirrored.
 
     Raises GeometryError when one is mirrored and the other is not.
     """

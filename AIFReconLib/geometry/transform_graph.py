@@ -104,10 +104,6 @@ class FoundTransform:
     status: TransformStatus
     path: tuple[TransformName, ...]
 
-    def describe_path(self) -> str:
-        """The chain in words: ``ImageToProbe, ProbeToTracker, TrackerToReference``."""
-        return ", ".join(str(name) for name in self.path)
-
 
 @dataclass(frozen=True)
 class Link:
@@ -171,8 +167,7 @@ class Ways:
         around = find_ways(stored[0] ^ stored[1] ^ stored[2], source, self.path[-1].name.target).path
         if set(around) != set(self.path):
             one, other = self.path, around
-        spelled = {"one": self._spell(one), "other": self._spell(other)}
-        return "Two paths lead from {source} to {target}: {one}; and {other}".format(source=source, target=one[-1].name.target, **spelled)
+        return f"Two paths lead from {source} to {one[-1].name.target}: {self._spell(one)}; and {self._spell(other)}"
 
     def _spell(self, way: Way) -> str:
         return " > ".join(f"inverse of {link.stored}" if not link.forward and link.name in self.names else str(link.name) for link in way)
@@ -197,17 +192,10 @@ def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
     leaving = _links_by_source(names)
     on_way = _reached(leaving, {source})
     if target not in on_way:
+        known, near = ", ".join(map(str, names)) or "none", _list_frames(on_way - {source})
         raise TransformError(
-            (
-                "No transform leads from {source} to {target}. Known transforms: {known}. {source} is connected to {near_source}, {target} "
-                "to {near_target}."
-            ).format(
-                source=source,
-                target=target,
-                known=", ".join(str(name) for name in names) or "none",
-                near_source=_list_frames(on_way - {source}),
-                near_target=_list_frames(_reached(leaving, {target}) - {target}),
-            )
+            f"No transform leads from {source} to {target}. Known transforms: {known}. {source} is connected to {near}, {target} to "
+            f"{_list_frames(_reached(leaving, {target}) - {target})}."
         )
     # A frame that a single other frame cuts off from both ends is on no way between them
     for cut in sorted(on_way):
@@ -275,8 +263,8 @@ class TransformGraph:
     >>> graph = TransformGraph()
     >>> graph.put("ImageToProbe", np.diag([0.2, 0.2, 0.2, 1.0]))
     >>> graph.put("ProbeToReference", np.eye(4))
-    >>> graph.lookup("Image", "Reference").describe_path()
-    'ImageToProbe, ProbeToReference'
+    >>> [str(name) for name in graph.lookup("Image", "Reference").path]
+    ['ImageToProbe', 'ProbeToReference']
     """
 
     def __init__(self, transforms: dict[TransformName, TransformSample] | None = None):
@@ -301,10 +289,6 @@ class TransformGraph:
         """
         name = TransformName.parse(name) if isinstance(name, str) else name
         self._transforms[name] = TransformSample(as_matrix(matrix, f"transform {name}"), status)
-
-    def updated(self, transforms: dict[TransformName, TransformSample]) -> TransformGraph:
-        """A new graph with `transforms` (those of one tracked frame) put on top of this one."""
-        return TransformGraph({**self._transforms, **transforms})
 
     def lookup(self, source: str, target: str) -> FoundTransform:
         """The transform from `source` to `target`, as a chain of what was put in.

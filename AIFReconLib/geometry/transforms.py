@@ -37,19 +37,14 @@ LARGEST_NUMBER = 1e12
 def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
     """`values` as a (4, 4) float64 array.
 
-    Parameters
-    ----------
-    values : array_like
-        (4, 4), or 16 numbers in row-major order.
-    name : str
-        What to call it in an error.
+    `values` are (4, 4), or 16 numbers in row-major order; `name` is what an error calls them.
+
+    Raises GeometryError when there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
 
     Returns
     -------
     matrix : (4, 4) float64 array
         A copy: changing it leaves `values` alone, and the other way round.
-
-    Raises GeometryError when there are not 16 numbers, one is not finite, the last row is not 0 0 0 1, or the matrix is singular.
     """
     try:
         matrix = np.array(values, dtype=np.float64)
@@ -146,8 +141,6 @@ def pixel_spacing(image_to_reference: Matrix) -> tuple[float, float]:
 def image_plane_axes(image_to_reference: Matrix) -> tuple[Floats, Floats]:
     """Orthonormal unit vectors (3,) in Reference along the image's columns (x) and rows (y).
 
-    Notes
-    -----
     A calibration may leave the two axes a few degrees off a right angle. Both are then turned by the same amount toward a
     right angle (Loewdin's symmetric orthonormalization), so that no beam gets longer than 1.
     """

@@ -225,10 +225,10 @@ class Volume(Described):
             )
         to_whole = np.eye(4)
         for axis, (along, count) in enumerate(zip(slices, self.shape)):
-            kept = range(count)[along]
-            if not kept:
+            chosen = range(count)[along]
+            if not chosen:
                 raise GeometryError(f"Input index must leave voxels; got {index!r} of {self.shape} along k, j, i.")
-            to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = kept.step, kept.start
+            to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = chosen.step, chosen.start
         return Volume(self.array[tuple(slices)], self.ijk_to_reference @ to_whole)
 
     @classmethod

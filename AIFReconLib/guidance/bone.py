@@ -67,10 +67,11 @@ class GuidedBone:
     @property
     def aim(self) -> str:
         """The part that a scan is for: the borders of the interspinous gaps, where labels tell them, else what faces the back."""
-        return "interspinous" if self.border.any() else "posterior" if self._posterior.any() else "all"
+        return "interspinous" if self.border.any() else "posterior" if self.posterior.any() else "all"
 
     @property
-    def _posterior(self) -> Mask:
+    def posterior(self) -> Mask:
+        """Points that face the back, within 60 degrees, (n,) bool."""
         facing: Mask = -self.surface.normals_reference @ self.patient_to_reference[:3, 1] >= np.cos(np.radians(60.0))
         return facing
 
@@ -90,26 +91,25 @@ class GuidedBone:
             patient_to_reference=motion @ self.patient_to_reference,
         )
 
-    def part(self, name: str) -> Mask:
+    def target(self, name: str) -> Mask:
         """The points of `all`, `interspinous` (borders) or `posterior` (facing the back), or of a label by its name or number.
 
-        Raises GeometryError when there is no such part.
+        Raises GeometryError when there is no such target.
         """
         if name == "all":
             return np.ones(len(self), dtype=bool)
         if name == "interspinous":
             chosen = self.border
         elif name == "posterior":
-            chosen = self._posterior
+            chosen = self.posterior
         else:
             called = [label for label in np.unique(self.surface.labels) if name in (self.name_of(label), str(label))]
             chosen = np.isin(self.surface.labels, called)
         if not chosen.any():
+            labels = ", ".join(self.name_of(label) for label in np.unique(self.surface.labels))
             raise GeometryError(
-                (
-                    "Input target must be all, interspinous, posterior or a label of the segmentation ({labels}) that a probe on the back "
-                    "can reach; got {target!r}. Borders of interspinous gaps need one label per vertebra."
-                ).format(labels=", ".join(self.name_of(label) for label in np.unique(self.surface.labels)), target=name)
+                f"Input target must be all, interspinous, posterior or a label of the segmentation ({labels}) that a probe on the back "
+                f"can reach; got {name!r}. Borders of interspinous gaps need one label per vertebra."
             )
         return chosen
 
@@ -121,6 +121,8 @@ def guided_bone(
     names: Mapping[int, str] | None = None,
 ) -> GuidedBone:
     """The reachable bone of a segmentation.
+
+    Raises GeometryError when there is no bone, or none that a beam could reach.
 
     Parameters
     ----------
@@ -134,8 +136,6 @@ def guided_bone(
         that leaves.
     names : mapping of int to str or None
         What the labels are called; see `read_label_names`.
-
-    Raises GeometryError when there is no bone, or none that a beam could reach.
     """
     placed = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
     field = BoneField.from_labels(labels)

@@ -10,24 +10,21 @@ import numpy as np
 from ..arrays import Floats, Integers, Singles
 from ..progress import Progress, part, report
 from .bone import GuidedBone
-from .expectation import MOST, evidence_for, expected_visibility, unseen
-from .hand import Hand
-from .met import FrameGeometry
-from .passes import Pass
+from .met import MOST, FrameGeometry, expected_visibility, support_for, unseen
+from .passes import Hand, Pass
 from .probe import Placement, ProbeOnBack
 
-BESIDE_TARGET = 0.01
-"""What bone beside the target counts: frames that can add nothing more to the target go there."""
+OFF_TARGET = 0.01
+"""What bone off the target counts: frames that can add nothing more to the target go there."""
 
-BESIDE_EVERY = 4
-"""Of the points beside the target one in so many is looked at, and stands for all."""
+OFF_TARGET_EVERY = 4
+"""Of the points off the target one in so many is looked at, and stands for all."""
 
 DRAWS = 3
 """How often each pass is looked at, as the hand happens to make it."""
 
 FRAMES_AT_ONCE, PAIRS_AT_ONCE = 12, 100_000
-"""Frames that are looked at, and pairs of pass and point that are asked, between two reports of progress, some 3 ms: who does so while a
-scan goes on makes way to its frames then."""
+"""Frames, and pairs of pass and point, that are computed between two reports of progress, some 3 ms: in a live scan frames come first."""
 
 LEAST_GAIN = 0.001
 """Of the weighted area: a pass that adds less is not worth its frames."""
@@ -36,18 +33,10 @@ LEAST_GAIN = 0.001
 class Candidates:
     """Passes and what their frames meet, `Pass.least` at a time.
 
-    Parameters
-    ----------
-    target : str
-        See `GuidedBone.part`.
-    hand : Hand or None
-        How the passes are made; None: exactly.
-    draws : int
-        How often passes are looked at for now; see `look_again`.
-
-    Notes
-    -----
     A pass that a hand makes meets other bone each time: what it is expected to show is the mean over `DRAWS` of them.
+
+    `target` as in `GuidedBone.target`; without a `hand` passes are made exactly. `draws` is how often they are looked at for now; see
+    `look_again`.
     """
 
     def __init__(
@@ -61,11 +50,11 @@ class Candidates:
         draws: int = DRAWS,
     ):
         self.passes, self._probe, self._hand = passes, probe, hand
-        chosen = bone.part(target)
-        beside = np.flatnonzero(~chosen)[::BESIDE_EVERY]
-        self._looked = np.sort(np.concatenate([np.flatnonzero(chosen), beside]))
+        chosen = bone.target(target)
+        others = np.flatnonzero(~chosen)[::OFF_TARGET_EVERY]
+        self._looked = np.sort(np.concatenate([np.flatnonzero(chosen), others]))
         share = np.where(
-            chosen, 1.0, BESIDE_TARGET * float(bone.surface.areas[~chosen].sum()) / max(float(bone.surface.areas[beside].sum()), 1e-9)
+            chosen, 1.0, OFF_TARGET * float(bone.surface.areas[~chosen].sum()) / max(float(bone.surface.areas[others].sum()), 1e-9)
         )
         self._weights = (share * bone.surface.areas)[self._looked]
         self._geometry = geometry_of(bone.only(self._looked), probe)
@@ -90,16 +79,16 @@ class Candidates:
             ways: list[list[Placement]] = []
             while first + len(ways) < len(self.passes) and (not ways or sum(map(len, ways)) < FRAMES_AT_ONCE):
                 ways.append(self._placements(first + len(ways))[len(self._seen)])
-            found.append(self._evidence(ways, first))
+            found.append(self._support(ways, first))
             first += len(ways)
-        points, evidence, owner = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        self._seen = [*self._seen, _Seen(points, evidence, owner)]
+        points, support, owner = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        self._seen = [*self._seen, _Seen(points, support, owner)]
 
-    def _evidence(self, ways: list[list[Placement]], first: int) -> tuple[Integers, Singles, Integers]:
+    def _support(self, ways: list[list[Placement]], first: int) -> tuple[Integers, Singles, Integers]:
         """What some passes meet, of which `first` is the first; see `_Seen`."""
-        frame, point, evidence = self._geometry.evidence(self._probe.poses([placement for way in ways for placement in way]))
+        frame, point, support = self._geometry.support(self._probe.poses([placement for way in ways for placement in way]))
         way = np.repeat(np.arange(len(ways)), [len(way) for way in ways])[frame]
-        together = np.bincount(way * len(self._weights) + point, evidence, len(ways) * len(self._weights))
+        together = np.bincount(way * len(self._weights) + point, support, len(ways) * len(self._weights))
         met = np.flatnonzero(together)
         owner, points = np.divmod(met, len(self._weights))
         # In single precision, for they are asked while a scan goes on
@@ -118,50 +107,45 @@ class Candidates:
         """Gains below this are not worth the frames, mm^2."""
         return LEAST_GAIN * float(self._weights.sum())
 
-    def looked(self, evidence: Floats) -> Floats:
-        """Of the evidence of all points of the bone, that of those that are looked at."""
-        looked: Floats = evidence[self._looked]
+    def looked(self, support: Floats) -> Floats:
+        """Of the support of all points of the bone, that of those that are looked at."""
+        looked: Floats = support[self._looked]
         return looked
 
-    def gains(self, evidence: Floats, rounds: int = 1, progress: Progress | None = None) -> Floats:
+    def gains(self, support: Floats, rounds: int = 1, progress: Progress | None = None) -> Floats:
         """What each pass adds to the weighted area that is expected to show, (n,) mm^2.
 
-        Parameters
-        ----------
-        evidence : (points,) array
-            What there is; see `looked`.
-        rounds : int
-            How many times `least` frames the pass has.
+        `support` (points,) is what there is, as `looked` gives it; a pass has `rounds` times its `least` frames.
         """
-        there = evidence.astype(np.float32)
+        there = support.astype(np.float32)
         missing, gains = unseen(there), np.zeros(len(self.passes))
         for seen in self._seen:
             for first in range(0, len(seen.points), PAIRS_AT_ONCE):
                 report(progress, 0.0, "Comparing candidate passes")
                 some = slice(first, first + PAIRS_AT_ONCE)
                 points = seen.points[some]
-                more = missing[points] - unseen(there[points] + np.float32(rounds) * seen.evidence[some])
+                more = missing[points] - unseen(there[points] + np.float32(rounds) * seen.support[some])
                 gains += np.bincount(seen.owner[some], self._weights[points] * more, len(gains))
         return MOST / len(self._seen) * gains
 
-    def make(self, number: int, evidence: Floats) -> Floats:
-        """Evidence after a pass, which a sure hand would need for what this hand is expected to show."""
-        more = np.zeros(len(evidence))
+    def make(self, number: int, support: Floats) -> Floats:
+        """Support after a pass, which a sure hand would need for what this hand is expected to show."""
+        more = np.zeros(len(support))
         for seen in self._seen:
-            own = seen.owner == number
-            before = evidence[seen.points[own]]
-            more[seen.points[own]] += expected_visibility(before + seen.evidence[own]) - expected_visibility(before)
-        points, after = np.flatnonzero(more), evidence.copy()
-        after[points] = evidence_for(expected_visibility(evidence[points]) + more[points] / len(self._seen))
+            mine = seen.owner == number
+            before = support[seen.points[mine]]
+            more[seen.points[mine]] += expected_visibility(before + seen.support[mine]) - expected_visibility(before)
+        points, after = np.flatnonzero(more), support.copy()
+        after[points] = support_for(expected_visibility(support[points]) + more[points] / len(self._seen))
         return after
 
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """What all passes meet when each is made once: numbers of points (m,), their evidence (m,), and which pass each is of (m,)."""
+    """What all passes meet when each is made once: numbers of points (m,), their support (m,), and which pass each is of (m,)."""
 
     points: Integers
-    evidence: Singles
+    support: Singles
     owner: Integers
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,6 +83,8 @@ def coverage(
 ) -> Coverage:
     """How much of each bone the frames of one or more sweeps met, and how squarely.
 
+    Raises AIFReconError when frames cannot be placed, beams not be told, or labels hold no bone.
+
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference
@@ -96,8 +98,6 @@ def coverage(
         Full width of the beam across the image plane.
     names : mapping of int to str or None
         What the labels are called; see `read_label_names`.
-
-    Raises AIFReconError when frames cannot be placed, beams not be told, or labels hold no bone.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
@@ -139,24 +139,18 @@ def is_awry(front: Floats, looks: Floats) -> bool:
 
 def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:
     """What was met until now, in shares."""
-    return Coverage(met, *_shares(met), notes)
-
-
-def _shares(met: BoneMet) -> tuple[Share, Share, dict[str, Share]]:
-    bone = met.bone
-    labels = {bone.name_of(label): share_of(met, bone.surface.labels == label) for label in _labels(bone)}
-    return share_of(met, np.ones(len(bone), dtype=bool)), share_of(met, bone.border), labels
-
-
-def _labels(bone: GuidedBone) -> Iterator[int]:
-    return (int(label) for label in np.unique(bone.surface.labels))
+    everything = np.ones(len(met.bone), dtype=bool)
+    return Coverage(met, share_of(met, everything), share_of(met, met.bone.border), _of_labels(met, everything), notes)
 
 
 def back_of_labels(met: BoneMet) -> dict[str, Share]:
     """By the name of each label, how much of its bone that faces the back was met: what a scan from there is to show."""
-    bone = met.bone
-    facing = -bone.surface.normals_reference @ bone.patient_to_reference[:3, 1] >= BELOW_60
-    return {bone.name_of(label): share_of(met, facing & (bone.surface.labels == label)) for label in _labels(bone)}
+    return _of_labels(met, met.bone.posterior)
+
+
+def _of_labels(met: BoneMet, chosen: Mask) -> dict[str, Share]:
+    labels = met.bone.surface.labels
+    return {met.bone.name_of(int(label)): share_of(met, chosen & (labels == label)) for label in np.unique(labels)}
 
 
 def share_of(met: BoneMet, chosen: Mask) -> Share:

@@ -63,14 +63,8 @@ class Advice:
 class Advisor:
     """Advises moves over bone, as a probe was moved over it.
 
-    Parameters
-    ----------
-    image_to_reference : (n, 4, 4) array
-        Poses so far: they tell where the skin is.
-    progress : Progress or None
-        Of looking at candidate passes, which takes a second or two.
-    draws : int
-        How often they are looked at for now; see `look_again`.
+    The poses so far, (n, 4, 4), tell where the skin is. Candidate passes are looked at `draws` times for now, which takes a second or two;
+    see `look_again`.
     """
 
     def __init__(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None, draws: int = DRAWS):
@@ -118,6 +112,8 @@ def guidance_of_sweep(
 ) -> Guidance:
     """What recorded sweeps have met, and the next move from where the last one ended.
 
+    Raises AIFReconError as `coverage`.
+
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference
@@ -128,9 +124,6 @@ def guidance_of_sweep(
         As in `reconstruct`.
     grid : VoxelGrid or None
         The box that is to be reconstructed, if it is known.
-    progress : Progress or None
-
-    Raises AIFReconError as `coverage`.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     found = coverage(sequence, labels, labels_to_reference, recipe=recipe, progress=part(progress, 0.0, 0.5))

@@ -56,19 +56,19 @@ def bone_mesh(distance: Volume) -> BoneMesh:
     for axis in range(3):
         stride, b, c = strides[axis], strides[(axis + 1) % 3], strides[(axis + 2) % 3]
         at = np.flatnonzero(inside[:-stride] != inside[stride:])
-        part = flat[at] / (flat[at] - flat[at + stride])
+        fraction = flat[at] / (flat[at] - flat[at + stride])
         ijk = np.stack(np.unravel_index(at, array.shape)[::-1], axis=1).astype(np.float64)
-        ijk[:, axis] += part
+        ijk[:, axis] += fraction
         around = np.stack([at, at - b, at - b - c, at - c], axis=1)
         cells.append(around.reshape(-1))
         crossings.append(np.repeat(ijk, 4, axis=0))
         # Out of bone along +axis: the ring b, c turns the right way; else the other way round
         quads.append(np.where(inside[at][:, None], around, around[:, ::-1]))
-    of, place = np.concatenate(cells), np.concatenate(crossings)
-    kept, which = np.unique(of, return_inverse=True)
-    number[kept] = np.arange(len(kept))
+    of_cell, crossing = np.concatenate(cells), np.concatenate(crossings)
+    crossed, which = np.unique(of_cell, return_inverse=True)
+    number[crossed] = np.arange(len(crossed))
     count = np.bincount(which)
-    ijk = np.stack([np.bincount(which, place[:, axis]) / count for axis in range(3)], axis=1) - 1.0
+    ijk = np.stack([np.bincount(which, crossing[:, axis]) / count for axis in range(3)], axis=1) - 1.0
     corners = number[np.concatenate(quads)]
     if np.linalg.det(distance.ijk_to_reference[:3, :3]) < 0:
         corners = corners[:, ::-1]
@@ -85,17 +85,20 @@ def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
         `best_cosine` (n,) float32, 0 where nothing was met; `frames` (n,) int32; `label` (n,) int32 and `reachable` (n,) uint8, both 0
         where no beam from the back could reach.
     """
-    surface = met.bone.surface
-    _, found = scipy.spatial.cKDTree(surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
-    reachable = found < len(surface)
-    nearest = np.where(reachable, found, 0)
-    arrays: dict[str, Numbers] = {
+    surface, nearest = met.bone.surface, _nearest(met.bone, mesh)
+    reachable = nearest >= 0
+    return {
         "best_cosine": np.where(reachable, np.nan_to_num(met.best_cosine[nearest]), 0.0).astype(np.float32),
         "frames": np.where(reachable, met.frames[nearest], 0).astype(np.int32),
         "label": np.where(reachable, surface.labels[nearest], 0).astype(np.int32),
         "reachable": np.asarray(reachable, dtype=np.uint8),
     }
-    return arrays
+
+
+def _nearest(bone: GuidedBone, mesh: BoneMesh) -> Integers:
+    """The reachable point of the bone that each corner of the mesh stands for, (n,); -1 where there is none."""
+    _, nearest = scipy.spatial.cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
+    return np.where(nearest < len(bone), nearest, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +115,7 @@ class ColoredBone:
         step = max(round(CELL / bone.distance.grid.spacing.max()), 1)
         distance = bone.distance.array[::step, ::step, ::step].astype(np.float32) - np.float32(LIFTED)
         mesh = bone_mesh(Volume(distance, bone.distance.ijk_to_reference @ np.diag([step, step, step, 1.0])))
-        _, nearest = scipy.spatial.cKDTree(bone.surface.points_reference).query(mesh.points_reference, distance_upper_bound=NEAR)
-        return cls(mesh, np.where(nearest < len(bone), nearest, -1))
+        return cls(mesh, _nearest(bone, mesh))
 
     def placed_by(self, motion: Matrix) -> ColoredBone:
         """The same surface in another place, (4, 4) rigid."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from ..geometry.transforms import pixel_spacing
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from .bone import GuidedBone
-from .expectation import evidence_of, expected_visibility
 
 BEFORE = 5.0
 """mm before bone from which on its scan line must be lit somewhere: the tissue that sound passed, the echo, or what lies behind a bone that
@@ -32,8 +32,47 @@ TISSUE_LEVEL = 0.95
 DARKEST = 0.04
 """Part of the gray scale below which nothing counts as lit, however dim the image: noise."""
 
-UNSEEN, SHADOWED, DARK, MET = 0, 1, 2, 3
-"""Of a point in a frame: not in its beams (or grazed), behind other bone, in an image that is dark there, met."""
+SHADOWED, DARK, MET = 1, 2, 3
+"""Of a point in a frame's beams: behind other bone, in an image that is dark there, met."""
+
+
+Number = TypeVar("Number", Floats, Singles)
+
+ANGLES_DEG = np.array([0.0, 35.0, 42.5, 52.5, 57.5, 62.5, 67.5, 72.5, 77.5, 85.0])
+SUPPORT = np.array([6.4, 3.0, 2.0, 1.1, 0.83, 0.6, 0.32, 0.14, 0.1, 0.1])
+"""What a frame at these angles of incidence adds. Most likely for what ten scans of 120 and 360 frames of two simulated patients, 100 and
+101, show by the present `weighted`, borders of the interspinous gaps counted three times (docs/guidance.md)."""
+
+MOST = 0.995
+"""The chance that bone shows which was met squarely without end."""
+
+
+def support_of(cosines: Floats) -> Floats:
+    """What each of some frames that meet a point adds to its support, by the cosine of its angle of incidence."""
+    support: Floats = np.interp(np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0))), ANGLES_DEG, SUPPORT)
+    return support
+
+
+def expected_visibility(support: Floats) -> Floats:
+    """The chance that bone shows, 0 to 1, by the sum of the support of all frames that meet it.
+
+    MOST (1 - exp(-sqrt(support))). Were frames independent, the root would not be there; but bone that many frames did not show is bone
+    that is hard to show.
+    """
+    shown: Floats = MOST * (1.0 - unseen(support))
+    return shown
+
+
+def unseen(support: Number) -> Number:
+    """The part of `MOST` that is still missing, in the precision of the support."""
+    missing: Number = np.exp(-np.sqrt(support))
+    return missing
+
+
+def support_for(visibility: Floats) -> Floats:
+    """The support by which bone is expected to show so likely: the inverse of `expected_visibility`."""
+    support: Floats = np.log1p(-visibility / MOST) ** 2
+    return support
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +87,7 @@ class FrameView:
 class FrameGeometry:
     """Tells what a frame meets of the bone, for one kind of image.
 
-    Parameters
-    ----------
-    frame_size : (columns, rows)
-    thickness : float, mm
-        Full width of the beam across the image plane.
+    `frame_size` is (columns, rows), `thickness` (mm) the full width of the beam across the image plane.
     """
 
     def __init__(
@@ -60,19 +95,14 @@ class FrameGeometry:
     ):
         self.bone = bone
         self.beams = SweepBeams(np.empty((0, 4, 4)), frame_size, probe, region, thickness)
-        self._kept = region.mask(*frame_size)
+        self._mask = region.mask(*frame_size)
         self._rays = BoneRays(bone.distance)
         self._starts = bone.starts
 
     def view(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> FrameView:
         """What a frame at this pose meets; without an image, as if it were lit everywhere.
 
-        Parameters
-        ----------
-        image_to_reference : (4, 4) float64 array, pixels to mm
-        image : (rows, columns) array or None
-        full_scale : float
-            The brightest gray level there can be.
+        The pose is (4, 4), pixels to mm, the image (rows, columns); `full_scale` is the brightest gray level there can be.
         """
         _, seen, pixels, cosines, blocked = self._look(image_to_reference[None])
         status = np.full(len(seen), MET, dtype=np.uint8)
@@ -82,16 +112,16 @@ class FrameGeometry:
             status[open_[~self._lit(image, pixel_spacing(image_to_reference), pixels[open_], full_scale)]] = DARK
         return FrameView(seen, cosines, status)
 
-    def evidence(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats]:
-        """What several frames (m, 4, 4) meet as if they were lit: frame, point, and what that adds to its evidence, by `evidence_of`."""
+    def support(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats]:
+        """What several frames (m, 4, 4) meet as if they were lit: frame, point, and what that adds to its support, by `support_of`."""
         frame, seen, _, cosines, blocked = self._look(image_to_reference)
         met = np.flatnonzero(~blocked)
-        return frame[met], seen[met], evidence_of(cosines[met])
+        return frame[met], seen[met], support_of(cosines[met])
 
     def _look(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats, Floats, Mask]:
         """Of points in the beams of frames (m, 4, 4), within `GRAZING_DEG`: frame, point, pixel, cosine, and whether bone is before it."""
         surface = self.bone.surface
-        frame, seen, pixels, beams, lengths = in_beams(surface.points_reference, image_to_reference, self.beams, self._kept)
+        frame, seen, pixels, beams, lengths = in_beams(surface.points_reference, image_to_reference, self.beams, self._mask)
         cosines = -np.einsum("ij,ij->i", beams, surface.normals_reference[seen])
         facing = np.flatnonzero(cosines >= math.cos(math.radians(GRAZING_DEG)))
         frame, seen, pixels, cosines = frame[facing], seen[facing], pixels[facing], cosines[facing]
@@ -102,10 +132,10 @@ class FrameGeometry:
         x, y = spacing
         wide, high = max(round(LOOK_STEP / x), 1), max(round(LOOK_STEP / y), 1)
         level = _cells(image, wide, high) / np.float32(full_scale)
-        kept = self._kept[high // 2 :: high, wide // 2 :: wide][: level.shape[0], : level.shape[1]]
-        level = np.where(kept & np.isfinite(level), level, np.float32(0))
-        shown = level[kept]
-        bright = float(np.partition(shown, place)[place]) if (place := int(TISSUE_LEVEL * len(shown))) < len(shown) else 0.0
+        in_region = self._mask[high // 2 :: high, wide // 2 :: wide][: level.shape[0], : level.shape[1]]
+        level = np.where(in_region & np.isfinite(level), level, np.float32(0))
+        shown = level[in_region]
+        bright = float(np.partition(shown, rank)[rank]) if (rank := int(TISSUE_LEVEL * len(shown))) < len(shown) else 0.0
         threshold = np.clip(FULLY_REACHED * bright, DARKEST, FULLY_REACHED)
         if self.beams.probe.kind == LINEAR:
             way = np.tile([0.0, 1.0 / y], (len(pixels), 1))
@@ -140,8 +170,8 @@ class BoneMet:
     ----------
     best_cosine : (n,) float64 array
         Of the smallest angle of incidence so far; NaN where no frame has met the point.
-    evidence : (n,) float64 array
-        Sum over the frames that met the point; see `evidence_of`.
+    support : (n,) float64 array
+        Sum over the frames that met the point; see `support_of`.
     frames, shadowed, dark : (n,) int32 arrays
         Frames that met the point; in whose beams it lay behind other bone; whose images were dark there.
     """
@@ -150,7 +180,7 @@ class BoneMet:
         self.geometry = geometry
         count = len(geometry.bone)
         self.best_cosine = np.full(count, np.nan)
-        self.evidence = np.zeros(count)
+        self.support = np.zeros(count)
         self.frames, self.shadowed, self.dark = (np.zeros(count, dtype=np.int32) for _ in range(3))
 
     @property
@@ -161,7 +191,7 @@ class BoneMet:
     @property
     def expected(self) -> Floats:
         """The chance that `weighted` shows each point, (n,), 0 to 1."""
-        return expected_visibility(self.evidence)
+        return expected_visibility(self.support)
 
     def insert(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> None:
         """Add a frame; the arguments are those of `FrameGeometry.view`."""
@@ -172,7 +202,7 @@ class BoneMet:
         met = view.status == MET
         points = view.points[met]
         self.best_cosine[points] = np.fmax(self.best_cosine[points], view.cosines[met])
-        self.evidence[points] += evidence_of(view.cosines[met])
+        self.support[points] += support_of(view.cosines[met])
         self.frames[points] += 1
         self.shadowed[view.points[view.status == SHADOWED]] += 1
         self.dark[view.points[view.status == DARK]] += 1

@@ -11,18 +11,18 @@ from ..message import listed
 from ..progress import Progress
 from .bone import GuidedBone
 from .candidates import DRAWS, Candidates
-from .hand import HAND, Hand
 from .met import BoneMet
-from .passes import Pass, freehand_passes, name_of_place
+from .passes import HAND, Hand, Pass, freehand_passes, name_of_place
 from .probe import Placement, ProbeOnBack
 
 STABLE = 0.25
 """Part by which another move must be better than the one that was advised before it is advised instead."""
 
 FAR_MM, FAR_DEG = 60.0, 60.0
-"""A slide or a tilt as laborious as one other; moves are weighed by what they add over 1 and half their labor."""
+"""A slide of so many mm is as laborious as a tilt of so many degrees."""
 
 LABOR = 0.5
+"""What a move adds is divided by 1 and this times its labor, in units of those."""
 
 ROUNDS = 3
 """Times as many frames as a pass needs at least, in which a pass is thought to be made: 18 for a slide of 18 mm, a second or two."""
@@ -54,7 +54,7 @@ class Move:
 
     words: str  #: In a sonographer's words, with what it adds
     adds_cm2: float
-    """Area of the target, and 5% of the area beside it, that it is expected to show beyond what is shown already."""
+    """Area of the target, and `OFF_TARGET` of the area off it, that it is expected to show beyond what is shown already."""
     image_to_reference: Matrix  #: (4, 4). Where the probe is in the middle of that pass: for a ghost.
     planned: Pass  #: The pass
     frames: int  #: In which that pass is thought to be made
@@ -63,24 +63,12 @@ class Move:
 class NextMove:
     """Advises moves for a target.
 
-    Parameters
-    ----------
-    target : str
-        See `GuidedBone.part`.
-    progress : Progress or None
-        Of looking at all candidate passes, which takes some seconds.
-    hand : Hand or None
-        By how much moves are expected to miss; None: not at all.
-    looked : Candidates or None
-        Freehand passes that were looked at before, for this target and hand.
-    draws : int
-        How often candidate passes are looked at for now; see `look_again`.
-
-    Notes
-    -----
     Candidates are the passes of a plan by hand: each is a move from where the probe is (turn, slide, tilt), and then a slide of
     some 18 mm across the image, or 36 mm along the spine. The one that adds most for its labor is advised, and stays advised until
     another is better by `STABLE` or it has nothing more to add.
+
+    `target` as in `GuidedBone.target`; without a `hand` moves are expected to be made exactly. Candidate passes are looked at `draws` times
+    for now, which takes some seconds; see `look_again`.
     """
 
     def __init__(
@@ -90,11 +78,10 @@ class NextMove:
         target: str = "interspinous",
         progress: Progress | None = None,
         hand: Hand | None = HAND,
-        looked: Candidates | None = None,
         draws: int = DRAWS,
     ):
         self._bone, self._probe = bone, probe
-        self._candidates = looked or Candidates(freehand_passes(bone), bone, probe, target, hand, progress, draws)
+        self._candidates = Candidates(freehand_passes(bone), bone, probe, target, hand, progress, draws)
         self._passes = self._candidates.passes
         self._advised: Pass | None = None
 
@@ -108,7 +95,7 @@ class NextMove:
     def advise(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None) -> Move | None:
         """What to do next from a pose; None when nothing is worth its labor any more."""
         now = self._probe.placement(image_to_reference)
-        gains = self._candidates.gains(self._candidates.looked(met.evidence), ROUNDS, progress)
+        gains = self._candidates.gains(self._candidates.looked(met.support), ROUNDS, progress)
         values = gains / np.array([one.least * (1.0 + LABOR * _labor(now, _middle(one))) for one in self._passes])
         worth = gains >= self._candidates.worth
         if not worth.any():

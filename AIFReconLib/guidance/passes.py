@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,21 +49,53 @@ class Pass:
 
     def placements(self, frames: int) -> list[Placement]:
         """Where each of so many frames is taken: in the middles of as many parts of the way."""
-        parts = (np.arange(frames) + 0.5) / frames
+        fractions = (np.arange(frames) + 0.5) / frames
         return [
             replace(
                 self.start,
                 **{
-                    name: float(getattr(self.start, name) + part * (getattr(self.stop, name) - getattr(self.start, name)))
+                    name: float(getattr(self.start, name) + fraction * (getattr(self.stop, name) - getattr(self.start, name)))
                     for name in ("x", "z", "in_plane_deg", "across_deg")
                 },
             )
-            for part in parts
+            for fraction in fractions
         ]
 
     def poses(self, probe: ProbeOnBack, frames: int | None = None) -> Matrix:
         """image_to_reference of its frames, (frames, 4, 4); `least` of them by default."""
         return probe.poses(self.placements(frames or self.least))
+
+
+@dataclass(frozen=True)
+class Hand:
+    """Standard deviations of normal errors."""
+
+    off_mm: float = 5.0
+    off_deg: float = 5.0
+    """Of a whole pass: of its place along each axis of the skin, and of each of the three angles."""
+    wander_mm: float = 1.0
+    wander_deg: float = 1.0
+    """The same of each frame within the pass, on top of that."""
+
+    def follow(self, placements: Sequence[Placement], rng: np.random.Generator) -> list[Placement]:
+        """A pass as this hand makes it; another one with every call."""
+        off = rng.standard_normal(5) * ([self.off_mm] * 2 + [self.off_deg] * 3)
+        wander = rng.standard_normal((len(placements), 5)) * ([self.wander_mm] * 2 + [self.wander_deg] * 3)
+        return [
+            replace(
+                one,
+                x=one.x + float(x),
+                z=one.z + float(z),
+                turn_deg=one.turn_deg + float(turn),
+                in_plane_deg=one.in_plane_deg + float(tilt),
+                across_deg=one.across_deg + float(across),
+            )
+            for one, (x, z, turn, tilt, across) in zip(placements, off + wander, strict=True)
+        ]
+
+
+HAND = Hand()
+"""What plans and advice count on."""
 
 
 def freehand_passes(bone: GuidedBone) -> list[Pass]:

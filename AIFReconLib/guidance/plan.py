@@ -13,9 +13,8 @@ from ..progress import Progress, part, report
 from ..remedies import Remedy
 from .bone import GuidedBone
 from .candidates import Candidates, geometry_of
-from .hand import HAND, Hand
 from .met import BoneMet
-from .passes import Pass, freehand_passes, wearable_passes, wearable_places
+from .passes import HAND, Hand, Pass, freehand_passes, wearable_passes, wearable_places
 from .probe import ProbeOnBack
 
 FREEHAND, WEARABLE = "freehand", "wearable"
@@ -77,32 +76,25 @@ def plan_scan(
     target: str = "interspinous",
     frames: int = 180,
     candidates: str = FREEHAND,
-    before: BoneMet | None = None,
     hand: Hand | None = HAND,
-    looked: Candidates | None = None,
     progress: Progress | None = None,
 ) -> ScanPlan:
     """The passes that show most of a target with a number of frames.
 
     Bone and probe are given; each of the other parameters is one thing that a planner may want otherwise.
+    Raises SettingsError when the frames are too few for one pass; GeometryError when there is no such target, or no pass shows more of
+    it.
 
     Parameters
     ----------
     target : str
-        `interspinous`, `posterior`, `all` or a label's name or number; see `GuidedBone.part`.
+        `interspinous`, `posterior`, `all` or a label's name or number; see `GuidedBone.target`.
     frames : int
         Of all passes together.
     candidates : "freehand" or "wearable"
         What the probe can do: slide and tilt by hand, or tilt about two axes where it is strapped on.
-    before : BoneMet or None
-        What was met already.
     hand : Hand or None
         By how much passes are expected to miss; None: not at all, as a wearable device's motors in any case.
-    looked : Candidates or None
-        Freehand passes that were looked at before, for this target and hand.
-
-    Raises SettingsError when the frames are too few for one pass; GeometryError when there is no such target, or no pass shows more of
-    it.
 
     Notes
     -----
@@ -116,7 +108,7 @@ def plan_scan(
     .. [1] Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions, Mathematical
        Programming 14:265-294, doi:10.1007/BF01588971.
     """
-    chosen = bone.part(target)
+    chosen = bone.target(target)
     options: list[list[Pass]] = [freehand_passes(bone)]
     if candidates == WEARABLE:
         hand = None
@@ -124,25 +116,25 @@ def plan_scan(
         options = [wearable_passes(bone, place, turn) for place in places for turn in (0.0, 90.0)]
     if frames < min(one.least for passes in options for one in passes):
         raise SettingsError(f"Input frames must be enough for one pass, some 6 to 25; got {frames!r}. Give more, or choose another target.")
-    evidence = np.zeros(len(bone)) if before is None else before.evidence
+    nothing = np.zeros(len(bone))
     best: tuple[float, list[tuple[Pass, int]]] = (0.0, [])
     for number, passes in enumerate(options):
         share = part(progress, 0.8 * number / len(options), 0.8 * (number + 1) / len(options))
-        seen = looked if looked and candidates == FREEHAND else Candidates(passes, bone, probe, target, hand, share)
-        best = max(best, _greedy(seen, seen.looked(evidence), frames), key=lambda option: option[0])
+        seen = Candidates(passes, bone, probe, target, hand, share)
+        best = max(best, _greedy(seen, seen.looked(nothing), frames), key=lambda option: option[0])
     if not best[1]:
         raise GeometryError(f"No pass of this probe would show more of {target}.", Remedy.PLACE_THE_CT)
-    return _planned(target, _filled(best[1], frames), probe, bone, np.flatnonzero(chosen), evidence, hand, part(progress, 0.8, 1.0))
+    return _planned(target, _filled(best[1], frames), probe, bone, np.flatnonzero(chosen), hand, part(progress, 0.8, 1.0))
 
 
-def _greedy(candidates: Candidates, evidence: Floats, frames: int) -> tuple[float, list[tuple[Pass, int]]]:
+def _greedy(candidates: Candidates, support: Floats, frames: int) -> tuple[float, list[tuple[Pass, int]]]:
     """The weighted area that they are expected to add, and the passes in the order of their choice, each with its frames."""
     least = np.array([one.least for one in candidates.passes])
     counts: dict[int, int] = {}
     new = np.full(len(least), NEW_PASS)
     left, added = frames, 0.0
     while True:
-        gains = candidates.gains(evidence)
+        gains = candidates.gains(support)
         per_frame = np.where(least <= left, gains / (least + new), -1.0)
         best = int(np.argmax(per_frame))
         if per_frame[best] < 0 or gains[best] < candidates.worth:
@@ -150,7 +142,7 @@ def _greedy(candidates: Candidates, evidence: Floats, frames: int) -> tuple[floa
         count = int(least[best])
         added, left, new[best] = added + float(gains[best]), left - count, 0
         counts[best] = counts.get(best, 0) + count
-        evidence = candidates.make(best, evidence)
+        support = candidates.make(best, support)
     return added, [(candidates.passes[number], count) for number, count in counts.items()]
 
 
@@ -167,7 +159,6 @@ def _planned(
     probe: ProbeOnBack,
     bone: GuidedBone,
     chosen: Integers,
-    evidence: Floats,
     hand: Hand | None,
     progress: Progress | None,
 ) -> ScanPlan:
@@ -178,15 +169,13 @@ def _planned(
     shown, shares = np.zeros((draws, len(passes) + 1)), np.zeros(draws)
     for draw in range(draws):
         met = BoneMet(geometry)
-        met.evidence += evidence[chosen]
-        shown[draw, 0] = areas @ met.expected
         for number, (one, count) in enumerate(passes):
             report(progress, (draw + number / len(passes)) / (draws + 1), "Following the plan")
             placements = one.placements(count)
             for pose in probe.poses(placements if hand is None else hand.follow(placements, rng)):
                 met.insert(pose)
             shown[draw, number + 1] = areas @ met.expected
-        shares[draw] = shown[draw, -1] / max(float(areas[met.evidence > 0].sum()), 1e-9)
+        shares[draw] = shown[draw, -1] / max(float(areas[met.support > 0].sum()), 1e-9)
     adds = np.diff(shown.mean(axis=0)) / 100.0
     planned = [PlannedPass(one.name, one.poses(probe, count), float(added), one) for (one, count), added in zip(passes, adds, strict=True)]
     exact = BoneMet(geometry_of(bone, probe))

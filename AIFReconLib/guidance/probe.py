@@ -77,7 +77,7 @@ class ProbeImages:
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Where the skin of the back is: its place along straight ahead over right and head, in the patient's axes."""
+    """The skin of the back as a surface y(x, z): to the front over right and head, in the patient's axes."""
 
     coefficients: Floats  #: (6,), mm. Of 1, x, z, x^2, x z, z^2 in units of `BEND`.
 
@@ -96,8 +96,8 @@ class Skin:
         points = transform_points(invert(bone.patient_to_reference), bone.surface.points_reference)
         tips = []
         for label in np.unique(bone.surface.labels):
-            own = points[bone.surface.labels == label]
-            behind = own[own[:, 1] <= np.quantile(own[:, 1], 0.01)]
+            of_label = points[bone.surface.labels == label]
+            behind = of_label[of_label[:, 1] <= np.quantile(of_label[:, 1], 0.01)]
             tips.append((0.0, behind[:, 1].mean() - UNDER_SKIN, behind[:, 2].mean()))
         return cls.through(np.array(tips))
 

@@ -60,11 +60,7 @@ class DetectedImaging:
 def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)) -> DetectedImaging:
     """Recognize a linear or sector image by its black surround.
 
-    Parameters
-    ----------
-    images : ImageStack, (frames, rows, columns)
-    spacing : (x, y), mm
-        Pixel pitch; a sector is round in mm.
+    `images` are (frames, rows, columns), `spacing` is (x, y) in mm: a sector is round in mm.
 
     Raises BeamGeometryError when the outline is neither a rectangle nor a sector.
     """

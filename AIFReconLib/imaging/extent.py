@@ -29,6 +29,13 @@ def grid_around_sweep(
 ) -> VoxelGrid:
     """The smallest grid along the axes of Reference that holds the region of every frame.
 
+    IGSIO's rule: the origin is the least coordinate of any pixel center and the center of voxel 0; the size is
+    round((most - least) / spacing) + 1. So the last pixel is at most half a voxel past the last voxel's center. A pixel on the very
+    border of two voxels, to rounding, gets both.
+
+    Raises InsufficientMemoryError with how much is needed and which spacing would fit; GeometryError when there is no pose, or the
+    poses span what no scanner does.
+
     Parameters
     ----------
     image_to_reference : (frames, 4, 4) array, pixels to mm
@@ -41,15 +48,6 @@ def grid_around_sweep(
         Where pixels truly are, where that is not where they are shown.
     fits_spacing : bool
         The spacing along z grows until the box is a whole number of voxels deep: Plus's RecomputeOutputSpacing.
-
-    Raises InsufficientMemoryError says how much is needed and which spacing would fit; GeometryError when there is no pose, or the
-    poses span what no scanner does.
-
-    Notes
-    -----
-    IGSIO's rule: the origin is the least coordinate of any pixel center and the center of voxel 0; the size is
-    round((most - least) / spacing) + 1. So the last pixel is at most half a voxel past the last voxel's center. A pixel on the very
-    border of two voxels, to rounding, gets both.
     """
     if not len(image_to_reference):
         raise GeometryError("Input poses must be at least one; got none.")
@@ -57,8 +55,8 @@ def grid_around_sweep(
     pixels = extreme_pixels(mask)
     if depth_scale is not None:
         # What is straight as shown may not be in truth: the whole outline counts
-        beside = np.pad(mask, 1)
-        outline = mask & ~(beside[:-2, 1:-1] & beside[2:, 1:-1] & beside[1:-1, :-2] & beside[1:-1, 2:])
+        padded = np.pad(mask, 1)
+        outline = mask & ~(padded[:-2, 1:-1] & padded[2:, 1:-1] & padded[1:-1, :-2] & padded[1:-1, 2:])
         pixels = depth_scale.moved(np.argwhere(outline)[:, ::-1].T.astype(np.float64)).T
     least, most = np.full(3, np.inf), np.full(3, -np.inf)
     along = np.ascontiguousarray(pixels.T)

@@ -36,9 +36,9 @@ def largest_area(mask: Mask) -> Mask:
     runs, area, sizes = _areas(mask)
     largest = _painted(runs[area == sizes.argmax()], mask.shape)
     # What cannot be reached from beside the image is a hole; the first run is beside it
-    beside = np.pad(~largest, 1, constant_values=True)
-    runs, area, _ = _areas(beside)
-    return ~_painted(runs[area == area[0]], beside.shape)[1:-1, 1:-1]
+    outside = np.pad(~largest, 1, constant_values=True)
+    runs, area, _ = _areas(outside)
+    return ~_painted(runs[area == area[0]], outside.shape)[1:-1, 1:-1]
 
 
 def _areas(mask: Mask) -> tuple[Integers, Integers, Integers]:

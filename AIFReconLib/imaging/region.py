@@ -142,28 +142,17 @@ class FanDetection:
     def angles(self, image: Numbers, fan: Fan) -> tuple[float, float] | None:
         """The angles between which a frame shows something.
 
-        Parameters
-        ----------
-        image : (rows, columns) array
-        fan : Fan
-            In pixels; the answer lies within its angles.
+        `fan` is in pixels; the answer lies within its angles. None where no arc is lit.
 
-        Returns
-        -------
-        angles_deg : (first, last) or None
-            None where no arc is lit.
-
-        Notes
-        -----
         The widest lit part of any of four arcs, 3 degrees off either side. Arcs are sampled a pixel apart from the first angle on;
         samples outside the image are left out, and the apex counts in whole pixels.
         """
         widest = (0.0, 0.0)
         for depth in DEPTHS:
             angles, lit = self._arc(image, fan, fan.radii[0] + (fan.radii[1] - fan.radii[0]) * depth)
-            for part in self._lit_parts(angles, lit, math.radians(fan.angles_deg[1])):
-                if part[1] - part[0] > widest[1] - widest[0]:
-                    widest = part
+            for span in self._lit_spans(angles, lit, math.radians(fan.angles_deg[1])):
+                if span[1] - span[0] > widest[1] - widest[0]:
+                    widest = span
         if widest == (0.0, 0.0):
             return None
         first = max(math.degrees(widest[0]) + MARGIN_DEG, fan.angles_deg[0])
@@ -179,20 +168,20 @@ class FanDetection:
         inside = (column >= 0) & (column < image.shape[1]) & (row >= 0) & (row < image.shape[0])
         return angles[inside], image[row[inside], column[inside]] >= self.threshold
 
-    def _lit_parts(self, angles: Floats, lit: Mask, end: float) -> list[tuple[float, float]]:
+    def _lit_spans(self, angles: Floats, lit: Mask, end: float) -> list[tuple[float, float]]:
         """First and last angle of each lit part of an arc; one that does not end on it ends at `end`."""
         window = 2 * self.filter_radius_px
         count = np.cumsum(np.concatenate([[0], lit]))
-        parts: list[tuple[float, float]] = []
+        spans: list[tuple[float, float]] = []
         start: float | None = None
         for place in range(window, len(angles)):
             inside = count[place] - count[place - window]
             if start is None and 2 * inside >= window:
                 start = float(angles[place - window])
             elif start is not None and 2 * inside <= window:
-                parts.append((start, float(angles[place - 1])))
+                spans.append((start, float(angles[place - 1])))
                 start = None
-        return parts if start is None else [*parts, (start, end)]
+        return spans if start is None else [*spans, (start, end)]
 
 
 def _rounded(numbers: Floats) -> Integers:
@@ -204,25 +193,20 @@ def _rounded(numbers: Floats) -> Integers:
 class PixelFilter:
     """Looks at one frame after the other.
 
-    Parameters
-    ----------
-    rejection : float or None
-        Pixels darker than this do not enter.
-    region : ImageRegion
-        Its fan is narrowed frame by frame where it has a `fan_detection`.
+    Pixels darker than `rejection` do not enter, and the fan of a region that has a `fan_detection` is narrowed frame by frame.
     """
 
     def __init__(self, rejection: float | None, region: ImageRegion):
         self._rejection = rejection
         self._fan, self._detection = region.fan, region.fan_detection
 
-    def kept(self, image: Numbers) -> Mask | None:
+    def entering(self, image: Numbers) -> Mask | None:
         """The pixels of an image that enter, (rows, columns) bool; None for all (of the region, which is applied elsewhere)."""
-        kept = None if self._rejection is None else image >= self._rejection
+        entering = None if self._rejection is None else image >= self._rejection
         if self._fan is not None and self._detection is not None:
             angles = self._detection.angles(image, self._fan)
             if angles is None:
                 return np.zeros(image.shape, dtype=bool)
             fan = replace(self._fan, angles_deg=angles).mask(image.shape[1], image.shape[0])
-            kept = fan if kept is None else kept & fan
-        return kept
+            entering = fan if entering is None else entering & fan
+        return entering

@@ -26,16 +26,10 @@ class ScanLineSamples:
 def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, float], probe: ProbeGeometry) -> ScanLineSamples:
     """Lay scan lines over pixels.
 
-    Parameters
-    ----------
-    columns, rows : (n,) int arrays
-        The pixels that are ultrasound.
-    spacing : (x, y), mm
-
-    Notes
-    -----
     A linear probe has one scan line per image column. A sector has lines at equal angles, about one pixel apart at the far end and at
     most 512; samples are one pixel apart along the beam.
+
+    `columns` and `rows` (n,) are the pixels that are ultrasound, `spacing` is (x, y) in mm.
     """
     if probe.kind == LINEAR:
         left, top = int(columns.min()), int(rows.min())

@@ -47,15 +47,8 @@ class DepthScale:
     def moved(self, pixels: Floats) -> Floats:
         """Where pixels truly are.
 
-        Parameters
-        ----------
-        pixels : (2, n) float64 array
-            Column and row as shown.
-
-        Returns
-        -------
-        pixels : (2, n) float64 array
-            Linear probe: row' = face + factor (row - face). Sector: the same of the radius about the apex, at the same angle in mm.
+        `pixels` are (2, n) columns and rows as shown.
+        Linear probe: row' = face + factor (row - face). Sector: the same of the radius about the apex, at the same angle in mm.
         """
         stretch = self.stretch
         if stretch is not None:

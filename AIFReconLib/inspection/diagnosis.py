@@ -63,12 +63,7 @@ def diagnose(
 ) -> SequenceReport:
     """Look at a sequence as `reconstruct` would, without reconstructing.
 
-    Parameters
-    ----------
-    image_to_reference, reference : str or None
-        See `sweep_poses`.
-    progress : Progress or None
-        Comparing images with poses takes a while, where the sweep goes to and fro.
+    Names are those of `sweep_poses`. Comparing images with poses takes a while, where the sweep goes to and fro.
     """
     columns_, rows = sequence.frame_size
     facts = [

@@ -123,8 +123,6 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
 def corner_track(image_to_reference: Matrix, frame_size: tuple[int, int]) -> Floats:
     """The four corners of every image as one point of a 12-dimensional space, (frames, 12).
 
-    Notes
-    -----
     Divided by two, so that the distance of two such points is the root mean square distance of the corners, in mm: rotations count by
     how far they move the image.
     """
@@ -148,25 +146,16 @@ class _Track:
         self._stretch = np.concatenate([[0], np.cumsum(missing | jumps)])
         self.velocities = np.zeros_like(points)
         for number in range(int(self._stretch[-1]) + 1):
-            own = self._stretch == number
-            if own.sum() > 1:
-                self.velocities[own] = np.gradient(points[own], times[own], axis=0)
-        kept = steps[~(missing | jumps)]
-        self.typical_step = float(np.median(kept)) if len(kept) else 0.0
+            stretch = self._stretch == number
+            if stretch.sum() > 1:
+                self.velocities[stretch] = np.gradient(points[stretch], times[stretch], axis=0)
+        steady = steps[~(missing | jumps)]
+        self.typical_step = float(np.median(steady)) if len(steady) else 0.0
 
     def weights(self, images: Integers, offset: float, near: float) -> Floats:
         """How much each pair of images counts whose poses are `offset` (s) off: same place, opposite ways, not one right after the other.
 
-        Parameters
-        ----------
-        images : (n,) array
-            Their numbers on this track.
-        offset : float, s
-        near : float, mm
-
-        Returns
-        -------
-        weights : (n, n) array
+        `images` (n,) are their numbers on this track; (n, n) comes back. Within `near` (mm) is the same place.
         """
         at = self.times[images] + offset
         points = np.stack([np.interp(at, self.times, column) for column in self.points.T], axis=1)
@@ -174,10 +163,10 @@ class _Track:
         speeds = np.linalg.norm(velocities, axis=1)
         after = np.clip(np.searchsorted(self.times, at), 1, len(self.times) - 1)
         # Between two frames of the stretch that the image itself is of; a moment that is a frame's own belongs to it alone
-        own = self._stretch[images]
+        stretch = self._stretch[images]
         before = np.where(at == self.times[after], after, after - 1)
         after = np.where(at == self.times[after - 1], after - 1, after)
-        known = (at >= self.times[0]) & (at <= self.times[-1]) & (self._stretch[before] == own) & (self._stretch[after] == own)
+        known = (at >= self.times[0]) & (at <= self.times[-1]) & (self._stretch[before] == stretch) & (self._stretch[after] == stretch)
         moving = known & (speeds > 0.2 * np.percentile(speeds, 75)) & (speeds > 0)
         squares = (points**2).sum(axis=1)
         exponents = (_products(points) - 0.5 * (squares[:, None] + squares[None])) / near**2

@@ -21,17 +21,8 @@ PLANES_AT_ONCE = 16
 def raised_share(shown: Numbers, plain: Numbers, least: float = 0.0) -> Singles:
     """The share of the brightness that a method added, 0 to 1.
 
-    Parameters
-    ----------
-    shown, plain : arrays of one shape
-        Gray levels of the method, and of the plain mean.
-    least : float
-        Differences below this count as none.
-
-    Returns
-    -------
-    share : float32 array
-        (shown - plain) / shown where that is positive, else 0: a voxel three times as bright as its echoes has 2/3.
+    `shown` and `plain` are gray levels of the method and of the plain mean; differences below `least` count as none.
+    (shown - plain) / shown comes back where that is positive, else 0: a voxel three times as bright as its echoes has 2/3.
     """
     bright = shown.astype(np.float32)
     added = bright - plain.astype(np.float32)
@@ -43,12 +34,12 @@ def raised_share(shown: Numbers, plain: Numbers, least: float = 0.0) -> Singles:
 def raised_bands(shown: Volume, plain: Volume) -> Bytes:
     """For display: 0 where a voxel is as bright as its echoes are on the mean, else 1 to 4, the number of its band in `BANDS`.
 
+    Raises GeometryError when their voxels are not the same.
+
     Parameters
     ----------
     shown, plain : Volume
         The reconstruction, and its plain mean on the same voxels.
-
-    Raises GeometryError when their voxels are not the same.
     """
     if shown.array.shape != plain.array.shape or not np.allclose(shown.ijk_to_reference, plain.ijk_to_reference, rtol=0.0, atol=1e-6):
         raise GeometryError("Input plain must lie on the voxels of the reconstruction; got another grid. Reconstruct both anew.")

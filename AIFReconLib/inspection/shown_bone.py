@@ -62,6 +62,8 @@ class ShownBone:
 def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_reference: Matrix | None = None) -> ShownBone:
     """What a method that weights by bone shows of it.
 
+    Raises SettingsError when score or hits were not kept.
+
     Parameters
     ----------
     result : Reconstruction
@@ -69,8 +71,6 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     labels : Volume of integers or None
         Of the CT, for `ShownBone.distances`.
     labels_to_reference : (4, 4) array, mm, or None
-
-    Raises SettingsError when score or hits were not kept.
 
     Notes
     -----
@@ -98,10 +98,10 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     weight *= np.minimum(brightness, np.float32(1.0), out=brightness)
     spacing = result.grid.spacing
     factors = np.clip(np.floor(CELL / spacing + 0.5), 1, result.grid.size).astype(int)
-    evidence, seen = (_averaged(array, factors) for array in (weight, measured))
+    shown, seen = (_averaged(array, factors) for array in (weight, measured))
     sigma = (SMOOTHING / (spacing * factors))[::-1]
-    evidence, seen = (scipy.ndimage.gaussian_filter(array, sigma, mode="nearest") for array in (evidence, seen))
-    field = evidence / np.maximum(seen, np.float32(LEAST_SEEN))
+    shown, seen = (scipy.ndimage.gaussian_filter(array, sigma, mode="nearest") for array in (shown, seen))
+    field = shown / np.maximum(seen, np.float32(LEAST_SEEN))
     pieces, count = scipy.ndimage.label(field > LEVEL, np.ones((3, 3, 3)))
     small = np.bincount(pieces.reshape(-1), minlength=count + 1) * float(np.prod(spacing * factors)) < CRUMB
     small[0] = False

@@ -17,14 +17,7 @@ if TYPE_CHECKING:
 def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None, words: Mapping[Remedy, str] = IN_PYTHON) -> list[str]:
     """Method, frames, voxels, how many of them hold something, which frames were skipped and why, and what else is to be known.
 
-    Parameters
-    ----------
-    frames : int
-        How many the sweep has.
-    seconds : float or None
-        How long it took.
-    words : mapping of Remedy to str
-        What to do, as the reader knows it.
+    `frames` are those of the sweep, `seconds` what it took; `words` say what to do as the reader knows it.
     """
     grid = result.grid
     measured = int((result.mask.array == MEASURED).sum())
@@ -54,5 +47,5 @@ def _skipped(result: Reconstruction) -> list[str]:
 
 def describe_coverage(measured: float, filled: float | None = None) -> str:
     """How many of the voxels were measured and how many filled, both from 0 to 1, in words."""
-    said = f"{100 * measured:.1f}% of the voxels measured"
-    return said if filled is None else f"{said}, {100 * filled:.1f}% filled"
+    words = f"{100 * measured:.1f}% of the voxels measured"
+    return words if filled is None else f"{words}, {100 * filled:.1f}% filled"

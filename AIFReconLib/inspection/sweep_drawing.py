@@ -23,6 +23,9 @@ _COLUMN_COLOR, _ROW_COLOR = "#c0392b", "#1e8449"
 def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: str = "", reference: str = "Reference") -> str:
     """The text of an SVG file.
 
+    The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
+    both of the first frame. Both panels have one scale.
+
     Parameters
     ----------
     image_to_reference : (frames, 4, 4) array, pixels to mm, finite
@@ -30,11 +33,6 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
     frame_size : (columns, rows)
     reference : str
         What the frame of the axes is called.
-
-    Notes
-    -----
-    The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
-    both of the first frame. Both panels have one scale.
     """
     poses = np.asarray(image_to_reference, dtype=np.float64)
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_OUTLINES)).round().astype(int))
@@ -45,42 +43,42 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
     width, height = len(VIEWS) * (PANEL + 2 * MARGIN), PANEL + 2 * MARGIN + 24
-    parts = [
+    elements = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}" '
         'font-family="sans-serif" font-size="12">',
         f'<rect width="{width:.0f}" height="{height:.0f}" fill="white"/>',
         f'<text x="{MARGIN:.0f}" y="20" font-size="14">{escape(title)}</text>',
     ]
     for number, axes in enumerate(VIEWS):
-        place = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
+        corner = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
         middle = (low + high)[list(axes)] / 2
 
-        on_page = place + PANEL / 2 + (outlines[..., list(axes)] - middle) * scale
-        parts += _panel(on_page, place, axes, scale, reference)
-    parts.append("</svg>\n")
-    return "\n".join(parts)
+        on_page = corner + PANEL / 2 + (outlines[..., list(axes)] - middle) * scale
+        elements += _panel(on_page, corner, axes, scale, reference)
+    elements.append("</svg>\n")
+    return "\n".join(elements)
 
 
-def _panel(outlines: Floats, place: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:
+def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:
     """One view of the outlines, (frames, 4, 2) on the page."""
     across, down = (_AXES[axis] for axis in axes)
-    parts = [f'<rect x="{place[0]:.1f}" y="{place[1]:.1f}" width="{PANEL:.0f}" height="{PANEL:.0f}" fill="none" stroke="#bbb"/>']
+    elements = [f'<rect x="{corner[0]:.1f}" y="{corner[1]:.1f}" width="{PANEL:.0f}" height="{PANEL:.0f}" fill="none" stroke="#bbb"/>']
     for number, outline in enumerate(outlines):
         level = round(190 - 170 * number / max(len(outlines) - 1, 1))
         points = " ".join(f"{x:.1f},{y:.1f}" for x, y in outline)
-        parts.append(f'<polygon points="{points}" fill="none" stroke="rgb({level},{level},{level})"/>')
+        elements.append(f'<polygon points="{points}" fill="none" stroke="rgb({level},{level},{level})"/>')
     origin, end_of_columns, _, end_of_rows = outlines[0]
     for end, color, label in ((end_of_columns, _COLUMN_COLOR, "columns"), (end_of_rows, _ROW_COLOR, "rows")):
-        parts.append(
+        elements.append(
             f'<line x1="{origin[0]:.1f}" y1="{origin[1]:.1f}" x2="{end[0]:.1f}" y2="{end[1]:.1f}" stroke="{color}" stroke-width="2"/>'
         )
-        parts.append(f'<circle cx="{end[0]:.1f}" cy="{end[1]:.1f}" r="3" fill="{color}"/>')
-        parts.append(f'<text x="{end[0] + 5:.1f}" y="{end[1] - 4:.1f}" fill="{color}">{label}</text>')
+        elements.append(f'<circle cx="{end[0]:.1f}" cy="{end[1]:.1f}" r="3" fill="{color}"/>')
+        elements.append(f'<text x="{end[0] + 5:.1f}" y="{end[1] - 4:.1f}" fill="{color}">{label}</text>')
     length = 10.0 ** np.floor(np.log10(PANEL / 2 / scale))
-    y = place[1] + PANEL + 20
-    parts.append(
-        f'<line x1="{place[0]:.1f}" y1="{y:.1f}" x2="{place[0] + length * scale:.1f}" y2="{y:.1f}" stroke="black" stroke-width="2"/>'
+    y = corner[1] + PANEL + 20
+    elements.append(
+        f'<line x1="{corner[0]:.1f}" y1="{y:.1f}" x2="{corner[0] + length * scale:.1f}" y2="{y:.1f}" stroke="black" stroke-width="2"/>'
     )
     words = f"{length:g} mm; {escape(reference)}: +{across} right, +{down} down"
-    parts.append(f'<text x="{place[0] + length * scale + 8:.1f}" y="{y + 4:.1f}">{words}</text>')
-    return parts
+    elements.append(f'<text x="{corner[0] + length * scale + 8:.1f}" y="{y + 4:.1f}">{words}</text>')
+    return elements

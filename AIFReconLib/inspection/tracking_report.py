@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +37,7 @@ class PoseJump:
 
     def to_text(self) -> str:
         """``frames 11 to 12: 34.0 mm in 0.05 s``."""
-        return "frames {before} to {after}: {distance:.1f} mm in {seconds:.2f} s".format(**asdict(self))
+        return f"frames {self.before} to {self.after}: {self.distance:.1f} mm in {self.seconds:.2f} s"
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ COVERED, BARELY_COVERED = 0.6, 0.3
 """Share of what faces the back of a vertebra that is expected to show. Simulated sweeps from nine angles show 67% to 80% of the vertebrae
 that they pass over with 144 to 480 frames and 44% to 48% with 72; where they end, 30% to 56%."""
 
-REACHED = 0.1
+SCANNED = 0.1
 """Share of a vertebra that was met at all, from which on it counts as scanned: the CT may show others, which nobody looked at."""
 
 
@@ -89,10 +89,7 @@ def tracking_verdict(report: TrackingReport) -> Verdict:
 def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None = None) -> Verdict:
     """Whether the bone of the CT lies on the bone that the sweep shows, by the rule that registrations are accepted by.
 
-    Parameters
-    ----------
-    names : mapping of int to str, optional
-        What the labels are called.
+    `names` are those of the labels.
     """
     # SciPy is behind them, which a panel need not wait for to show lights
     from ..registration.agreement import ENOUGH, LARGEST_MEDIAN
@@ -131,7 +128,7 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     move : str
         Where to move the probe next, if that is known.
     """
-    scanned = {name: share for name, share in shown.items() if met[name] >= REACHED and share == share}
+    scanned = {name: share for name, share in shown.items() if met[name] >= SCANNED and share == share}
     if not scanned:
         return Verdict(Level.POOR, "the sweep has hit no bone of the CT", "Scan over the bone, or place the CT on the sweep.")
     shares = listed([f"{name}: {share:.0%}" for name, share in scanned.items()])

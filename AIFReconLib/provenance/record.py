@@ -88,7 +88,7 @@ def with_origin(
 
 def input_files(sequence: TrackedSequence) -> list[Path]:
     """The files of recordings and configurations, as far as they are known."""
-    found = (path for each in sequence.parts for path in (each.path, each.configuration.path))
+    found = (path for each in sequence.sweeps for path in (each.path, each.configuration.path))
     return [path for path in dict.fromkeys(found) if path is not None]
 
 

@@ -122,21 +122,16 @@ class Agreement:
     def disagreeing_labels(self) -> tuple[int, ...]:
         """Bones that do not lie where their echoes are: of another level, or moved since the CT was taken."""
         least = LABEL_ECHOES * self.echoes
-        return tuple(label for label, own in self.per_label.items() if own.agreement < ENOUGH_OF_LABEL and own.echoes >= least)
+        return tuple(label for label, one in self.per_label.items() if one.agreement < ENOUGH_OF_LABEL and one.echoes >= least)
 
     def sentence(self) -> str:
         """The agreement as users read it."""
         if not self.echoes:
             return f"CT and sweep do not agree: none of {self.elsewhere:,} bone echoes lies near the CT's bone."
+        verdict = "agree" if self.enough else "do not agree"
         return (
-            "CT and sweep {verdict}: {share:.0%} of {count:,} bone echoes lie within {close:g} mm of the CT's bone, {median:.1f} mm "
-            "off in the median."
-        ).format(
-            verdict="agree" if self.enough else "do not agree",
-            share=self.share,
-            count=self.echoes,
-            close=CLOSE,
-            median=self.median_distance,
+            f"CT and sweep {verdict}: {self.share:.0%} of {self.echoes:,} bone echoes lie within {CLOSE:g} mm of the CT's bone, "
+            f"{self.median_distance:.1f} mm off in the median."
         )
 
     def warning(self) -> str | None:
@@ -144,9 +139,8 @@ class Agreement:
         if self.enough:
             return None
         if self.share >= ENOUGH and self.median_distance <= LARGEST_MEDIAN:
-            return "Not on its echoes: {labels}. The CT may lie one level off, or the spine may have bent since.".format(
-                labels=listed([f"label {label}" for label in self.disagreeing_labels])
-            )
+            labels = listed(f"label {label}" for label in self.disagreeing_labels)
+            return f"Not on its echoes: {labels}. The CT may lie one level off, or the spine may have bent since."
         return "The CT is probably not where the bone is, or of another patient."
 
 
@@ -167,17 +161,17 @@ def fit_echoes(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats
 def check(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> Agreement:
     """How well bone that stands where `labels_to_reference` puts it agrees with the echoes.
 
-    Parameters
-    ----------
-    echoes : SweepEchoes
-        All of them: counts are part of the answer.
-    labels_to_reference : (4, 4) array, mm
-        Rigid.
+    All `echoes` are wanted: counts are part of the answer. `labels_to_reference` is rigid, (4, 4) in mm.
     """
+    return agreement_of(*judged(echoes, bone, labels_to_reference))
+
+
+def judged(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> tuple[EchoFit, Integers]:
+    """How each echo lies to bone that stands there, and the label that it belongs to, (n,); 0: to none."""
     fit = fit_echoes(echoes, bone, labels_to_reference)
     owners = np.zeros(len(echoes), dtype=np.int64)
     owners[fit.near] = bone.label_at(transform_points(invert(labels_to_reference), echoes.points[fit.near]))
-    return agreement_of(fit, owners)
+    return fit, owners
 
 
 def agreement_of(fit: EchoFit, owners: Integers) -> Agreement:

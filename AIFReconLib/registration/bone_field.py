@@ -15,7 +15,7 @@ from ..geometry.volume import Volume
 from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 
-REACH = 16.0
+FARTHEST_KNOWN = 16.0
 """mm from bone up to which distances are known; farther is that far."""
 
 VOXEL = 1.0
@@ -23,20 +23,20 @@ VOXEL = 1.0
 the surface is known from each block's share of bone."""
 
 THINNEST = 8
-"""Into at most so many a slice is divided: what is thicker has no surface to be known."""
+"""A thick slice is divided into at most so many thin ones."""
 
 BYTES_PER_BLOCK = 80
 """Bytes for each voxel of the field while it is made: two distances with their helpers."""
 
 SMOOTHING, WIDER = 0.9, 2.0
-"""Voxels. Gaussian that takes the stairs off the distance, and the one that tells by how much that moves what is curved."""
+"""Voxels. The Gaussian that takes the stairs off the distance, and a wider one that tells by how much that moves curved surfaces."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoneField:
     """Signed distance to bone, mm, negative inside, in the labels' own frame."""
 
-    distance: Volume  #: float32. On a box around bone; `REACH` outside of it.
+    distance: Volume  #: float32. On a box around bone; `FARTHEST_KNOWN` outside of it.
     labels: Volume  #: integers. Which bone is which.
 
     @classmethod
@@ -56,7 +56,7 @@ class BoneField:
         size = np.array([s.stop for s in found])[::-1] - first
         # Whole blocks of voxels with a margin of nothing on every side: bone at the border of a CT ends there
         spacing = labels.grid.spacing * factors
-        margin = np.maximum(np.ceil(REACH / spacing), 2).astype(int)
+        margin = np.maximum(np.ceil(FARTHEST_KNOWN / spacing), 2).astype(int)
         blocks = -(-size // factors) + 2 * margin
         more = np.clip(np.floor(spacing / max(VOXEL, spacing.min()) + 0.5), 1, THINNEST).astype(int)
         cost = BYTES_PER_BLOCK * int(more.prod()) + int(factors.prod())
@@ -100,7 +100,7 @@ class BoneField:
         slopes = np.stack([v1 - v0, (v01 - v00) + a * ((v11 - v10) - (v01 - v00)), along_k[0] + a * (along_k[1] - along_k[0])], axis=1)
         slopes = slopes @ grid.reference_to_ijk[:3, :3]
         slopes[outside] = 0.0
-        return np.where(outside, REACH, v0 + a * (v1 - v0)), slopes
+        return np.where(outside, FARTHEST_KNOWN, v0 + a * (v1 - v0)), slopes
 
     def distances(self, points: Floats) -> Floats:
         """Distances alone at points (..., 3): to the nearest voxel, without interpolation."""
@@ -110,7 +110,7 @@ class BoneField:
         outside = ((ijk < 0) | (ijk >= grid.size)).any(axis=1)
         ijk[outside] = 0
         i, j, k = ijk.T
-        return np.where(outside, np.float32(REACH), array[k, j, i]).reshape(points.shape[:-1])
+        return np.where(outside, np.float32(FARTHEST_KNOWN), array[k, j, i]).reshape(points.shape[:-1])
 
     def label_at(self, points: Floats) -> Integers:
         """The bone whose surface is nearest to points (n, 3) within some mm, (n,) int; 0 where none was met."""
@@ -140,7 +140,7 @@ def _between_slices(share: Singles, spacing_kji: Floats, axis: int, more: int) -
     """Shares of bone in `more` thin slices for each thick one: a cubic through the distances that each slice has to its own outline."""
     others = np.delete(spacing_kji, axis)
     thick = spacing_kji[axis]
-    alone = np.where(np.arange(3) == axis, 1e3 * REACH, spacing_kji)  # so far apart that no slice looks into the next
+    alone = np.where(np.arange(3) == axis, 1e3 * FARTHEST_KNOWN, spacing_kji)  # so far apart that no slice looks into the next
     # Farther than this from an outline, the next slice may hold anything
     outlines = np.clip(_signed_distance(share, alone, np.sqrt(others.prod())), -1.5 * thick, 1.5 * thick)
     count = share.shape[axis]
@@ -154,7 +154,7 @@ def _between_slices(share: Singles, spacing_kji: Floats, axis: int, more: int) -
 
 
 def _signed_distance(share: Singles, spacing_kji: Floats, side: float) -> Singles:
-    """Signed distance of blocks to the surface, float32, at most `REACH`.
+    """Signed distance of blocks to the surface, float32, at most `FARTHEST_KNOWN`.
 
     The surface crosses the nearest block of at least half bone (from outside; at most half from inside), at the depth that leaves the
     block's share of bone behind it, so that bone and what is not are treated alike.
@@ -167,17 +167,17 @@ def _signed_distance(share: Singles, spacing_kji: Floats, side: float) -> Single
     asked = (slice(None),) * 3, box_around(share >= 0.5, 1)
 
     def measure(which: int) -> None:
-        part = share[asked[which]]
-        whole = part <= 0 if which == 0 else part >= 1
+        within = share[asked[which]]
+        whole = within <= 0 if which == 0 else within >= 1
         away, nearest = scipy.ndimage.distance_transform_edt(
-            part < 0.5 if which == 0 else part > 0.5, sampling=spacing_kji, return_indices=True
+            within < 0.5 if which == 0 else within > 0.5, sampling=spacing_kji, return_indices=True
         )
         k, j, i = (index[whole] for index in nearest)
-        crossed = (0.5 - part[k, j, i]) * np.float32(side)
+        crossed = (0.5 - within[k, j, i]) * np.float32(side)
         found[asked[which]][whole] = (away[whole] if which == 0 else -away[whole]) + crossed
 
     in_parts(measure, len(asked), usable_cores())
-    return np.clip(found, -REACH, REACH, out=found)
+    return np.clip(found, -FARTHEST_KNOWN, FARTHEST_KNOWN, out=found)
 
 
 def _smoothed(distance: Singles) -> Singles:

@@ -51,14 +51,12 @@ def _words(axis: Floats) -> str:
     nearest = int(np.abs(axis).argmax())
     if abs(axis[nearest]) >= ALONG:
         return ("the left-right axis", "the front-back axis", "the head-feet axis")[nearest]
-    return "the axis {axis} of the CT".format(axis="({:.2f}, {:.2f}, {:.2f})".format(*(axis + 0.0)))
+    return "the axis ({:.2f}, {:.2f}, {:.2f}) of the CT".format(*(axis + 0.0))
 
 
 def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loose]:
     """Motions that hardly matter to the agreement, the loosest first.
 
-    Notes
-    -----
     The eigenvectors of Gauss-Newton's matrix at the optimum are motions that do not depend on each other; the cost along each of
     small eigenvalue is followed until it has risen by `LOSS`. One that is mostly a shift is told as a slide, else as a turn.
     """

@@ -38,6 +38,8 @@ def compared(
 ) -> Comparison:
     """How well a sweep and placed labels agree, and what to do where they do not.
 
+    It goes with a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
+
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference
@@ -45,10 +47,6 @@ def compared(
     labels_to_reference : (4, 4) array, mm
     recipe : Recipe or None
         As in `reconstruct`.
-
-    Notes
-    -----
-    It goes with a reconstruction and cannot spoil it: a sweep that cannot be compared is said to be so.
     """
     try:
         echoes = sweep_echoes(sequences, recipe, most_frames=COMPARED_FRAMES, progress=progress)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Singles
-from ..bone.from_sweep import BoneEchoFinder
+from ..bone.echo_bone import BoneEchoFinder
 from ..errors import GeometryError
 from ..geometry.transforms import pixel_spacing
 from ..machine.threads import in_parts, usable_cores
@@ -19,7 +19,7 @@ from ..message import listed
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import Remedy
-from ..resolve import Imaging, resolve_imaging
+from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import poses_of_each, time_order, tracked_frames
@@ -58,8 +58,6 @@ class SweepEchoes:
     def thinned(self, most: int) -> SweepEchoes:
         """At most so many, evenly in space: a place that many frames saw counts no more than one that a few saw.
 
-        Notes
-        -----
         One echo, that of the highest score, is kept per cube; the cubes grow from 1 mm by a fifth until few enough are kept.
         """
         if len(self) <= most:
@@ -74,30 +72,14 @@ class SweepEchoes:
         return self[np.sort(order[first])]
 
 
-class EchoReader:
-    """Turns frames of one sweep into echoes in Reference.
-
-    Parameters
-    ----------
-    size : (columns, rows)
-    spacing : (x, y), mm
-    imaging : Imaging
-        Region and probe; both must be known.
-    """
-
-    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
-        self._finder = BoneEchoFinder(size, spacing, imaging)
-
-    def read(self, frame: TrackedFrame, number: int | None = None) -> SweepEchoes:
-        """The echoes of a frame that has an image and a pose; `number` stands for the frame's own."""
-        image, matrix = frame.image, frame.image_to_reference
-        if image is None or matrix is None:
-            return SweepEchoes.joined(())
-        echoes = self._finder.find(image)
-        beams = echoes.beams @ matrix[:3, :2].T
-        beams /= np.maximum(np.linalg.norm(beams, axis=1, keepdims=True), 1e-9)
-        frames = np.full(len(echoes.scores), frame.number if number is None else number)
-        return SweepEchoes(echoes.pixels @ matrix[:3, :2].T + matrix[:3, 3], beams, echoes.scores, frames)
+def echoes_of(frame: TrackedFrame, finder: BoneEchoFinder, number: int | None = None) -> SweepEchoes:
+    """The echoes of a frame that has an image and a pose, in Reference; `number` stands for the frame's own."""
+    image, matrix = frame.placed()
+    echoes = finder.find(image)
+    beams = echoes.beams @ matrix[:3, :2].T
+    beams /= np.maximum(np.linalg.norm(beams, axis=1, keepdims=True), 1e-9)
+    frames = np.full(len(echoes.scores), frame.number if number is None else number)
+    return SweepEchoes(echoes.pixels @ matrix[:3, :2].T + matrix[:3, 3], beams, echoes.scores, frames)
 
 
 def sweep_echoes(
@@ -109,6 +91,9 @@ def sweep_echoes(
 ) -> SweepEchoes:
     """The bone echoes of one or more recorded sweeps in one Reference.
 
+    Raises AIFReconError when frames cannot be placed or beams not be told, as in `reconstruct`; GeometryError when fewer than `FEWEST`
+    echoes are found.
+
     Parameters
     ----------
     sequences : TrackedSequence or several
@@ -116,9 +101,6 @@ def sweep_echoes(
         As in `reconstruct`.
     most_frames : int
         Of all sweeps together; chosen evenly.
-
-    Raises AIFReconError when frames cannot be placed or beams not be told, as in `reconstruct`; GeometryError when fewer than `FEWEST`
-    echoes are found.
     """
     sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
     placed = []
@@ -132,11 +114,11 @@ def sweep_echoes(
     for done, (sequence, poses, order) in enumerate(placed):
         chosen = order[np.unique((np.arange(max(int(len(order) / every), 1)) * every).astype(np.int64))]
         imaging = resolve_imaging(sequence, poses, True, recipe)
-        reader = EchoReader(sequence.frame_size, pixel_spacing(poses.image_to_reference[chosen[0]]), imaging)
+        finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(poses.image_to_reference[chosen[0]]), imaging)
         share = part(progress, done / len(placed), (done + 1) / len(placed))
         for number in range(0, len(chosen), AT_ONCE):
             report(share, number / len(chosen), "Looking for bone in the sweep")
-            found += _read_at_once(reader, list(tracked_frames(sequence, poses, chosen[number : number + AT_ONCE])), before)
+            found += _read_at_once(finder, list(tracked_frames(sequence, poses, chosen[number : number + AT_ONCE])), before)
         before += len(sequence)
     echoes = SweepEchoes.joined(found)
     if len(echoes) < FEWEST:
@@ -148,12 +130,12 @@ def sweep_echoes(
     return echoes
 
 
-def _read_at_once(reader: EchoReader, frames: list[TrackedFrame], before: int) -> list[SweepEchoes]:
+def _read_at_once(finder: BoneEchoFinder, frames: list[TrackedFrame], before: int) -> list[SweepEchoes]:
     """The echoes of each of these frames, found by all cores; frames are counted on from `before`."""
     found = [SweepEchoes.joined(())] * len(frames)
 
-    def read(place: int) -> None:
-        found[place] = reader.read(frames[place], before + frames[place].number)
+    def read(index: int) -> None:
+        found[index] = echoes_of(frames[index], finder, before + frames[index].number)
 
     in_parts(read, len(frames), usable_cores())
     return found

@@ -96,8 +96,8 @@ class LabeledBone:
     def comparison(self, progress: Progress | None = None) -> Comparison | None:
         """How CT and sweep agree, looked at once; None without a sweep."""
         if self._comparison is None and self._sequence is not None:
-            place = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
-            self._comparison = compared(self._sequence, self.labels, place, self._recipe, progress)
+            placed = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
+            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress)
         return self._comparison
 
     def lines(self, method: str, progress: Progress | None = None) -> list[str]:
@@ -109,8 +109,8 @@ class LabeledBone:
         width = self.settings(method)["bone_sigma_mm"]
         if comparison is None or comparison.agreement is None:
             return [*lines, f"Tolerance around the CT's bone: {width:g} mm, as CT and sweep were not compared."]
-        said = f"Tolerance around the CT's bone: {width:g} mm, by how far the echoes lie from it."
+        width_line = f"Tolerance around the CT's bone: {width:g} mm, by how far the echoes lie from it."
         belief = self.settings(method).get("bone_belief", 1.0)
         if belief == 1.0:
-            return [*lines, said]
-        return [*lines, said, f"CT and sweep do not fit closely, so the CT's bone counts for {belief:.0%} only."]
+            return [*lines, width_line]
+        return [*lines, width_line, f"CT and sweep do not fit closely, so the CT's bone counts for {belief:.0%} only."]

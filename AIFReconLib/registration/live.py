@@ -7,12 +7,13 @@ from collections import deque
 import numpy as np
 
 from ..arrays import Floats, Integers
-from ..geometry.transforms import invert, pixel_spacing, transform_points
+from ..bone.echo_bone import BoneEchoFinder
+from ..geometry.transforms import pixel_spacing
 from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
-from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement, EchoFit, agreement_of, fit_echoes
+from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement, EchoFit, agreement_of, judged
 from .bone_field import BoneField
-from .echoes import FEWEST, EchoReader, SweepEchoes
+from .echoes import FEWEST, SweepEchoes, echoes_of
 
 SECONDS = 5.0
 """s of the scan that are looked back upon."""
@@ -21,23 +22,14 @@ SECONDS = 5.0
 class LiveAgreement:
     """Agreement over the last seconds of a live scan; one frame takes a few milliseconds, whatever came before.
 
-    Parameters
-    ----------
-    labels_to_reference : (4, 4) array, mm
-        Rigid.
-    imaging : Imaging
-        Region and probe of the images; both known.
-    seconds : float
-        How far back it looks.
-
-    Notes
-    -----
     Not for several threads at once. Old frames are dropped as new ones come, so memory does not grow.
+
+    `labels_to_reference` is rigid, (4, 4) in mm; `imaging` must know region and probe.
     """
 
-    def __init__(self, bone: BoneField, labels_to_reference: Floats, imaging: Imaging, seconds: float = SECONDS):
-        self._bone, self._place, self._imaging, self._seconds = bone, np.asarray(labels_to_reference, dtype=np.float64), imaging, seconds
-        self._reader: EchoReader | None = None
+    def __init__(self, bone: BoneField, labels_to_reference: Floats, imaging: Imaging):
+        self._bone, self._place, self._imaging = bone, np.asarray(labels_to_reference, dtype=np.float64), imaging
+        self._finder: BoneEchoFinder | None = None
         self._size: tuple[int, int] | None = None
         self._recent: deque[tuple[float, SweepEchoes, EchoFit, Integers]] = deque()
         self._has_agreed = self._has_fallen = False
@@ -46,18 +38,18 @@ class LiveAgreement:
         """Put the CT elsewhere; the echoes of the last seconds are judged anew."""
         self._place = np.asarray(labels_to_reference, dtype=np.float64)
         self._has_agreed = self._has_fallen = False
-        self._recent = deque((time, echoes, *self._judged(echoes)) for time, echoes, *_ in self._recent)
+        self._recent = deque((time, echoes, *judged(echoes, self._bone, self._place)) for time, echoes, *_ in self._recent)
 
     def add(self, frame: TrackedFrame) -> SweepEchoes:
         """Take a frame and return its echoes; one without image or pose is passed over."""
         if frame.image is None or frame.image_to_reference is None:
             return SweepEchoes.joined(())
         size = frame.image.shape[1], frame.image.shape[0]
-        if self._reader is None or size != self._size:
-            self._reader, self._size = EchoReader(size, pixel_spacing(frame.image_to_reference), self._imaging), size
-        echoes = self._reader.read(frame)
-        self._recent.append((frame.timestamp, echoes, *self._judged(echoes)))
-        while self._recent[-1][0] - self._recent[0][0] > self._seconds or self._recent[-1][0] < self._recent[0][0]:
+        if self._finder is None or size != self._size:
+            self._finder, self._size = BoneEchoFinder(size, pixel_spacing(frame.image_to_reference), self._imaging), size
+        echoes = echoes_of(frame, self._finder)
+        self._recent.append((frame.timestamp, echoes, *judged(echoes, self._bone, self._place)))
+        while self._recent[-1][0] - self._recent[0][0] > SECONDS or self._recent[-1][0] < self._recent[0][0]:
             self._recent.popleft()
         return echoes
 
@@ -85,9 +77,3 @@ class LiveAgreement:
             # A label alone may be at the rim of what the last seconds show: that says nothing yet
             self._has_fallen = agreement.share < ENOUGH or not agreement.median_distance <= LARGEST_MEDIAN
         return self._has_fallen
-
-    def _judged(self, echoes: SweepEchoes) -> tuple[EchoFit, Integers]:
-        fit = fit_echoes(echoes, self._bone, self._place)
-        owners = np.zeros(len(echoes), dtype=np.int64)
-        owners[fit.near] = self._bone.label_at(transform_points(invert(self._place), echoes.points[fit.near]))
-        return fit, owners

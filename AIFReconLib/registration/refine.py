@@ -89,10 +89,10 @@ class _Cost:
         return np.where(leaving, FAR, distances), jacobian
 
 
-def robust_cost(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats, scale: float = SCALES[-1]) -> float:
-    """The mean of 1 - exp(-d^2 / 2 s^2) over the echoes, 0 to 1."""
+def robust_cost(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> float:
+    """The mean of 1 - exp(-d^2 / 2 s^2) over the echoes, s the finest scale; 0 to 1."""
     distances, _ = _Cost(echoes, bone, labels_to_reference)(np.zeros(6))
-    return float(1 - np.exp(-0.5 * np.minimum((distances / scale) ** 2, 1e3)).mean())
+    return float(1 - np.exp(-0.5 * np.minimum((distances / SCALES[-1]) ** 2, 1e3)).mean())
 
 
 def refine(
@@ -104,19 +104,11 @@ def refine(
 ) -> Refined:
     """The best place of bone near a start.
 
-    Parameters
-    ----------
-    start : (4, 4) array, mm
-        labels_to_reference; rigid.
-    scales : tuple of float, mm
-    most : int
-        Echoes that take part.
-
-    Notes
-    -----
     Minimized is the mean of 1 - exp(-d^2 / 2 s^2) over the echoes, d the signed distance of an echo to bone, for s = 8, 4, 2 and 1 mm.
     An echo far from all bone, or whose sound would leave bone, costs 1 and pulls nowhere: gas, fascia, and bone that the labels lack do
     no harm. The turn about the echoes' center is composed anew at each scale, so that its vector stays small.
+
+    `start` is a rigid labels_to_reference, (4, 4) in mm; `most` echoes take part; `scales` are mm.
     """
     chosen = echoes.thinned(most)
     place = np.array(start, dtype=np.float64)

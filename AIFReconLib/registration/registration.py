@@ -249,8 +249,8 @@ def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Sentence | Non
 def as_report(found: Registration) -> dict[str, object]:
     """The registration as JSON holds it: matrices as nested lists, row by row, labels -> Reference in RAS."""
     by_label = {
-        str(label): {"agreement": round(own.agreement, 4), "median_distance_mm": _rounded(own.median_distance), "echoes": own.echoes}
-        for label, own in found.agreement.per_label.items()
+        str(label): {"agreement": round(one.agreement, 4), "median_distance_mm": _rounded(one.median_distance), "echoes": one.echoes}
+        for label, one in found.agreement.per_label.items()
     }
     for label, place in (found.segments.transforms if found.segments else {}).items():
         by_label.setdefault(str(label), {"agreement": 0.0, "median_distance_mm": None, "echoes": 0})["transform"] = place.tolist()

@@ -62,11 +62,11 @@ def finished(echoes: SweepEchoes, bone: BoneField, start: Floats) -> Place:
 def distinct(places: Sequence[Place], echoes: SweepEchoes) -> list[Place]:
     """The places by their agreement's rank, best first, without those that are another one within `APART`."""
     points = echoes.thinned(COARSE_ECHOES).points
-    kept: list[Place] = []
+    found: list[Place] = []
     for place in sorted(places, key=lambda place: place.agreement.rank, reverse=True):
-        if all(motion_between(place.labels_to_reference, other.labels_to_reference, points) > APART for other in kept):
-            kept.append(place)
-    return kept
+        if all(motion_between(place.labels_to_reference, other.labels_to_reference, points) > APART for other in found):
+            found.append(place)
+    return found
 
 
 def motion_between(one: Floats, other: Floats, points: Floats) -> float:
@@ -77,10 +77,7 @@ def motion_between(one: Floats, other: Floats, points: Floats) -> float:
 def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: Progress | None = None) -> list[Place]:
     """The best distinct places that any of the candidates leads to.
 
-    Parameters
-    ----------
-    candidates : (n, 4, 4) array, mm
-        labels_to_reference.
+    `candidates` are labels_to_reference, (n, 4, 4) in mm.
     """
     report(progress, 0.0, "Looking for the CT's place")
     order = np.argsort(_scores(echoes.thinned(SCORE_ECHOES), bone, candidates))
@@ -104,9 +101,9 @@ def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: P
     return distinct(result, echoes)
 
 
-def around(start: Floats, center: Floats, count: int = TRIED_AROUND) -> Floats:
-    """Places up to `AROUND_MM` and `AROUND_DEG` from a start, evenly in length and angle, (count, 4, 4); always the same ones."""
-    rng = np.random.default_rng(0)
+def around(start: Floats, center: Floats) -> Floats:
+    """Places up to `AROUND_MM` and `AROUND_DEG` from a start, evenly in length and angle, (n, 4, 4); always the same ones."""
+    rng, count = np.random.default_rng(0), TRIED_AROUND
     moves, axes = (_directions(rng, count) for _ in range(2))
     turns = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(AROUND_DEG) * rng.random((count, 1)) * axes).as_matrix()
     return _placed(turns, center + AROUND_MM * rng.random((count, 1)) * moves, start, center)
@@ -115,8 +112,6 @@ def around(start: Floats, center: Floats, count: int = TRIED_AROUND) -> Floats:
 def level_shifts(bone: BoneField) -> dict[int, Floats]:
     """How far bone must move in the labels' own frame for each label to take the place of the n-th after it, (3,) mm by n, n = -2 ... 2.
 
-    Notes
-    -----
     The mean over the labels that have such a neighbor, in the order of their numbers. Empty for a single bone.
     """
     labels = bone.labels
@@ -133,18 +128,15 @@ def level_shifts(bone: BoneField) -> dict[int, Floats]:
     return {sign * n: sign * shift for n, shift in shifts.items() for sign in (1, -1)}
 
 
-def anywhere(echoes: SweepEchoes, bone: BoneField, count: int = TRIED_ANYWHERE) -> Floats:
-    """Places of a spine under a sweep of which nothing else is known, (count, 4, 4); always the same ones.
+def anywhere(echoes: SweepEchoes, bone: BoneField) -> Floats:
+    """Places of a spine under a sweep of which nothing else is known, (n, 4, 4); always the same ones.
 
-    Notes
-    -----
     The labels' frame is the patient's: x to the right, y anterior, z superior. The transducer is behind the patient, so the mean beam
-    points
-    anterior, give or take `TILT_DEG`. The sweep ran along the spine if it is longer than wide, up or down; else any turn about the beam is
-    tried. The middle of the back of bone, as seen from behind, comes to lie on the middle of the echoes, moved along the spine by up to
-    half of what both are long together, and by some mm to the side and in depth.
+    points anterior, give or take `TILT_DEG`. The sweep ran along the spine if it is longer than wide, up or down; else any turn about
+    the beam is tried. The middle of the back of bone, as seen from behind, comes to lie on the middle of the echoes, moved along the
+    spine by up to half of what both are long together, and by some mm to the side and in depth.
     """
-    rng = np.random.default_rng(0)
+    rng, count = np.random.default_rng(0), TRIED_ANYWHERE
     center = echoes.points.mean(axis=0)
     anterior = echoes.beams.mean(axis=0)
     anterior /= max(np.linalg.norm(anterior), 1e-9)

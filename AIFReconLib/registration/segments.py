@@ -56,11 +56,9 @@ def fields_of_labels(labels: Volume) -> dict[int, BoneField]:
 def fit_segments(echoes: SweepEchoes, fields: dict[int, BoneField], labels_to_reference: Floats) -> Segments:
     """Let each label, with its field as `fields_of_labels` gives it, move on its own from a place that is about right for all.
 
-    Notes
-    -----
     Minimized is the sum over the echoes of 1 - exp(-d^2 / 2 s^2), d an echo's distance to the bone that it belongs to, and over
-    neighbors of
-    one tenth of their echoes times the mean squared difference, in units of `SPRING`, by which six points about the middle between them
+    neighbors
+    of one tenth of their echoes times the mean squared difference, in units of `SPRING`, by which six points about the middle between them
     move. An echo belongs to the bone nearest to it, anew at each scale. Neighbors are labels that follow each other.
     """
     numbers = list(fields)
@@ -161,8 +159,6 @@ def _agreement(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[i
 def placed_labels(labels: Volume, places: dict[int, Floats]) -> Volume:
     """The labels in Reference, each where its own labels_to_reference puts it, on voxels like theirs.
 
-    Notes
-    -----
     The grid is the labels' own where the first place puts it, as large as all bones need. A voxel takes the label of the voxel nearest
     to where it came from; where two bones claim one, the later label.
     """

@@ -27,13 +27,13 @@ class PlusConfiguration:
     spacing: tuple[float, float, float] | None = None
     origin: tuple[float, float, float] | None = None
     """(x, y, z), mm. Of the volume, in Reference."""
-    extent: tuple[int, int, int, int, int, int] | None = None  #: 6 int. First and last voxel along x, y, z.
+    extent: tuple[int, int, int, int, int, int] | None = None  #: First and last voxel along x, y, z.
     region: ImageRegion = field(default_factory=ImageRegion)
     """Clip rectangle and fan of the volume reconstruction, in pixels."""
     probe: ProbeGeometry | None = None  #: From ScanConversion
     scan_region: ImageRegion | None = None  #: The part of the image that the scan conversion fills
     method: str | None = None  #: How pixels are combined, in this library's words; None when not given or not supported
-    interpolation: str | None = None  #: "nearest", "linear"
+    interpolation: str | None = None  #: "nearest" or "linear"
     uses_importance_mask: bool = False  #: Whether an average is to be weighted by an importance mask
     importance_mask: Path | None = None
     """Image with the weight of each pixel, 0 to 255; not looked at yet. None where it must come from elsewhere."""

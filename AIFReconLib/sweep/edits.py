@@ -25,12 +25,7 @@ Transforms = dict[TransformName, TransformSample]
 class ImageView:
     """Some frames, or a part of each, of another `ImageStack`.
 
-    Parameters
-    ----------
-    numbers : sequence of int or None
-        Frames, in this order; all by default.
-    columns, rows : (first, count) or None
-        The part of each image; all of it by default.
+    `numbers` are frames, in this order; `columns` and `rows` are (first, count). All by default.
     """
 
     def __init__(
@@ -103,12 +98,12 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
 def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequence:
     """Transforms, or coordinate frames, under other names.
 
+    Raises SettingsError when a name does not occur, is taken, or a transform would become a frame.
+
     Parameters
     ----------
     names : mapping of str to str
         Old to new: two transforms (``{"ProbeToTracker": "NeedleToTracker"}``) or two frames (``{"Marker": "Probe"}``).
-
-    Raises SettingsError when a name does not occur, is taken, or a transform would become a frame.
     """
     for old, new in names.items():
         change = _renaming(sequence, old, new)
@@ -132,6 +127,11 @@ def _renamed(sequence: TrackedSequence, change: Callable[[TransformName], Transf
 def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, wrong: Matrix | None = None) -> TrackedSequence:
     """The recording with another calibration.
 
+    M = X C_wrong becomes X C = M inv(C_wrong) C for every transform M of the image. The calibration itself is written once, into the
+    header.
+
+    Raises SettingsError when recorded transforms include a calibration that is not known.
+
     Parameters
     ----------
     name : TransformName
@@ -139,13 +139,6 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
     matrix : (4, 4) array, pixels to mm
     wrong : (4, 4) array or None
         The calibration that recorded transforms such as ImageToReference include; the recording's own transform of that name by default.
-
-    Raises SettingsError when recorded transforms include a calibration that is not known.
-
-    Notes
-    -----
-    M = X C_wrong becomes X C = M inv(C_wrong) C for every transform M of the image. The calibration itself is written once, into the
-    header.
     """
     matrix = as_matrix(matrix, f"calibration {name}")
     apart = (name, name.inverse, CROPPED, CROPPED.inverse)
@@ -217,11 +210,8 @@ def _renaming(sequence: TrackedSequence, old: str, new: str) -> Callable[[Transf
     old, new = capital(old), capital(new)
     frames = {frame for name in known for frame in (name.source, name.target)}
     if old not in frames:
-        raise SettingsError(
-            "Input rename {old}={new} must name a frame of the recording; it has {frames}.".format(
-                old=old, new=new, frames=", ".join(sorted(frames)) or "none"
-            )
-        )
+        there = ", ".join(sorted(frames)) or "none"
+        raise SettingsError(f"Input rename {old}={new} must name a frame of the recording; it has {there}.")
     return lambda name: TransformName(*(new if frame == old else frame for frame in (name.source, name.target)))
 
 

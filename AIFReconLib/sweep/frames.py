@@ -58,8 +58,7 @@ class FrameRecord:
     """What a sequence says of one frame besides its pixels."""
 
     timestamp: float | None = None
-    unfiltered_timestamp: float | None = None
-    """s."""
+    unfiltered_timestamp: float | None = None  #: Both in s
     image_status: TransformStatus = TransformStatus.OK  #: Not OK: the frame has no image
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     """As recorded. Matrices may hold NaN; `sweep_poses` judges them."""
@@ -93,10 +92,7 @@ class RecordsSummary:
 class RecordsOnDemand(Sequence[FrameRecord]):
     """The records of a very long recording, each made anew whenever it is asked for.
 
-    Parameters
-    ----------
-    read : callable
-        From a frame's number to its record.
+    `read` makes a record of a frame's number.
     """
 
     def __init__(self, count: int, read: Callable[[int], FrameRecord]):
@@ -224,7 +220,7 @@ class TrackedSequence(Described):
         return self.path.name if self.path else "sequence"
 
     @property
-    def parts(self) -> tuple[TrackedSequence, ...]:
+    def sweeps(self) -> tuple[TrackedSequence, ...]:
         """The sweeps that it is made of: itself, or those that were joined."""
         return (self,)
 

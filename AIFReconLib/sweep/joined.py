@@ -66,7 +66,7 @@ class JoinedSequence(TrackedSequence):
     """The sweeps, each with its own transforms and configuration, by which its frames are placed."""
 
     @property
-    def parts(self) -> tuple[TrackedSequence, ...]:
+    def sweeps(self) -> tuple[TrackedSequence, ...]:
         """The sweeps."""
         return self.of
 
@@ -95,7 +95,7 @@ def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence]) -> list[Tr
     sequences = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
     for sequence in sequences:
         require_kind("sequence", sequence, TrackedSequence, advice)
-    return [part for sequence in sequences for part in sequence.parts]
+    return [sweep for sequence in sequences for sweep in sequence.sweeps]
 
 
 def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSequence:
@@ -106,15 +106,15 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSeq
     """
     if isinstance(sequences, TrackedSequence):
         return sequences
-    parts = tuple(sweeps_of(sequences))
-    if not parts:
+    sweeps = tuple(sweeps_of(sequences))
+    if not sweeps:
         raise GeometryError("Input sequence must be one or more sweeps; got none.")
-    if len(parts) == 1:
-        return parts[0]
-    first, names = parts[0], names_of(parts)
-    ends = list(accumulate(map(len, parts)))
+    if len(sweeps) == 1:
+        return sweeps[0]
+    first, names = sweeps[0], names_of(sweeps)
+    ends = list(accumulate(map(len, sweeps)))
     notes = []
-    for other, name in zip(parts[1:], names[1:], strict=True):
+    for other, name in zip(sweeps[1:], names[1:], strict=True):
         if (first.frame_size, np.dtype(first.images.dtype)) != (other.frame_size, np.dtype(other.images.dtype)):
             raise GeometryError(
                 f"{names[0]} and {name} cannot enter one volume: images of {_kind(first)} and of {_kind(other)}. Reconstruct them one "
@@ -123,17 +123,17 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSeq
         if other.configuration is not first.configuration and _volume_of(other.configuration) != _volume_of(first.configuration):
             notes.append(f"What the configuration of {name} says of the volume is not used: that of {names[0]} is.")
     return JoinedSequence(
-        JoinedImages([part.images for part in parts]),
-        records_from(ends[-1], lambda number: _of_parts(parts, ends, number), *(part.records for part in parts)),
+        JoinedImages([sweep.images for sweep in sweeps]),
+        records_from(ends[-1], lambda number: _record(sweeps, ends, number), *(sweep.records for sweep in sweeps)),
         configuration=first.configuration,
         notes=tuple(notes),
-        of=parts,
+        of=sweeps,
     )
 
 
-def _of_parts(parts: Sequence[TrackedSequence], ends: Sequence[int], number: int) -> FrameRecord:
-    part = bisect_right(ends, number)
-    return parts[part].records[number - ends[part]]
+def _record(sweeps: Sequence[TrackedSequence], ends: Sequence[int], number: int) -> FrameRecord:
+    sweep = bisect_right(ends, number)
+    return sweeps[sweep].records[number - ends[sweep]]
 
 
 def _kind(sequence: TrackedSequence) -> str:
@@ -160,11 +160,11 @@ class SweepShare:
 def shares(sequence: TrackedSequence, taken: Integers, skipped: Mapping[str, Sequence[int]]) -> tuple[SweepShare, ...]:
     """What each sweep gave, of the frames `taken` in turn and those of them that were `skipped`, both numbered through."""
     found, start = [], 0
-    for part, name in zip(sequence.parts, names_of(sequence.parts), strict=True):
-        end = start + len(part)
-        own = {reason: [int(n) - start for n in numbers if start <= n < end] for reason, numbers in skipped.items()}
-        own = {reason: numbers for reason, numbers in own.items() if numbers}
-        entered = int(((taken >= start) & (taken < end)).sum()) - sum(map(len, own.values()))
-        found.append(SweepShare(name, len(part), entered, own))
+    for sweep, name in zip(sequence.sweeps, names_of(sequence.sweeps), strict=True):
+        end = start + len(sweep)
+        skipped_here = {reason: [int(n) - start for n in numbers if start <= n < end] for reason, numbers in skipped.items()}
+        skipped_here = {reason: numbers for reason, numbers in skipped_here.items() if numbers}
+        entered = int(((taken >= start) & (taken < end)).sum()) - sum(map(len, skipped_here.values()))
+        found.append(SweepShare(name, len(sweep), entered, skipped_here))
         start = end
     return tuple(found)

@@ -25,10 +25,8 @@ SLICERS_TIME = 1.1e-3
 class PoseTrack:
     """The usable poses of one transform, in order of time.
 
-    Parameters
-    ----------
-    samples : iterable of (time in s, TransformSample)
-        In any order. Poses that are not OK or not finite are left out; of several at one time, the first counts.
+    Samples come in any order, each with its time in s. Poses that are not OK or not finite are left out; of several at one time, the first
+    counts.
     """
 
     def __init__(self, samples: Iterable[tuple[float, TransformSample]]):
@@ -74,8 +72,8 @@ class PoseTrack:
         start, stop = self.times[after - 1], self.times[after]
         if stop - start > longest_gap + SAME_TIME:
             return None, f"no valid pose between {start:.3f} and {stop:.3f} s"
-        part = (time - start) / (stop - start)
+        fraction = (time - start) / (stop - start)
         try:
-            return interpolate_pose(self._matrices[after - 1], self._matrices[after], float(part)), None
+            return interpolate_pose(self._matrices[after - 1], self._matrices[after], float(fraction)), None
         except GeometryError:
             return None, f"poses at {start:.3f} and {stop:.3f} s that cannot be interpolated"

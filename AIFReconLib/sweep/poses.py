@@ -62,11 +62,8 @@ class SweepPoses:
         """`usable`, or an error that says why there is none."""
         usable = self.usable
         if not usable.size:
-            raise NoUsableFramesError(
-                "{name}: no frame has a position ({reasons}). Check the tracking of this recording.".format(
-                    name=name, reasons=describe_skipped(self.skipped()) or "it has no frames"
-                )
-            )
+            reasons = describe_skipped(self.skipped()) or "it has no frames"
+            raise NoUsableFramesError(f"{name}: no frame has a position ({reasons}). Check the tracking of this recording.")
         return usable
 
 
@@ -119,6 +116,9 @@ def image_ways(
 def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None) -> SweepPoses:
     """Find the image's place in every frame.
 
+    Raises TransformError when no chain leads from image to reference, or two that disagree in some frame; GeometryError,
+    NoUsableFramesError when sweeps that were joined are plainly not in one frame, or one of them has no frame that can be placed.
+
     Parameters
     ----------
     sequence : TrackedSequence
@@ -129,9 +129,6 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         configuration's image frame to its reference frame.
     reference : str or None
         Frame to reconstruct in, e.g. "Tracker" when there is no reference marker.
-
-    Raises TransformError when no chain leads from image to reference, or two that disagree in some frame; GeometryError,
-    NoUsableFramesError when sweeps that were joined are plainly not in one frame, or one of them has no frame that can be placed.
     """
     if isinstance(sequence, JoinedSequence):
         return _joined_poses(sequence, image_to_reference, reference)
@@ -216,7 +213,7 @@ def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str 
 
 def _joined_poses(sequence: JoinedSequence, image_to_reference: str | None, reference: str | None) -> SweepPoses:
     """Those of every sweep by its own transforms, one after the other."""
-    of_each = poses_of_each(sequence.parts, image_to_reference, reference)
+    of_each = poses_of_each(sequence.sweeps, image_to_reference, reference)
     return SweepPoses(
         np.concatenate([poses.image_to_reference for poses in of_each]),
         tuple(problem for poses in of_each for problem in poses.problems),
@@ -244,9 +241,9 @@ def time_order(sequence: TrackedSequence) -> Integers:
 
     Sweeps that were joined follow each other as they were given, whatever their clocks say.
     """
-    if len(sequence.parts) > 1:
-        starts = np.cumsum([0, *map(len, sequence.parts[:-1])])
-        return np.concatenate([start + time_order(part) for start, part in zip(starts, sequence.parts, strict=True)])
+    if len(sequence.sweeps) > 1:
+        starts = np.cumsum([0, *map(len, sequence.sweeps[:-1])])
+        return np.concatenate([start + time_order(part) for start, part in zip(starts, sequence.sweeps, strict=True)])
     timestamps = sequence.timestamps
     return np.argsort(timestamps, kind="stable") if np.isfinite(timestamps).all() else np.arange(len(sequence))
 

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..bone.estimators import BoneEstimator, EchoEstimator
-from ..bone.growing import GrowingBone
+from ..bone.growing_bone import GrowingBone
 from ..bone.model import OnnxModel
+from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..errors import SettingsError
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..arrays import Matrix
-from ..bone.estimators import bone_from_frames
-from ..bone.from_sweep import bone_from_sweep
+from ..bone.echo_bone import bone_from_sweep
 from ..bone.map import BoneMap
 from ..bone.model import OnnxModel
-from ..bone.recorded import RecordedPredictions
+from ..bone.predicted_bone import bone_from_frames
+from ..bone.recorded_predictions import RecordedPredictions
 from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..io.sequence.files import read_sequence

@@ -66,7 +66,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         """The voxels of the library's own call."""
         # Here and not above: another test may have reloaded the library since
         from AIFReconLib import ReconstructionSettings, reconstruct
-        from AIFReconLib.bone.estimators import bone_from_frames
+        from AIFReconLib.bone.predicted_bone import bone_from_frames
 
         sweep = tinyScene.makeSequence()
         bone = bone_from_frames(sweep, estimatorOf(sweep))
@@ -88,7 +88,7 @@ class AIFReconNetworkTest(unittest.TestCase):
     # ---- recorded
 
     def test_recorded_predictions_reconstruct_as_they_do_in_the_library(self):
-        from AIFReconLib.bone.recorded import RecordedPredictions
+        from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 
         self.parameters.sweep, self.parameters.bonePredictions = tinyScene.addSweep(), self.addSaid()
         self.choose(self.ui.boneSourceComboBox, "An AI model, as it was recorded")
@@ -106,7 +106,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def test_what_a_scan_recorded_of_a_network_is_opened_beside_the_scan(self):
         from AIFReconLib import write_sequence
-        from AIFReconLib.bone.recorded import COVERS
+        from AIFReconLib.bone.recorded_predictions import COVERS
         from AIFReconLib.sweep.frames import TrackedSequence
 
         half = self.said()
@@ -185,9 +185,7 @@ class AIFReconNetworkTest(unittest.TestCase):
     def assertGrows(self):
         """What is known of bone reaches the volume; then the scan is stopped."""
         live = self.live._live
-        self.assertTrue(
-            waitFor(lambda: (seen := live.seen.bone.seen()) is not None and seen.probability.array.max() > 0.5), live.statistics
-        )
+        self.assertTrue(waitFor(lambda: (placed := live.seen.bone._on_grid) and placed[0][1].probability.max() > 0.5), live.statistics)
         self.assertTrue(waitFor(lambda: "Bone is known from" in self.ui.liveStatisticsLabel.text))
         self.ui.liveStopButton.click()
         self.assertEqual(self.shown, [])
@@ -195,7 +193,7 @@ class AIFReconNetworkTest(unittest.TestCase):
 
     def test_predictions_that_are_streamed_weight_a_scan_and_are_recorded_with_it(self):
         from AIFReconLib import read_sequence
-        from AIFReconLib.bone.recorded import RecordedPredictions
+        from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 
         self.parameters.liveBoneDevice = "Bone"
         self.choose(self.ui.liveBoneSourceComboBox, "An AI model that runs elsewhere")

@@ -63,8 +63,8 @@ def recordedNetwork(walk) -> None:
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     from AIFReconLib import write_sequence
-    from AIFReconLib.bone.estimators import EchoEstimator
-    from AIFReconLib.bone.recorded import COVERS
+    from AIFReconLib.bone.predicted_bone import EchoEstimator
+    from AIFReconLib.bone.recorded_predictions import COVERS
     from AIFReconLib.resolve import resolve_imaging
     from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
     from AIFReconLib.sweep.poses import sweep_poses, tracked_frames

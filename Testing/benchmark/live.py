@@ -21,10 +21,10 @@ from pathlib import Path
 
 import numpy as np
 
-from AIFReconLib.bone.estimators import EchoEstimator
-from AIFReconLib.bone.growing import GrowingBone
+from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.bone.predicted_bone import EchoEstimator
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume

@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy import ndimage
 
-from AIFReconLib.bone.from_sweep import BoneEchoFinder, bone_from_sweep
+from AIFReconLib.bone.echo_bone import BoneEchoFinder, bone_from_sweep
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.compounding.methods.weighted import WEIGHTED

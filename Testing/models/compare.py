@@ -22,10 +22,10 @@ from AIFReconLib.resolve import imaging_fields
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from AIFReconLib.bone.estimators import EchoEstimator, bone_from_frames
-from AIFReconLib.bone.from_sweep import bone_from_sweep
+from AIFReconLib.bone.echo_bone import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.bone.predicted_bone import EchoEstimator, bone_from_frames
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.weighted import WEIGHTED

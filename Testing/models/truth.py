@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from AIFReconLib.bone.estimators import BoneEstimator
+from AIFReconLib.bone.predicted_bone import BoneEstimator
+from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.scan_line_reader import ScanLineReader
-from AIFReconLib.bone.seen import Prediction
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.resolve import Imaging
@@ -109,7 +109,7 @@ def worth_of(
             continue
         image = frame.placed()[0]
         whole = (0.0, 0.0, float(image.shape[1]), float(image.shape[0]))
-        probability = lines.read_part(prediction.probability, prediction.rectangle or whole)
+        probability = lines.read_rectangle(prediction.probability, prediction.rectangle or whole)
         probability = np.where(np.abs(distance) <= AROUND, probability, 0.0)
         best = probability.max(axis=1)
         # The middle of what is as sure as the surest

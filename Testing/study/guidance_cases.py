@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -11,12 +10,11 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import GuidedBone, guided_bone
-from AIFReconLib.guidance.candidates import Candidates, geometry_of
+from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered
-from AIFReconLib.guidance.hand import HAND
 from AIFReconLib.guidance.met import BoneMet
 from AIFReconLib.guidance.next_move import NextMove
-from AIFReconLib.guidance.passes import Pass, freehand_passes
+from AIFReconLib.guidance.passes import HAND, Pass, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, ScanPlan, plan_scan
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -63,13 +61,13 @@ def patient_rows(seed: int) -> list[Row]:
     case = _Case(seed)
     rows = []
     for frames in (FEW, MULTI_FRAMES):
-        plan = plan_scan(case.bone, case.probe, "interspinous", frames, looked=case.looked)
+        plan = plan_scan(case.bone, case.probe, "interspinous", frames)
         rows.append(case.planned("plan, with errors", plan, case.missed(plan)))
     rows += case.followed(MULTI_FRAMES, FEW)
     worn = plan_scan(case.bone, case.probe, "interspinous", MULTI_FRAMES, WEARABLE)
     rows.append(case.planned("wearable, exact", worn, np.concatenate([one.image_to_reference for one in worn.passes])))
     if seed < EXHAUSTIVE:
-        passes = case.looked.passes
+        passes = freehand_passes(case.bone)
         rows.append(case.row("all candidate passes, exact", np.concatenate([one.poses(case.probe) for one in passes]), len(passes)))
     return rows
 
@@ -88,11 +86,6 @@ class _Case:
         self.probe = ProbeOnBack(images, skin, self.bone.patient_to_reference)
         self._start = scout[len(scout) // 2]
         self._map = BoneMap.from_labels(self.phantom.labels, sigma_mm=SIGMA)
-
-    @cached_property
-    def looked(self) -> Candidates:
-        """All freehand passes, looked at once for the plans and for `next`."""
-        return Candidates(freehand_passes(self.bone), self.bone, self.probe, "interspinous", HAND)
 
     def _made(self, planned: Pass, frames: int, number: int) -> np.ndarray:
         """A pass as an operator makes it who misses, image_to_reference of its frames."""
@@ -120,7 +113,7 @@ class _Case:
     def follow(self, frames: int) -> tuple[np.ndarray, list[int]]:
         """The frames of an operator who does, again and again, what `next` says, and misses; and where each move begins."""
         met = BoneMet(geometry_of(self.bone, self.probe))
-        advisor = NextMove(self.bone, self.probe, looked=self.looked)
+        advisor = NextMove(self.bone, self.probe)
         taken: list[np.ndarray] = []
         begins: list[int] = []
         last: tuple[Pass, int] | None = None

@@ -75,7 +75,7 @@ TABLES = {
             "troubleshooting",
         ),
         ("Understand", "method", "own-method", "study", "real-bone", "performance", "reliability"),
-        ("Develop", "developers", "publishing"),
+        ("Develop", "developers", "concepts", "publishing"),
         ("Decisions", "decisions/*"),
     ],
     "CONTRIBUTING": [("CODE_OF_CONDUCT",), ("SECURITY",)],

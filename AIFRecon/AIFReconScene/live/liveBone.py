@@ -1,7 +1,7 @@
 """Bone that a scan shows by itself: predictions that are streamed with it, a network that looks at its frames, or their echoes."""
 
-from AIFReconLib.bone.estimators import EchoEstimator
-from AIFReconLib.bone.growing import GrowingBone
+from AIFReconLib.bone.growing_bone import GrowingBone
+from AIFReconLib.bone.predicted_bone import EchoEstimator
 from AIFReconLib.live.pairing.predictions import PredictionSource
 from AIFReconLib.live.session.bone_watch import BoneWatch, predictions_beside
 

@@ -33,7 +33,7 @@ def kindOf(path: Path) -> str:
     FileFormatError
         When it is none that is known, or cannot be read.
     """
-    from AIFReconLib.bone.recorded import COVERS
+    from AIFReconLib.bone.recorded_predictions import COVERS
     from AIFReconLib.io.sequence.files import kind_of_recording
 
     told = next((kind for suffix, kind in SUFFIXES.items() if path.name.lower().endswith(suffix)), None)

@@ -53,9 +53,9 @@ def predictedBone(sequence: TrackedSequence, predictions=None, model: "Path | No
     AIFReconError
         With what does not fit and what to do.
     """
-    from AIFReconLib.bone.estimators import bone_from_frames
     from AIFReconLib.bone.model import OnnxModel
-    from AIFReconLib.bone.recorded import RecordedPredictions
+    from AIFReconLib.bone.predicted_bone import bone_from_frames
+    from AIFReconLib.bone.recorded_predictions import RecordedPredictions
     from AIFReconLib.machine.threads import usable_cores
 
     # Nodes belong to the main thread: their pixels are copied here

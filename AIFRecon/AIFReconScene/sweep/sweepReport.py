@@ -26,7 +26,7 @@ class SweepReport:
         progress : callable or None
             A cancel leaves what was kept before.
         """
-        self._make(inputs.sweep, inputs.imageSequence, sequence.parts[0], result, progress)
+        self._make(inputs.sweep, inputs.imageSequence, sequence.sweeps[0], result, progress)
 
     def of(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep; without a reconstruction of it, the coverage is not known.

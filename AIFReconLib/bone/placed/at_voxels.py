@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Floats, Integers, Matrix, Singles
 from ...machine.threads import optional_module
-from .placement import Placement
+from .coordinates import MapCoordinates
 
 SHORTEST = 1e-30
 """Length below which a gradient has no direction: its components would lose digits in float32."""
@@ -27,31 +27,31 @@ class BoneAtVoxels:
     slopes: Singles | None
     """(3, k, j, i). How it rises along i, j, k of the map, where that is not its Sobel gradient."""
     to_reference: Singles  #: (3, 3). What brings slopes to Reference.
-    placement: Placement
+    coordinates: MapCoordinates
 
     def at(self, voxels: Integers, everywhere: bool = False) -> tuple[Singles, Singles]:
         """Probability (m,) and direction (m, 3), as `BoneOnGrid` has them, at voxels (m,), flat [k, j, i] of the part of the grid.
 
         Where the probability is 0, so is the direction, unless it is wanted `everywhere`; then all slopes are made beforehand.
         """
-        place = self.placement
+        coordinates = self.coordinates
         fast = optional_module("AIFReconLib.bone.numba_map")
         if fast is None:
             return self._at(voxels, everywhere)
         probability, directions = np.empty(voxels.size, np.float32), np.empty((voxels.size, 3), np.float32)
-        part = place.shape, place.planes, place.rows, place.columns
+        box = coordinates.shape, coordinates.planes, coordinates.rows, coordinates.columns
         arrays = self.map_probability, self.potential, self.to_reference
-        slopes, lit = self.all_slopes if everywhere else self.slopes, self.lit if everywhere else None
-        fast.look_up(arrays, slopes, part, place.starts, place.matrix, voxels, lit, probability, directions)
+        slopes, occupied = self.all_slopes if everywhere else self.slopes, self.occupied if everywhere else None
+        fast.look_up(arrays, slopes, box, coordinates.starts, coordinates.matrix, voxels, occupied, probability, directions)
         return probability, directions
 
     def _at(self, voxels: Integers, everywhere: bool) -> tuple[Singles, Singles]:
         """The same by scipy."""
-        place = self.placement
-        k, j, i = np.unravel_index(voxels, place.shape)
+        coordinates = self.coordinates
+        k, j, i = np.unravel_index(voxels, coordinates.shape)
         probability, directions = np.zeros(voxels.size, np.float32), np.zeros((voxels.size, 3), np.float32)
-        near = np.flatnonzero(place.within(k, j, i))
-        places = place.places(k[near], j[near], i[near])
+        near = np.flatnonzero(coordinates.within(k, j, i))
+        places = coordinates.of_voxels(k[near], j[near], i[near])
         probability[near] = found = interpolated(self.map_probability, places)
         some = np.arange(near.size) if everywhere else np.flatnonzero(found)
         vectors = np.zeros((some.size, 3), np.float32)
@@ -68,7 +68,7 @@ class BoneAtVoxels:
             return self.slopes
         shape = self.potential.shape
         slopes = np.zeros((3, *shape), np.float32)
-        near = self.placement.reached(shape)
+        near = self.coordinates.reached(shape)
         # With a voxel more on each side, which the gradient looks at; at the border of the map there is none
         wider = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in near)
         within = tuple(slice(s.start - w.start, s.stop - w.start) for s, w in zip(near, wider, strict=True))
@@ -78,7 +78,7 @@ class BoneAtVoxels:
         return slopes
 
     @cached_property
-    def lit(self) -> NDArray[np.int32]:
+    def occupied(self) -> NDArray[np.int32]:
         """Where anything of the map is not 0, (planes + 1, rows + 1, 2) int32: at [k + 1, j + 1], the first i and the last of these places.
 
         Voxels between k and k + 1, j and j + 1, i and i + 1 are made of nothing else; none where the last is below the first.
@@ -100,10 +100,10 @@ class BoneAtVoxels:
     @cached_property
     def overlaps(self) -> bool:
         """Whether there is any bone on the part of the grid at all."""
-        planes, rows, columns = self.placement.shape
+        planes, rows, columns = self.coordinates.shape
         plane = np.arange(rows * columns)
         # Far apart first: where there is bone, one of the first planes has some
-        numbers = sorted(range(*self.placement.planes), key=lambda k: (-(k & -k) if k else -planes, k))
+        numbers = sorted(range(*self.coordinates.planes), key=lambda k: (-(k & -k) if k else -planes, k))
         return any(bool(self.at(k * plane.size + plane)[0].any()) for k in numbers)
 
 

@@ -10,10 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ...bone.estimators import BoneEstimator, Listeners
-from ...bone.growing import GrowingBone
-from ...bone.recorded import COVERS, SAME_TIME, probability_of
-from ...bone.seen import Prediction
+from ...bone.growing_bone import GrowingBone
+from ...bone.predicted_bone import BoneEstimator
+from ...bone.predictions import Prediction, PredictionSampler
+from ...bone.recorded_predictions import COVERS, SAME_TIME, probability_of
+from ...bone.scan_line_reader import ForEachKind
 from ...errors import AIFReconError, GeometryError, OperationCanceled
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
@@ -94,7 +95,7 @@ class BoneWatch(Watch):
         self._recorder = None if record is None else Recorder(record)
         self.recorded: Path | None = None
         self._estimator: BoneEstimator | None = None
-        self._listeners: Listeners | None = None
+        self._samplers: ForEachKind[PredictionSampler] | None = None
         self._waiting: list[ImageMessage] = []
         self._full = 1.0
         self._newest: LiveFrame | None = None
@@ -149,10 +150,10 @@ class BoneWatch(Watch):
             self._recorder.append(_as_frame(frame, prediction))
         if imaging is None:
             return
-        if self._listeners is None:
-            self._listeners = Listeners(imaging)
+        if self._samplers is None:
+            self._samplers = ForEachKind(PredictionSampler, imaging)
         image, pose = frame.placed()
-        self._bone.learn(self._listeners.of(frame).listen(image, prediction), pose, self._session.grid)
+        self._bone.learn(self._samplers.of(frame).sample(image, prediction), pose, self._session.grid)
 
     def _matched(self, source: PredictionSource) -> list[tuple[LiveFrame, ImageMessage]]:
         """Predictions whose frames are placed; others wait a little."""

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 from sweeps import image_pose, rigid
 
-from AIFReconLib.errors import GeometryError
-from AIFReconLib.geometry.pose_interpolation import interpolate_at, interpolate_pose, pose_change, rotation_between
+from AIFReconLib.geometry.pose_interpolation import interpolate_pose, pose_change, rotation_between
 
 vectors = st.tuples(*[st.floats(-170, 170)] * 3)
 fractions = st.floats(0, 1)
@@ -66,20 +65,3 @@ def test_axis_and_angle_lead_from_one_rotation_to_the_other(angle_deg):
     found, angle = rotation_between(first.as_matrix(), second.as_matrix())
     led = (first * Rotation.from_rotvec(angle * found)).as_matrix()
     np.testing.assert_allclose(led, second.as_matrix(), atol=1e-9)
-
-
-def test_among_samples_the_neighbors_in_time_are_used():
-    times = np.array([0.0, 1.0, 3.0])
-    poses = np.stack([rigid(translation=(x, 0, 0)) for x in (0, 10, 30)])
-    np.testing.assert_allclose(interpolate_at(times, poses, 1.5)[:3, 3], (15, 0, 0))
-
-
-def test_at_a_samples_time_the_sample_is_the_answer_to_the_bit():
-    times, poses = np.array([0.0, 1.0, 3.0]), np.stack([rigid((x, 2 * x, 3), (x, 0, 0)) for x in (0, 10, 30)])
-    np.testing.assert_array_equal(interpolate_at(times, poses, 1.0), poses[1])
-
-
-@pytest.mark.parametrize("time", [-0.1, 3.1, np.nan])
-def test_poses_are_not_extrapolated(time):
-    with pytest.raises(GeometryError, match="not extrapolated"):
-        interpolate_at(np.array([0.0, 3.0]), np.stack([np.eye(4)] * 2), time)

@@ -54,20 +54,7 @@ def test_a_name_splits_at_its_to(text, source, target):
 
 @pytest.mark.parametrize(
     "text",
-    [
-        "",
-        "To",
-        "Probe",
-        "ToTracker",
-        "ProbeTo",
-        "Probetotracker",
-        "ProbeTotracker",
-        "AToBToC",
-        "Transform",
-        "ProbeToTransform",
-        "ToAToB",
-        "GoTo Transform",
-    ],
+    ["", "To", "ToTracker", "ProbeTo", "Probetotracker", "ProbeTotracker", "AToBToC", "ProbeToTransform", "ToAToB", "GoTo Transform"],
 )
 def test_a_name_that_does_not_say_from_and_to_is_refused(text):
     with pytest.raises(TransformError, match="FromToTo"):
@@ -75,7 +62,8 @@ def test_a_name_that_does_not_say_from_and_to_is_refused(text):
 
 
 def test_the_path_names_every_link_in_the_direction_of_travel(graph):
-    assert graph.lookup("Image", "Reference").describe_path() == "ImageToProbe, ProbeToTracker, TrackerToReference"
+    path = graph.lookup("Image", "Reference").path
+    assert [str(name) for name in path] == ["ImageToProbe", "ProbeToTracker", "TrackerToReference"]
 
 
 def test_a_chain_over_ok_links_is_ok_whatever_hangs_beside_it(graph):
@@ -99,15 +87,15 @@ def test_nobody_can_use_the_matrix_of_a_chain_that_is_not_ok(graph):
     assert np.isnan(graph.lookup("Stylus", "Reference").matrix).all()
 
 
-def test_a_link_that_is_ok_but_not_finite_counts_as_invalid(graph):
-    moved = graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.full((4, 4), np.nan))})
-    assert moved.lookup("Image", "Reference").status is TransformStatus.INVALID
+def test_a_link_that_is_ok_but_not_finite_counts_as_invalid():
+    graph = TransformGraph({TransformName("Probe", "Tracker"): TransformSample(np.full((4, 4), np.nan))})
+    assert graph.lookup("Tracker", "Probe").status is TransformStatus.INVALID
 
 
-def test_a_singular_link_that_must_be_inverted_is_an_error_of_the_library(graph):
-    moved = graph.updated({TransformName("Reference", "Tracker"): TransformSample(scaled(1, 1, 0))})
+def test_a_singular_link_that_must_be_inverted_is_an_error_of_the_library():
+    graph = TransformGraph({TransformName("Reference", "Tracker"): TransformSample(scaled(1, 1, 0))})
     with pytest.raises(GeometryError, match="singular"):
-        moved.lookup("Image", "Reference")
+        graph.lookup("Tracker", "Reference")
 
 
 def test_two_paths_are_an_error_that_names_both(graph):
@@ -133,7 +121,10 @@ def test_a_loop_elsewhere_does_not_make_a_path_ambiguous(graph):
 
 def test_a_missing_path_says_what_each_end_is_connected_to(graph):
     graph.put("CtToPhantom", np.eye(4))
-    with pytest.raises(TransformError, match="Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker"):
+    with pytest.raises(
+        TransformError,
+        match=r"from Ct to Reference\..* Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker",
+    ):
         graph.lookup("Ct", "Reference")
 
 
@@ -151,7 +142,7 @@ def test_ways_that_agree_are_one(graph):
 
 
 def test_of_ways_that_agree_the_shortest_is_followed(graph):
-    assert agreeing(graph).lookup("Image", "Reference").describe_path() == "ImageToReference"
+    assert [str(name) for name in agreeing(graph).lookup("Image", "Reference").path] == ["ImageToReference"]
 
 
 @pytest.mark.parametrize("link", ["ProbeToTracker", "ReferenceToTracker", "ImageToProbe"])
@@ -190,11 +181,6 @@ def test_a_graph_does_not_see_later_changes_of_a_matrix(graph):
     graph.put("CtToReference", matrix)
     matrix[0, 3] = 7.0
     assert graph.lookup("Ct", "Reference").matrix[0, 3] == 0.0
-
-
-def test_an_update_leaves_the_graph_it_came_from_alone(graph):
-    graph.updated({TransformName("Probe", "Tracker"): TransformSample(np.eye(4))})
-    np.testing.assert_array_equal(graph.lookup("Probe", "Tracker").matrix, PROBE_TO_TRACKER)
 
 
 def test_a_tangle_of_frames_is_searched_in_no_time():

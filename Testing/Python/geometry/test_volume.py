@@ -103,11 +103,6 @@ def test_a_volume_is_moved_by_a_transform_from_the_left():
     np.testing.assert_allclose(Volume(np.zeros((4, 3, 2)), OBLIQUE).placed_by(move).ijk_to_reference, move @ OBLIQUE)
 
 
-def test_a_transform_that_shears_a_volume_is_refused():
-    with pytest.raises(GeometryError, match="sheared"):
-        Volume(np.zeros((4, 3, 2)), OBLIQUE).placed_by(SHEAR)
-
-
 # ---- a volume is an array
 
 

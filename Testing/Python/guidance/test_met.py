@@ -11,8 +11,7 @@ from sweeps import image_pose, rigid, two_vertebrae
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.expectation import ANGLES_DEG, EVIDENCE, MOST, evidence_of, expected_visibility
-from AIFReconLib.guidance.met import DARK, MET, SHADOWED, BoneMet, FrameGeometry
+from AIFReconLib.guidance.met import ANGLES_DEG, DARK, MET, MOST, SHADOWED, SUPPORT, BoneMet, FrameGeometry, expected_visibility, support_of
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import Fan, ImageRegion
 
@@ -79,7 +78,7 @@ def brute_force(bone, pose, kind, thickness=3.0):
 @pytest.mark.parametrize("kind", KINDS)
 def test_frames_meet_what_a_brute_force_search_finds(bone, kind):
     geometry = FrameGeometry(bone, SIZE, *KINDS[kind])
-    met, best, frames, shadowed, evidence = BoneMet(geometry), {}, {}, {}, {}
+    met, best, frames, shadowed, support = BoneMet(geometry), {}, {}, {}, {}
     for pose in poses():
         for number, (cosine, dark) in brute_force(bone, pose, kind).items():
             if dark:
@@ -87,7 +86,7 @@ def test_frames_meet_what_a_brute_force_search_finds(bone, kind):
             else:
                 best[number] = max(best.get(number, -1.0), cosine)
                 frames[number] = frames.get(number, 0) + 1
-                evidence[number] = evidence.get(number, 0.0) + np.interp(math.degrees(math.acos(cosine)), ANGLES_DEG, EVIDENCE)
+                support[number] = support.get(number, 0.0) + np.interp(math.degrees(math.acos(cosine)), ANGLES_DEG, SUPPORT)
         met.insert(pose)
     assert len(best) > 100
     assert len(shadowed) > 20
@@ -95,8 +94,8 @@ def test_frames_meet_what_a_brute_force_search_finds(bone, kind):
     np.testing.assert_allclose(met.best_cosine, [best.get(n, np.nan) for n in everyone], atol=1e-9)
     np.testing.assert_array_equal(met.frames, [frames.get(n, 0) for n in everyone])
     np.testing.assert_array_equal(met.shadowed, [shadowed.get(n, 0) for n in everyone])
-    np.testing.assert_allclose(met.evidence, [evidence.get(n, 0.0) for n in everyone], atol=1e-9)
-    np.testing.assert_allclose(met.expected, [MOST * (1 - math.exp(-math.sqrt(evidence.get(n, 0.0)))) for n in everyone], atol=1e-9)
+    np.testing.assert_allclose(met.support, [support.get(n, 0.0) for n in everyone], atol=1e-9)
+    np.testing.assert_allclose(met.expected, [MOST * (1 - math.exp(-math.sqrt(support.get(n, 0.0)))) for n in everyone], atol=1e-9)
 
 
 def test_a_thicker_beam_meets_more(bone):
@@ -148,14 +147,14 @@ def test_the_faces_across_the_gap_are_its_borders(bone):
 
 def test_a_target_goes_by_the_name_of_its_segment_and_by_its_number(bone):
     named = replace(bone, names={1: "L4", 2: "L3"})
-    np.testing.assert_array_equal(named.part("L3"), bone.surface.labels == 2)
-    np.testing.assert_array_equal(named.part("2"), bone.surface.labels == 2)
+    np.testing.assert_array_equal(named.target("L3"), bone.surface.labels == 2)
+    np.testing.assert_array_equal(named.target("2"), bone.surface.labels == 2)
     with pytest.raises(GeometryError, match=r"\(L4, L3\)"):
-        named.part("L5")
+        named.target("L5")
 
 
 def test_bone_is_expected_to_show_the_more_the_squarer_and_the_more_often_it_was_met():
-    square = expected_visibility(np.outer(np.arange(5), evidence_of(np.cos(np.radians(np.arange(0.0, 86.0, 5.0))))))
+    square = expected_visibility(np.outer(np.arange(5), support_of(np.cos(np.radians(np.arange(0.0, 86.0, 5.0))))))
     assert (np.diff(square, axis=1) <= 0).all()
     assert (np.diff(square[:, :-1], axis=0) > 0).all()
     assert (square[0] == 0).all()

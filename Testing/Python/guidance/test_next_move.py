@@ -10,7 +10,7 @@ import pytest
 from sweeps import two_vertebrae
 
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.candidates import BESIDE_TARGET, geometry_of
+from AIFReconLib.guidance.candidates import OFF_TARGET, geometry_of
 from AIFReconLib.guidance.met import BoneMet
 from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import name_of_place
@@ -33,7 +33,7 @@ def followed(probe, advisor):
     """(words, what it said to add, what it added) of moves that were followed, from a transverse image in the middle."""
     on, bone = probe
     met, here = BoneMet(geometry_of(bone, on)), on.pose(Placement(0.0, 0.0))
-    weights, moves, shown = np.where(bone.border, 1.0, BESIDE_TARGET) * bone.surface.areas, [], 0.0
+    weights, moves, shown = np.where(bone.border, 1.0, OFF_TARGET) * bone.surface.areas, [], 0.0
     for _ in range(8):
         move = advisor.advise(met, here)
         for pose in move.planned.poses(on, move.frames):
@@ -94,5 +94,5 @@ def test_a_small_movement_of_the_hand_does_not_change_the_advice(probe, advisor)
 def test_when_everything_was_met_squarely_nothing_is_advised(probe, advisor):
     on, bone = probe
     met = BoneMet(geometry_of(bone, on))
-    met.evidence[:] = 100.0
+    met.support[:] = 100.0
     assert advisor.advise(met, on.pose(Placement(0.0, 0.0))) is None

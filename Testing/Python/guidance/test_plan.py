@@ -14,9 +14,8 @@ from AIFReconLib.evaluation.visibility import SweepBeams, look
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.candidates import DRAWS, Candidates
-from AIFReconLib.guidance.expectation import evidence_of, expected_visibility
-from AIFReconLib.guidance.hand import Hand
-from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, freehand_passes
+from AIFReconLib.guidance.met import expected_visibility, support_of
+from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, Hand, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, plan_scan
 from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -122,12 +121,12 @@ def test_what_a_plan_predicts_is_what_its_beams_reach(plan, bone, probe):
 
 def expected(bone, probe, poses):
     """The chance of each point of the border to show, by another search for what each frame meets, and its area."""
-    points, evidence = np.flatnonzero(bone.border), np.zeros(len(bone))
+    points, support = np.flatnonzero(bone.border), np.zeros(len(bone))
     for pose in poses:
         beams = SweepBeams(pose[None], probe.images.frame_size, probe.images.geometry, probe.images.region)
         _, best = look(bone.surface.points_reference[points], beams, bone.distance, bone.surface.normals_reference[points])
-        evidence[points] += np.where(np.isfinite(best), evidence_of(np.nan_to_num(best)), 0.0)
-    return expected_visibility(evidence), np.where(bone.border, bone.surface.areas, 0.0)
+        support[points] += np.where(np.isfinite(best), support_of(np.nan_to_num(best)), 0.0)
+    return expected_visibility(support), np.where(bone.border, bone.surface.areas, 0.0)
 
 
 def test_a_pass_adds_the_area_that_its_frames_show_and_again_what_is_left(bone, probe):
@@ -146,11 +145,11 @@ def test_a_pass_adds_the_area_that_its_frames_show_and_again_what_is_left(bone, 
 
 def test_a_pass_adds_the_less_the_more_is_shown(bone, probe):
     candidates = Candidates(freehand_passes(bone)[:12:3], bone, probe, "all", Hand())
-    evidence, rng = candidates.looked(np.zeros(len(bone))), np.random.default_rng(2)
-    before = candidates.gains(evidence)
+    support, rng = candidates.looked(np.zeros(len(bone))), np.random.default_rng(2)
+    before = candidates.gains(support)
     for _ in range(3):
-        evidence = evidence + rng.exponential(0.3, len(evidence))
-        after = candidates.gains(evidence)
+        support = support + rng.exponential(0.3, len(support))
+        after = candidates.gains(support)
         assert (after <= before + 1e-3).all()
         before = after
 

@@ -37,29 +37,6 @@ def test_beams_of_a_sector_equal_the_plain_loop(apex, spacing):
     np.testing.assert_allclose(directions, expected, atol=1e-6)
 
 
-@given(apexes, pitches)
-@settings(max_examples=50)
-def test_beams_of_a_sector_have_length_1_except_at_the_apex(apex, spacing):
-    lengths = np.linalg.norm(ProbeGeometry(SECTOR, apex).directions(7, 6, spacing), axis=2)
-    at_apex = [[(column, row) == apex for column in range(7)] for row in range(6)]
-    np.testing.assert_allclose(lengths, np.where(at_apex, 0.0, 1.0), atol=1e-6)
-
-
-def test_pixels_on_one_ray_in_mm_share_a_beam():
-    directions = ProbeGeometry(SECTOR, (0.0, 0.0)).directions(9, 9, (0.5, 0.25))
-    np.testing.assert_allclose(directions[8, 4], directions[4, 2], atol=1e-7)
-
-
-def test_a_45_degree_beam_is_45_degrees_in_mm_and_not_in_pixels():
-    directions = ProbeGeometry(SECTOR, (0.0, 0.0)).directions(9, 9, (0.5, 0.25))
-    np.testing.assert_allclose(directions[8, 4], np.sqrt([0.5, 0.5]), atol=1e-7)
-
-
-def test_an_apex_far_behind_the_face_makes_beams_parallel():
-    far = ProbeGeometry(SECTOR, (4.0, -1e7)).directions(9, 6, (0.3, 0.2))
-    np.testing.assert_allclose(far, ProbeGeometry(LINEAR).directions(9, 6, (0.3, 0.2)), atol=1e-5)
-
-
 @pytest.mark.parametrize("apex", [None, (math.nan, 0.0), (0.0, math.inf), (1.0,), (1.0, 2.0, 3.0)])
 def test_a_sector_without_an_apex_is_refused(apex):
     with pytest.raises(BeamGeometryError, match="must be a column and a row"):

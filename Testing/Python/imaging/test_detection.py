@@ -216,6 +216,7 @@ NOTHING = {
     "one pixel of light": np.pad(np.full((1, 1, 1), 9, np.uint8), ((0, 0), (20, 20), (20, 20))),
     "one pixel": np.full((2, 1, 1), 9, np.uint8),
     "nine pixels": np.full((2, 3, 3), 9, np.uint8),
+    "white noise": np.random.default_rng(RNG_SEED).integers(0, 256, (3, ROWS, COLUMNS)).astype(np.uint8),
     "sparse noise": (np.random.default_rng(RNG_SEED).random((3, ROWS, COLUMNS)) < 1e-3) * np.uint8(255),
 }
 

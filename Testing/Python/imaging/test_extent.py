@@ -84,11 +84,6 @@ def test_a_fan_makes_the_grid_as_small_as_its_pixels():
     assert grid.size == (np.ptp(column) + 1, np.ptp(row) + 1, 1)
 
 
-def test_the_grid_lies_along_the_axes_of_reference():
-    grid = grid_around_sweep(rigid((1, 2, 3), (4, 5, 6))[None], (9, 9), FULL, (0.2, 0.3, 0.4))
-    np.testing.assert_array_equal(grid.ijk_to_reference[:3, :3], np.diag([0.2, 0.3, 0.4]))
-
-
 @pytest.mark.parametrize("far", [6000.0, 1e9, np.nan])
 def test_poses_that_no_scan_spans_are_refused(far):
     poses = np.array([np.eye(4), rigid((0, 0, 0), (far, 0, 0))])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
+from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, PixelFilter
@@ -55,12 +55,6 @@ def test_pixels_that_are_not_numbers_let_no_dark_pixel_in(engine):
     without = replace(frame, image=np.where(dark, np.nan, frame.image))
     ours, theirs = reconstructed([frame], engine=engine, rejection=100), reconstructed([without], engine=engine)
     np.testing.assert_array_equal(ours.hits.array, theirs.hits.array)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_threshold_of_zero_rejects_nothing(method):
-    frames = oblique_frames(seed=4, count=2)
-    np.testing.assert_array_equal(reconstructed(frames, method, rejection=0).hits.array, reconstructed(frames, method).hits.array)
 
 
 def test_linear_interpolation_rejects_too(engine):
@@ -120,7 +114,7 @@ def test_arcs_outside_the_image_are_not_looked_at():
 
 
 def test_a_detected_fan_is_the_region_of_its_frame():
-    kept = PixelFilter(None, ImageRegion(fan=FAN, fan_detection=DETECTION)).kept(lit(-30, 20))
+    kept = PixelFilter(None, ImageRegion(fan=FAN, fan_detection=DETECTION)).entering(lit(-30, 20))
     angles = DETECTION.angles(lit(-30, 20), FAN)
     np.testing.assert_array_equal(kept, replace(FAN, angles_deg=angles).mask(201, 160))
 

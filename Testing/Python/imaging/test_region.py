@@ -109,17 +109,6 @@ def test_a_fan_that_is_no_sector_is_refused(fan):
         Fan(*fan)
 
 
-def test_radii_of_a_fan_are_mm_where_pixels_are():
-    fan = Fan((0.0, 0.0), (-45, 45), (0.0, 5.0), (0.5, 0.25))
-    assert np.flatnonzero(fan.mask(1, 40)[:, 0]).max() == 20
-
-
-def test_angles_of_a_fan_are_angles_in_mm():
-    column, row = 20, 40
-    assert Fan((0.0, 0.0), (0, 45.001), (0, 99), (0.5, 0.25)).mask(41, 41)[row, column]
-    assert not Fan((0.0, 0.0), (0, 44.999), (0, 99), (0.5, 0.25)).mask(41, 41)[row, column]
-
-
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
 @settings(max_examples=60)
 def test_extreme_pixels_reach_as_far_as_all_pixels_in_every_direction(rows, columns, seed):

@@ -10,10 +10,13 @@ import numpy as np
 import pytest
 from seen_planes import IMAGING, PlaneSweep
 
-from AIFReconLib.bone.estimators import Listeners, bone_from_frames
-from AIFReconLib.bone.growing import MOST_KEPT, GrowingBone
-from AIFReconLib.bone.recorded import RecordedPredictions
-from AIFReconLib.bone.seen import Prediction
+from AIFReconLib.bone.growing_bone import MOST_PENDING, GrowingBone
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.predicted_bone import bone_from_frames
+from AIFReconLib.bone.predictions import Prediction, PredictionSampler
+from AIFReconLib.bone.recorded_predictions import RecordedPredictions
+from AIFReconLib.bone.scan_line_reader import ForEachKind
+from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.sequence.files import read_sequence
@@ -40,10 +43,14 @@ def wait_for(condition) -> None:
 
 
 def learn(bone, numbers, grid=GRID) -> None:
-    listeners = Listeners(IMAGING)
+    samplers = ForEachKind(PredictionSampler, IMAGING)
     for number in numbers:
         frame = TrackedFrame(SWEEP.images[number], SWEEP.poses[number])
-        bone.learn(listeners.of(frame).listen(SWEEP.images[number], Prediction(SAID[number])), SWEEP.poses[number], grid)
+        bone.learn(samplers.of(frame).sample(SWEEP.images[number], Prediction(SAID[number])), SWEEP.poses[number], grid)
+
+
+def known(bone) -> BoneMap:
+    return bone._known[0][1].map()
 
 
 # The map that grows
@@ -54,7 +61,7 @@ def test_what_is_spread_is_what_is_known():
     placed = bone.on_grid(GRID)
     learn(bone, range(6))
     assert bone.spread()
-    whole = bone.seen().on_grid(GRID)
+    whole = known(bone).on_grid(GRID)
     np.testing.assert_allclose(placed.probability, whole.probability, atol=2e-3)
     sure = whole.probability > 0.3
     assert (np.einsum("vc,vc->v", placed.directions_reference[sure], whole.directions_reference[sure]) > 0.999).all()
@@ -67,7 +74,7 @@ def test_news_alone_bring_a_map_up_to_date():
     bone.spread()
     learn(bone, [5])
     bone.spread()
-    np.testing.assert_allclose(placed.probability, bone.seen().on_grid(GRID).probability, atol=0.02)
+    np.testing.assert_allclose(placed.probability, known(bone).on_grid(GRID).probability, atol=0.02)
 
 
 def test_nothing_new_is_not_spread_again():
@@ -84,7 +91,7 @@ def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
     bone.spread(lambda: late and learn(bone, [late.pop()]))
     assert not late
     assert bone.spread()
-    np.testing.assert_allclose(placed.probability, bone.seen().on_grid(GRID).probability, atol=0.02)
+    np.testing.assert_allclose(placed.probability, known(bone).on_grid(GRID).probability, atol=0.02)
 
 
 def test_a_volume_that_begins_anew_is_told_what_was_known():
@@ -98,9 +105,8 @@ def test_a_volume_that_begins_anew_is_told_what_was_known():
 
 
 def test_nothing_is_known_at_first_and_that_is_no_mistake():
-    placed = GrowingBone().on_grid(GRID)
-    assert placed.overlaps
-    assert not placed.probability.any()
+    assert not GrowingBone().on_grid(GRID).probability.any()
+    assert Reconstructor(GRID, ReconstructionSettings(method="weighted"), GrowingBone(), probe=IMAGING.probe).notes == []
 
 
 # A scan
@@ -156,11 +162,11 @@ def predicted(number, image=None) -> ImageMessage:
 
 def on_plane(bone) -> float:
     """The usual probability of bone where it is, of what the volume knows."""
-    if bone._now[0][0] is not GRID:
+    if not bone._on_grid or bone._on_grid[0][0] is not GRID:
         return 0.0  # that of a trial, before there is a volume
     points = SWEEP.on_plane(half=2)
     i, j, k = np.rint(transform_points(GRID.reference_to_ijk, points)).astype(int).T
-    return float(np.median(bone._now[0][1].probability[k, j, i]))
+    return float(np.median(bone._on_grid[0][1].probability[k, j, i]))
 
 
 def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
@@ -200,7 +206,7 @@ def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, 
         queue.put(shown(number))
         wait_for(lambda number=number: watch.state.frames > number)
     assert session.grid is None
-    assert bone.seen() is None
+    assert not bone._known
     session.use_grid(GRID)
     queue.put(shown(5))
     wait_for(lambda: on_plane(bone) > 0.5 and watch.state.frames > 5)
@@ -212,9 +218,9 @@ def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, 
 def test_no_more_is_kept_than_there_is_room_for():
     bone = GrowingBone()
     learn(bone, [0], grid=None)
-    for _ in range(2 * MOST_KEPT):
-        bone.learn(*bone._kept[0], None)
-    assert 0 < len(bone._kept) <= MOST_KEPT
+    for _ in range(2 * MOST_WAITING):
+        bone.learn(*bone._pending[0], None)
+    assert 0 < len(bone._pending) <= MOST_PENDING
 
 
 def test_streamed_predictions_belong_to_the_frames_of_their_times(scan):

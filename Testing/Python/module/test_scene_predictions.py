@@ -11,8 +11,8 @@ from AIFReconLib.resolve import imaging_fields
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 
-from AIFReconLib.bone.estimators import bone_from_frames  # noqa: E402
-from AIFReconLib.bone.recorded import RecordedPredictions  # noqa: E402
+from AIFReconLib.bone.predicted_bone import bone_from_frames  # noqa: E402
+from AIFReconLib.bone.recorded_predictions import RecordedPredictions  # noqa: E402
 from AIFReconLib.errors import GeometryError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402

@@ -117,12 +117,6 @@ def test_a_configuration_does_not_stand_in_where_a_frame_lacks_a_recorded_transf
     assert poses.problems == (None, "ProbeToTracker not recorded")
 
 
-def test_the_recording_wins_over_the_configuration():
-    given = configuration({"ImageToProbe": IMAGE_TO_PROBE, "ProbeToTracker": np.eye(4)})
-    poses = sweep_poses(sweep(record(), configuration=given))
-    np.testing.assert_allclose(poses.image_to_reference[0], IMAGE_TO_REFERENCE, atol=1e-9)
-
-
 REPEATED = {"ProbeToReference": np.linalg.inv(REFERENCE_TO_TRACKER) @ PROBE_TO_TRACKER}
 """What servers compute of tools that they send too."""
 

@@ -9,7 +9,7 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import image_pose
 
-from AIFReconLib.bone.from_sweep import SKIN, BoneEchoFinder, bone_from_sweep
+from AIFReconLib.bone.echo_bone import SKIN, BoneEchoFinder, bone_from_sweep
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry

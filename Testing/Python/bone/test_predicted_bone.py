@@ -7,9 +7,10 @@ import pytest
 from files import refused, tracked_sequence, write_patient
 from seen_planes import IMAGING, PlaneSweep, as_sequence
 
-from AIFReconLib.bone.estimators import EchoEstimator, bone_from_frames
-from AIFReconLib.bone.recorded import RecordedPredictions
-from AIFReconLib.bone.seen import Prediction, SeenBone
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.predicted_bone import EchoEstimator, bone_from_frames
+from AIFReconLib.bone.predictions import Prediction
+from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import GeometryError, SequenceFormatError
 from AIFReconLib.geometry.transforms import transform_points
@@ -23,13 +24,13 @@ from AIFReconLib.reconstruction import reconstruct
 SWEEP = PlaneSweep()
 
 
-def bone_of(predictions, rectangle=None, times=None, sweep=SWEEP) -> SeenBone:
+def bone_of(predictions, rectangle=None, times=None, sweep=SWEEP) -> BoneMap:
     said = RecordedPredictions(sweep.sequence, as_sequence(predictions, times), rectangle)
     return bone_from_frames(sweep.sequence, said, sweep.swept, IMAGING)
 
 
 @pytest.fixture(scope="module")
-def known() -> SeenBone:
+def known() -> BoneMap:
     return bone_of(SWEEP.predictions())
 
 

@@ -15,23 +15,13 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress
 from .map import BoneMap
 from .placed.on_grid import BoneOnGrid
-from .seen import BoneDrawing, Said, SeenBone, cubes_over
+from .predictions import BoneAccumulator, BoneSamples, cubes_over
 
-MOST_KEPT, AT_A_TIME = 500, 8
-"""Frames whose word is kept until there is a volume (of more, every other is let go), and how many it then takes with each new one."""
+MOST_PENDING, AT_A_TIME = 500, 8
+"""Frames that wait until there is a volume (of more, every other is let go), and how many it then takes with each new one."""
 
 BLOCK = 48
 """Voxels along each edge of what is brought up to date in one go, where there is any bone; some 15 ms."""
-
-
-@dataclass(frozen=True, eq=False)
-class GrowingOnGrid(BoneOnGrid):
-    """What engines read of it: arrays whose values change between two frames."""
-
-    @property
-    def overlaps(self) -> bool:
-        """That nothing is known yet is no mistake."""
-        return True
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,9 +35,9 @@ class GrowingBone(BoneMap):
 
     grows: ClassVar[bool] = True
     probability: Volume = field(default_factory=lambda: Volume(np.zeros((1, 1, 1), np.float32), np.eye(4)))
-    _now: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
-    _drawn: list[tuple[VoxelGrid, BoneDrawing]] = field(default_factory=list)
-    _kept: list[tuple[Said, Matrix]] = field(default_factory=list)
+    _on_grid: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
+    _known: list[tuple[VoxelGrid, BoneAccumulator]] = field(default_factory=list)
+    _pending: list[tuple[BoneSamples, Matrix]] = field(default_factory=list)
 
     def on_grid(
         self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
@@ -58,69 +48,63 @@ class GrowingBone(BoneMap):
         # Compiled now: frames must not wait for it
         super().on_grid(VoxelGrid.from_spacing((0.0, 0.0, 0.0), (2, 2, 2), 0.5))
         nowhere = np.zeros(grid.shape, np.float32)
-        empty = GrowingOnGrid(nowhere, np.zeros((*grid.shape, 3), np.float32), nowhere, np.eye(4))
-        self._now[:] = [(grid, empty)]
+        empty = BoneOnGrid(nowhere, np.zeros((*grid.shape, 3), np.float32), nowhere, np.eye(4))
+        self._on_grid[:] = [(grid, empty)]
         return empty
 
-    def learn(self, said: Said, image_to_reference: Matrix, grid: VoxelGrid | None) -> None:
-        """Take a frame's word, for a volume on `grid`; another grid than before begins anew. Without one it is kept for the first."""
+    def learn(self, samples: BoneSamples, image_to_reference: Matrix, grid: VoxelGrid | None) -> None:
+        """Take a frame, for a volume on `grid`; another grid than before begins anew. Without one it waits for the first."""
         if grid is None:
-            self._kept.append((said, image_to_reference))
-            if len(self._kept) > MOST_KEPT:
-                del self._kept[::2]
+            self._pending.append((samples, image_to_reference))
+            if len(self._pending) > MOST_PENDING:
+                del self._pending[::2]
             return
-        if not self._drawn or self._drawn[0][0] is not grid:
-            self._drawn[:] = [(grid, BoneDrawing(cubes_over(grid)))]
-        earlier = self._kept[:AT_A_TIME]
-        del self._kept[:AT_A_TIME]
-        for each, place in (*earlier, (said, image_to_reference)):
-            self._drawn[0][1].add(each, place)
+        if not self._known or self._known[0][0] is not grid:
+            self._known[:] = [(grid, BoneAccumulator(cubes_over(grid)))]
+        earlier = self._pending[:AT_A_TIME]
+        del self._pending[:AT_A_TIME]
+        for each, pose in (*earlier, (samples, image_to_reference)):
+            self._known[0][1].add(each, pose)
 
-    def spread(self, breathe: Callable[[], object] = lambda: None) -> bool:
+    def spread(self, pause: Callable[[], object] = lambda: None) -> bool:
         """Bring what was learned since the last time to the voxels of the reconstructor; whether there was anything.
 
-        `breathe` is called between steps of some 15 ms. For one thread alone; another may `learn` meanwhile.
+        `pause` is called between steps of some 15 ms. For one thread alone; another may `learn` meanwhile.
         """
-        if not self._now or not self._drawn or self._now[0][0] is not self._drawn[0][0]:
+        if not self._on_grid or not self._known or self._on_grid[0][0] is not self._known[0][0]:
             return False
-        (grid, placed), drawing = self._now[0], self._drawn[0][1]
+        (grid, placed), known = self._on_grid[0], self._known[0][1]
         if not placed.probability.any():
             # A volume that begins anew is told all
-            drawing.tell_all()
-        news = drawing.news(breathe)
+            known.renew()
+        news = known.news(pause)
         if news is None:
             return False
-        self._write(*news, drawing.grid, grid, placed, breathe)
+        self._write(*news, known.grid, grid, placed, pause)
         return True
 
-    def seen(self) -> SeenBone | None:
-        """All that is known now; None before there is anything."""
-        return self._drawn[0][1].map() if self._drawn and self._drawn[0][1].shows_bone else None
-
-    def _write(
-        self, seen: SeenBone, box: Box, cubes: VoxelGrid, grid: VoxelGrid, placed: BoneOnGrid, breathe: Callable[[], object]
-    ) -> None:
-        low, high = (np.array([getattr(part, end) for part in box[::-1]]) for end in ("start", "stop"))
-        spots = np.stack(np.meshgrid(*zip(low - 0.5, high - 0.5, strict=True), indexing="ij"), axis=-1).reshape(-1, 3)
+    def _write(self, new: BoneMap, box: Box, cubes: VoxelGrid, grid: VoxelGrid, placed: BoneOnGrid, pause: Callable[[], object]) -> None:
+        low, high = (np.array([getattr(side, end) for side in box[::-1]]) for end in ("start", "stop"))
+        ends = np.stack(np.meshgrid(*zip(low - 0.5, high - 0.5, strict=True), indexing="ij"), axis=-1).reshape(-1, 3)
         to_grid = grid.reference_to_ijk @ cubes.ijk_to_reference
-        corners = spots @ to_grid[:3, :3].T + to_grid[:3, 3]
+        corners = ends @ to_grid[:3, :3].T + to_grid[:3, 3]
         first = np.maximum(np.ceil(corners.min(axis=0)).astype(int), 0)
         stop = np.minimum(np.floor(corners.max(axis=0)).astype(int) + 1, grid.size)
         if (first >= stop).any():
             return
-        to_seen = seen.probability.grid.reference_to_ijk @ grid.ijk_to_reference
+        to_new = new.probability.grid.reference_to_ijk @ grid.ijk_to_reference
         for k, j, i in product(*(range(int(a), int(b), BLOCK) for a, b in zip(first[::-1], stop[::-1], strict=True))):
             size = np.minimum(BLOCK, stop - (i, j, k))
             matrix = grid.ijk_to_reference.copy()
             matrix[:3, 3] += matrix[:3, :3] @ (i, j, k)
             # Where no frame has shown bone near by, there is none to write, nor was there
-            if not _around((i, j, k), size, to_seen, seen.probability.array).any():
+            if not _around((i, j, k), size, to_new, new.probability.array).any():
                 continue
-            breathe()
-            new = seen.on_grid(VoxelGrid((int(size[0]), int(size[1]), int(size[2])), matrix))
+            pause()
+            block = new.on_grid(VoxelGrid((int(size[0]), int(size[1]), int(size[2])), matrix))
             where = slice(k, k + size[2]), slice(j, j + size[1]), slice(i, i + size[0])
-            placed.directions_reference[where] = new.directions_reference
-            placed.probability[where] = new.probability
+            placed.directions_reference[where] = block.directions_reference
+            placed.probability[where] = block.probability
 
 
 def _around(first: tuple[int, int, int], size: Integers, to_map: Matrix, array: Numbers) -> Numbers:

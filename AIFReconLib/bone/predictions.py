@@ -1,4 +1,4 @@
-"""Bone as frames show it, one after the other: probabilities in images become one map in space, which may grow while they come."""
+"""Predictions of bone in frames, weighed by where sound came, and the one map in space that they add up to, frame after frame."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ SPACING = 1.0
 SIGMA, LARGEST_SIGMA = 1.0, 4.0
 """mm. The least and the largest smoothing of the map in 3D."""
 
-LISTEN_PITCH, LISTEN_STEP = 1.0, 0.5
-"""mm. Scan lines and samples closer than this are heard as one: the map is no finer."""
+PITCH, STEP = 1.0, 0.5
+"""mm. Scan lines and samples closer than this are read as one: the map is no finer."""
 
 LIT_WINDOW = 1.2
 """mm along a scan line over which its brightness is averaged before it is asked how far sound came."""
@@ -36,13 +36,13 @@ UNLIT = 0.02
 """What a sample counts that no sound reached, against one that it did."""
 
 BEHIND = 3.0
-"""mm behind bone that a frame shows, from where on its word counts little: sound does not pass."""
+"""mm behind bone that a frame shows, from where on what it shows counts little: sound does not pass."""
 
 NEGLIGIBLE = 0.02
 """A probability below it counts as none: networks are never quite sure, and most of an image is no bone."""
 
-SEEN = 0.05
-"""mm^2 of lit image per mm^3 at which the mean of what frames say is halved: where no frame passed, nothing is known."""
+HALVED = 0.05
+"""mm^2 of lit image per mm^3 at which the mean of the predictions is halved: where no frame passed, nothing is known."""
 
 FULL_SHARE, FULL_PERCENTILE = 0.5, 90
 """Bone is certain where the map reaches this percentile of its voxels above this share of its largest value."""
@@ -58,7 +58,7 @@ def white_of(image: Numbers) -> float | None:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """What is said of bone in one frame."""
+    """Where bone is in one frame, as a network or a rule has it."""
 
     probability: Singles  #: (rows, columns), 0 to 1. Of any size.
     rectangle: Rectangle | None = None
@@ -66,8 +66,8 @@ class Prediction:
 
 
 @dataclass(frozen=True, eq=False)
-class Said:
-    """What one frame says of bone at points along its scan lines."""
+class BoneSamples:
+    """A prediction at samples of a frame's scan lines, and how much each counts."""
 
     pixels: Floats  #: (n, 2). Column and row of each.
     beams: Floats
@@ -77,26 +77,19 @@ class Said:
     weight: Singles  #: (n,), mm^2. The area that each stands for, times how lit it was.
 
 
-class FrameListener:
-    """Takes predictions on images of one size, spacing and probe for what they are worth.
+class PredictionSampler:
+    """Reads predictions along scan lines and weighs them, for images of one size, spacing and probe.
 
-    Parameters
-    ----------
-    size : (columns, rows)
-    spacing : (x, y), mm
-    imaging : Imaging
-        Region and probe; both must be known.
-
-    Notes
-    -----
     A frame knows of bone where its sound came. With the image's brightness q along a line (mean of `LIT_WINDOW`), S the largest q from a
     sample to the end of its line and m the mean of what is not black in the image (of whole numbers at least `DARK` of their largest), a
     sample is lit by min(1, S / m)^2; behind bone that the frame itself shows, `BEHIND` mm and more, by one minus the largest probability
     before.
+
+    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe.
     """
 
     def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
-        self.lines = lines = ScanLineReader(size, spacing, imaging, LISTEN_PITCH, LISTEN_STEP)
+        self.lines = lines = ScanLineReader(size, spacing, imaging, PITCH, STEP)
         self._whole: Rectangle = (0.0, 0.0, float(size[0]), float(size[1]))
         self._at = np.nonzero(lines.known)
         self._pixels = np.stack([lines.columns[self._at], lines.rows[self._at]], axis=-1)
@@ -110,11 +103,11 @@ class FrameListener:
         self._behind = max(round(BEHIND / lines.step), 1)
         self._area = np.float32(lines.pitch * lines.step)
 
-    def listen(self, image: Numbers, prediction: Prediction) -> Said:
-        """What a prediction says of bone, (rows, columns) `image` being what it was made of."""
-        probability = self.lines.read_part(prediction.probability, prediction.rectangle or self._whole)
-        weight = self._area * np.maximum(self._lit(image) * self._before(probability), np.float32(UNLIT))
-        return Said(self._pixels, self._beams, self._at[0], probability[self._at], weight[self._at])
+    def sample(self, image: Numbers, prediction: Prediction) -> BoneSamples:
+        """A prediction along the scan lines; `image` (rows, columns) is what it was made of."""
+        probability = self.lines.read_rectangle(prediction.probability, prediction.rectangle or self._whole)
+        weight = self._area * np.maximum(self._lit(image) * self._passed(probability), np.float32(UNLIT))
+        return BoneSamples(self._pixels, self._beams, self._at[0], probability[self._at], weight[self._at])
 
     def _lit(self, image: Numbers) -> Singles:
         values = self.lines.read(image)
@@ -128,81 +121,55 @@ class FrameListener:
         lit: Singles = (np.minimum(farthest / level, 1.0) ** 2).astype(np.float32)
         return lit
 
-    def _before(self, probability: Singles) -> Singles:
-        """What bone lets through, as far as the frame shows it."""
+    def _passed(self, probability: Singles) -> Singles:
+        """How much of the sound bone has let through before each sample, as far as the frame shows it."""
         passed = np.ones_like(probability)
         shift = self._behind
         passed[:, shift:] -= np.maximum.accumulate(probability, axis=1)[:, : probability.shape[1] - shift]
         return np.maximum(passed, 0.0)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class SeenBone(BoneMap):
-    """A bone map that frames drew, and from which side they saw it.
+class BoneAccumulator:
+    """Adds up the predictions of frames on the voxels of a map.
 
-    Notes
-    -----
-    `gradient` and `surface` directions are one here: the gradient of the probability, with the sign that the beams give it. Bone lies
-    behind its surface, so it never points against the sound.
-    """
-
-    slopes: Singles | None = None
-    """(3, k, j, i). V_dir along i, j, k of the voxels of `probability`, per voxel; not of unit length."""
-
-    def _slopes(self) -> Singles | None:
-        return self.slopes
-
-
-class BoneDrawing:
-    """Collects what frames say of bone.
-
-    Parameters
-    ----------
-    grid : VoxelGrid
-        Of the map; its voxels are cubes along perpendicular axes.
-    sigma : float, mm
-        Smoothing of the map: as wide as the spacing of frames asks.
-
-    Notes
-    -----
-    A voxel's probability is the mean of what the frames say there, weighted by how lit they were, over voxels that a Gaussian weights too
-    (so that gaps between frames are closed), and falls to 0 where none passed. It is then divided by its percentile `FULL_PERCENTILE`
-    where it is high, for a surface is thin: its smoothed probability is below what frames said on it, and on what is certain bone it
+    A voxel's probability is the mean of the predictions there, weighted by how lit their frames were, over voxels that a Gaussian weights
+    too (so that gaps between frames are closed), and falls to 0 where none passed. It is then divided by its percentile `FULL_PERCENTILE`
+    where it is high, for a surface is thin: its smoothed probability is below what was predicted on it, and on what is certain bone it
     should be 1. V_dir is its gradient with the sign of the mean beam there, smoothed by as much again, so that it has a side on the very
-    ridge. Frames may be added by one thread while another asks for `news`: what a drawing has half of comes with the next.
+    ridge. Frames may be added by one thread while another asks for `news`: a frame that is added meanwhile comes with the next.
+
+    The voxels of `grid` are cubes along perpendicular axes; `sigma` (mm) smooths the map as wide as the spacing of frames asks.
     """
 
     def __init__(self, grid: VoxelGrid, sigma: float = SIGMA):
         self.grid, self.sigma = grid, sigma
-        self.frames = 0
-        self._said, self._lit = (np.zeros(grid.shape, dtype=np.float32) for _ in range(2))
+        self._bone, self._lit = (np.zeros(grid.shape, dtype=np.float32) for _ in range(2))
         self._beams = np.zeros((3, *grid.shape), dtype=np.float32)
         self._full = 0.0
         self._changed: tuple[Integers, Integers] | None = None
         self._lock = threading.Lock()
 
-    def add(self, said: Said, image_to_reference: Matrix) -> None:
-        """Take a frame's word at its pose, pixels to mm."""
-        column, row = said.pixels.T
+    def add(self, samples: BoneSamples, image_to_reference: Matrix) -> None:
+        """Add a frame at its pose, pixels to mm."""
+        column, row = samples.pixels.T
         to_ijk = (self.grid.reference_to_ijk @ image_to_reference)[:3]
         # Axis by axis: rows of three take several times as long
         i, j, k = (np.floor(of_column * column + of_row * row + (shift + 0.5)).astype(np.int64) for of_column, of_row, _, shift in to_ijk)
         within = np.logical_and.reduce([(n >= 0) & (n < size) for n, size in zip((i, j, k), self.grid.size, strict=True)])
-        self.frames += 1
         if not within.any():
             return
         i, j, k = (n[within] for n in (i, j, k))
-        weight, probability = (values[within] for values in (said.weight, said.probability))
+        weight, probability = (values[within] for values in (samples.weight, samples.probability))
         at = (k * self.grid.size[1] + j) * self.grid.size[0] + i
         np.add.at(self._lit.reshape(-1), at, weight)
         some = np.flatnonzero(probability >= NEGLIGIBLE)
         at, bone = at[some], weight[some] * probability[some]
-        np.add.at(self._said.reshape(-1), at, bone)
+        np.add.at(self._bone.reshape(-1), at, bone)
         # A gradient per voxel times these is its slope along the beam, whatever the voxels' axes
-        beams = said.beams @ image_to_reference[:3, :2].T @ np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T
-        mine = beams.astype(np.float32)[said.line[within][some]]
+        beams = samples.beams @ image_to_reference[:3, :2].T @ np.linalg.inv(self.grid.ijk_to_reference[:3, :3]).T
+        beam = beams.astype(np.float32)[samples.line[within][some]]
         for axis in range(3):
-            np.add.at(self._beams[axis].reshape(-1), at, bone * mine[:, axis])
+            np.add.at(self._beams[axis].reshape(-1), at, bone * beam[:, axis])
         low, high = (np.array([end(n) for n in (i, j, k)]) for end in (np.min, np.max))
         with self._lock:
             if self._changed is not None:
@@ -212,21 +179,21 @@ class BoneDrawing:
     @property
     def shows_bone(self) -> bool:
         """Whether any frame showed any."""
-        return bool(self._said.any())
+        return bool(self._bone.any())
 
-    def tell_all(self) -> None:
+    def renew(self) -> None:
         """The next `news` are of the whole map."""
         self._changed = np.zeros(3, dtype=np.int64), np.array(self.grid.size) - 1
 
-    def map(self, progress: Progress | None = None) -> SeenBone:
+    def map(self, progress: Progress | None = None) -> BoneMap:
         """The map as far as it is known."""
         whole = tuple(slice(0, n) for n in self.grid.shape)
         return self._drawn((whole[0], whole[1], whole[2]), progress)
 
-    def news(self, breathe: Callable[[], object] = lambda: None) -> tuple[SeenBone, Box] | None:
+    def news(self, pause: Callable[[], object] = lambda: None) -> tuple[BoneMap, Box] | None:
         """The part of the map that has changed since this was asked last, and the box of its voxels [k, j, i] that hold good.
 
-        `breathe` is called between steps, for who wants the computer in between. Certain bone is what was surest until now.
+        `pause` is called between steps, so that others get the processor. Certain bone is what was surest until now.
         """
         with self._lock:
             changed, self._changed = self._changed, None
@@ -235,36 +202,36 @@ class BoneDrawing:
         reach = np.ceil(GAUSSIAN_REACH * self.sigma / self.grid.spacing).astype(int) + 1
         # What has changed spreads by two Gaussians, and bone is all that it can change
         near = self._box(*changed, 2 * reach)
-        shown = self._said[near] > 0
+        shown = self._bone[near] > 0
         along = [np.flatnonzero(shown.any(axis=others)) for others in ((1, 2), (0, 2), (0, 1))]
         if not along[0].size:
             return None
-        low, high = (np.array([part.start + at[end] for part, at in zip(near, along, strict=True)])[::-1] for end in (0, -1))
+        low, high = (np.array([side.start + at[end] for side, at in zip(near, along, strict=True)])[::-1] for end in (0, -1))
         # The voxels at the border want as many more around them
-        return self._drawn(self._box(low, high, 4 * reach), None, breathe), self._box(low, high, 2 * reach)
+        return self._drawn(self._box(low, high, 4 * reach), None, pause), self._box(low, high, 2 * reach)
 
     def _box(self, low: Integers, high: Integers, margin: Integers) -> Box:
         """The voxels [k, j, i] from `low` to `high` (i, j, k) and so many around them."""
         first, stop = np.maximum(low - margin, 0).tolist(), np.minimum(high + margin + 1, self.grid.size).tolist()
         return slice(first[2], stop[2]), slice(first[1], stop[1]), slice(first[0], stop[0])
 
-    def _drawn(self, box: Box, progress: Progress | None, breathe: Callable[[], object] = lambda: None) -> SeenBone:
+    def _drawn(self, box: Box, progress: Progress | None, pause: Callable[[], object] = lambda: None) -> BoneMap:
         """The map of a box of voxels [k, j, i]."""
         sigma = self.sigma / self.grid.spacing[::-1]
 
         def smooth(values: Singles) -> Singles:
-            breathe()
+            pause()
             blurred: Singles = scipy.ndimage.gaussian_filter(values, sigma, mode="constant", truncate=GAUSSIAN_REACH, output=np.float32)
             return blurred
 
         report(progress, 0.0, "Drawing the bone map")
-        mean = smooth(self._said[box]) / (smooth(self._lit[box]) + np.float32(SEEN * np.prod(self.grid.spacing)))
+        mean = smooth(self._bone[box]) / (smooth(self._lit[box]) + np.float32(HALVED * np.prod(self.grid.spacing)))
         report(progress, 0.3, "Drawing the bone map")
         largest = float(mean.max(initial=0.0))
         if largest > 0:
             self._full = max(self._full, float(np.percentile(mean[mean >= FULL_SHARE * largest], FULL_PERCENTILE)))
         probability = np.minimum(mean / np.float32(max(self._full, LEAST_FULL)), np.float32(1.0))
-        breathe()
+        pause()
         slopes = np.stack([scipy.ndimage.sobel(probability, axis=2 - axis, mode="nearest") for axis in range(3)])
         facing = np.zeros_like(probability)
         for axis in range(3):
@@ -274,13 +241,13 @@ class BoneDrawing:
         slopes = np.stack([smooth(slope) for slope in slopes])
         report(progress, 1.0, "Drew the bone map")
         matrix = self.grid.ijk_to_reference.copy()
-        matrix[:3, 3] += matrix[:3, :3] @ [part.start for part in box[::-1]]
-        return SeenBone(Volume(probability, matrix), slopes=slopes)
+        matrix[:3, 3] += matrix[:3, :3] @ [side.start for side in box[::-1]]
+        return BoneMap(Volume(probability, matrix), slopes=slopes)
 
 
-def cubes_over(grid: VoxelGrid, spacing: float = SPACING, margin: float = 0.0) -> VoxelGrid:
-    """Cubes of this edge (mm) over the same box, along its axes, and so much (mm) around it."""
-    ratio, before = spacing / grid.spacing, margin / grid.spacing
+def cubes_over(grid: VoxelGrid, margin: float = 0.0) -> VoxelGrid:
+    """Cubes of `SPACING` mm over the same box, along its axes, and so much (mm) around it."""
+    ratio, before = SPACING / grid.spacing, margin / grid.spacing
     size = np.ceil((np.asarray(grid.size) - 1 + 2 * before) / ratio).astype(int) + 1
     matrix = grid.ijk_to_reference.copy()
     matrix[:3, 3] -= matrix[:3, :3] @ before

@@ -76,15 +76,6 @@ class BoneEchoes:
 class BoneEchoFinder:
     """Looks for bone in images of one size, spacing and probe.
 
-    Parameters
-    ----------
-    size : (columns, rows)
-    spacing : (x, y), mm
-    imaging : Imaging
-        Region and probe; both must be known.
-
-    Notes
-    -----
     Per scan line, with e the smoothed intensity, b the mean intensity from 1 to 10 mm behind, and m the mean of the frame's pixels
     above 0::
 
@@ -93,6 +84,8 @@ class BoneEchoFinder:
     It tends to 1 for a bright echo over darkness, is about 0 where an echo has tissue behind it, and small in darkness, where e and b are
     small against m. Multiplying all intensities by a factor does not change it. The strongest score of a line counts if it reaches
     `LEAST_SCORE`, lies below the skin, and the neighboring lines agree; the echo then lies at the brightest e within `CREST`.
+
+    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe.
     """
 
     def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
@@ -160,8 +153,8 @@ class BoneEchoFinder:
         reach, lines = round(CREST / self._step), np.arange(len(samples))
         near = np.clip(samples[:, None] + np.arange(-reach, 1), 0, echo.shape[1] - 1)
         crest = near[lines, np.take_along_axis(echo, near, axis=1).argmax(axis=1)]
-        before, here, after = (echo[lines, np.clip(crest + shift, 0, echo.shape[1] - 1)].astype(np.float64) for shift in (-1, 0, 1))
-        bend = before - 2 * here + after
+        before, top, after = (echo[lines, np.clip(crest + shift, 0, echo.shape[1] - 1)].astype(np.float64) for shift in (-1, 0, 1))
+        bend = before - 2 * top + after
         shift = np.divide(0.5 * (before - after), bend, out=np.zeros(len(crest)), where=bend < 0)
         between: Floats = np.clip(crest + np.clip(shift, -0.5, 0.5), 0, echo.shape[1] - 1)
         return between
@@ -171,9 +164,9 @@ class BoneEchoFinder:
         reach = max(round(NEIGHBORHOOD / self._pitch), 1)
         depth = np.pad(np.where(found, samples * self._step, np.inf), reach, constant_values=np.inf)
         agreeing = np.zeros(len(samples))
-        own = np.where(found, samples * self._step, 0.0)
+        here = np.where(found, samples * self._step, 0.0)
         for shift in (*range(-reach, 0), *range(1, reach + 1)):
-            agreeing += np.abs(depth[reach + shift : reach + shift + len(own)] - own) <= NEIGHBOR_DEPTH
+            agreeing += np.abs(depth[reach + shift : reach + shift + len(here)] - here) <= NEIGHBOR_DEPTH
         return found & (agreeing >= NEIGHBORS_NEEDED * 2 * reach)
 
 
@@ -222,7 +215,7 @@ def bone_from_sweep(
     weight, distance = np.zeros(grid.voxels), np.zeros(grid.voxels)
     offsets = np.arange(-SLAB, SLAB + 0.25 * spacing, 0.5 * spacing)
     # Sweeps that were joined may differ in depth
-    ends, finders = np.cumsum([len(each) for each in sequence.parts]), {}
+    ends, finders = np.cumsum([len(each) for each in sequence.sweeps]), {}
     for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
         report(progress, done / len(usable), "Looking for bone in the sweep")
         image, pose = frame.placed()

@@ -9,14 +9,14 @@ import numpy as np
 from ...arrays import Floats, Integers, Mask, Matrix
 from ...geometry.volume import VoxelGrid
 
-PARTS = 32
-"""Parts from whose first plane places are counted; always as many, so that results depend on no machine."""
+SLABS = 32
+"""Slabs of planes from whose first plane coordinates are counted; always as many, so that results depend on no machine."""
 
 Range = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class Placement:
+class MapCoordinates:
     """Where voxels of a grid, or of some of its planes, lie among those of a map."""
 
     shape: tuple[int, int, int]  #: (planes, rows, columns). Of the part of the grid.
@@ -29,7 +29,7 @@ class Placement:
     matrix: Floats  #: (3, 3). Steps [k, j, i] of the map, along planes, rows and columns.
 
     @classmethod
-    def of(cls, source: VoxelGrid, grid: VoxelGrid, planes: Range) -> Placement:
+    def of(cls, source: VoxelGrid, grid: VoxelGrid, planes: Range) -> MapCoordinates:
         """That of the `planes` (first, stop) of a grid in a map on the voxels `source`."""
         first, stop = planes
         shape = stop - first, *grid.shape[1:]
@@ -44,7 +44,7 @@ class Placement:
             return cls(shape, (0, 0), (0, 0), (0, 0), starts, matrix)
         (begin, end), rows, columns = box
         offset = to_source[2::-1, 3] + matrix @ [begin, rows[0], columns[0]]
-        edges = np.linspace(0, end - begin, min(PARTS, end - begin) + 1).astype(int)
+        edges = np.linspace(0, end - begin, min(SLABS, end - begin) + 1).astype(int)
         # Counted from the first plane of its slab of the whole, whichever planes are wanted: so places round alike
         k = np.arange(max(begin, first), min(end, stop))
         slab = edges[np.searchsorted(edges, k - begin, side="right") - 1]
@@ -52,7 +52,7 @@ class Placement:
         mine = (int(k[0]) - first, int(k[-1]) + 1 - first) if k.size else (0, 0)
         return cls(shape, mine, rows, columns, starts, matrix)
 
-    def places(self, k: Integers, j: Integers, i: Integers) -> Floats:
+    def of_voxels(self, k: Integers, j: Integers, i: Integers) -> Floats:
         """Where voxels lie in the map, (3, ...) float64 [k, j, i]."""
         down, right = j - self.rows[0], i - self.columns[0]
         return np.stack([(self.starts[k, axis] + down * self.matrix[axis, 1]) + right * self.matrix[axis, 2] for axis in range(3)])
@@ -68,7 +68,7 @@ class Placement:
         if self.planes[0] == self.planes[1]:
             return slice(0, 0), slice(0, 0), slice(0, 0)
         ends = ((first, stop - 1) for first, stop in (self.planes, self.rows, self.columns))
-        corners = self.places(*np.meshgrid(*ends)).reshape(3, -1)
+        corners = self.of_voxels(*np.meshgrid(*ends)).reshape(3, -1)
         low, high = np.floor(corners.min(axis=1)) - 1, np.ceil(corners.max(axis=1)) + 2
         k, j, i = (slice(*(int(min(max(end, 0), size)) for end in pair)) for *pair, size in zip(low, high, shape, strict=True))
         return k, j, i

@@ -1,4 +1,4 @@
-"""Who tells where bone is, frame by frame: the sweep's own echoes, a network, or predictions that were made elsewhere."""
+"""A bone map from predictions in every frame of a sweep: by the sweep's own echoes, a network, or another program."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..errors import GeometryError
-from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import VoxelGrid
 from ..holes.automatic import SHARE, distances_between_frames
 from ..imaging.extent import grid_around_sweep
@@ -21,8 +20,10 @@ from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
-from .from_sweep import BoneEchoFinder
-from .seen import LARGEST_SIGMA, SIGMA, SPACING, BoneDrawing, FrameListener, Prediction, SeenBone, cubes_over
+from .echo_bone import BoneEchoFinder
+from .map import BoneMap
+from .predictions import LARGEST_SIGMA, SIGMA, SPACING, BoneAccumulator, Prediction, PredictionSampler, cubes_over
+from .scan_line_reader import ForEachKind
 
 
 class BoneEstimator(Protocol):
@@ -40,49 +41,21 @@ class BoneEstimator(Protocol):
 class EchoEstimator:
     """The rule of `BoneEchoFinder` as an estimator: no network, no CT.
 
-    Parameters
-    ----------
-    imaging : Imaging
-        Region and probe; both must be known.
-
-    Notes
-    -----
     A scan line that found bone says its score from `HALF_THICKNESS` mm before the echo to as much behind it, and 0 elsewhere.
+
+    `imaging` must know region and probe.
     """
 
     def __init__(self, imaging: Imaging):
-        self._imaging = imaging
-        self._finders: dict[tuple[object, ...], BoneEchoFinder] = {}
+        self._finders = ForEachKind(BoneEchoFinder, imaging)
 
     def estimate(self, frame: TrackedFrame) -> Prediction | None:
         """See `BoneEstimator`."""
-        image, pose = frame.placed()
-        size, spacing = (int(image.shape[1]), int(image.shape[0])), pixel_spacing(pose)
-        key = (size, *np.round(spacing, 6))
-        if key not in self._finders:
-            self._finders[key] = BoneEchoFinder(size, spacing, self._imaging)
-        return Prediction(self._finders[key].drawn(image))
+        return Prediction(self._finders.of(frame).drawn(frame.placed()[0]))
 
     def notes(self) -> tuple[str, ...]:
         """Nothing."""
         return ()
-
-
-class Listeners:
-    """The `FrameListener` of each kind of frame; sweeps that were joined may differ in depth."""
-
-    def __init__(self, imaging: Imaging):
-        self._imaging = imaging
-        self._known: dict[tuple[object, ...], FrameListener] = {}
-
-    def of(self, frame: TrackedFrame) -> FrameListener:
-        """The one for a frame that has an image and a pose."""
-        image, pose = frame.placed()
-        size, spacing = (int(image.shape[1]), int(image.shape[0])), pixel_spacing(pose)
-        key = (size, *np.round(spacing, 6))
-        if key not in self._known:
-            self._known[key] = FrameListener(size, spacing, self._imaging)
-        return self._known[key]
 
 
 def bone_from_frames(
@@ -92,8 +65,10 @@ def bone_from_frames(
     imaging: Imaging | None = None,
     progress: Progress | None = None,
     recipe: Recipe | None = None,
-) -> SeenBone:
-    """A bone map of what an estimator says of every frame.
+) -> BoneMap:
+    """A bone map of what an estimator predicts in every frame.
+
+    Raises BeamGeometryError when the probe is not known; GeometryError when no frame shows bone.
 
     Parameters
     ----------
@@ -102,11 +77,8 @@ def bone_from_frames(
         `RecordedPredictions` of files, an `OnnxModel`, an `EchoEstimator`, or one of your own.
     poses, imaging : SweepPoses, Imaging or None
         Where they are known already, as `sweep_poses` and `resolve_imaging` return them.
-    progress : Progress or None
     recipe : Recipe or None
         As in `reconstruct`; what `poses` or `imaging` tell comes before it.
-
-    Raises BeamGeometryError when the probe is not known; GeometryError when no frame shows bone.
     """
     sequence, recipe = joined(sequence), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if poses is None else poses
@@ -115,8 +87,8 @@ def bone_from_frames(
     matrices = poses.image_to_reference[usable]
     box = grid_around_sweep(matrices, sequence.frame_size, imaging.region, (SPACING,) * 3, 40)
     sigma = sigma_for(matrices, imaging, sequence.frame_size, box)
-    drawing = BoneDrawing(cubes_over(box, margin=3 * sigma), sigma)
-    listeners, silent = Listeners(imaging), 0
+    known = BoneAccumulator(cubes_over(box, margin=3 * sigma), sigma)
+    samplers, silent = ForEachKind(PredictionSampler, imaging), 0
     looking = part(progress, 0.0, 0.9)
     for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
         report(looking, done / len(usable), "Looking for bone in the sweep")
@@ -124,10 +96,11 @@ def bone_from_frames(
         if prediction is None:
             silent += 1
         else:
-            drawing.add(listeners.of(frame).listen(frame.placed()[0], prediction), frame.placed()[1])
-    if not drawing.shows_bone:
+            image, pose = frame.placed()
+            known.add(samplers.of(frame).sample(image, prediction), pose)
+    if not known.shows_bone:
         raise GeometryError(f"{sequence.name}: no frame shows bone by what it is looked for with.", Remedy.BONE_OF_CT)
-    found = drawing.map(part(progress, 0.9, 1.0))
+    found = known.map(part(progress, 0.9, 1.0))
     notes = list(estimator.notes())
     if silent:
         notes.append(f"Nothing is said of bone in {silent} of {len(usable)} frames.")

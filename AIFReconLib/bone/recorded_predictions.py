@@ -13,8 +13,8 @@ from ..geometry.transform_graph import TransformStatus
 from ..remedies import Remedy
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import sweeps_of
+from .predictions import Prediction
 from .scan_line_reader import Rectangle
-from .seen import Prediction
 
 COVERS = "BoneFramePx"
 """The field of a prediction that says which rectangle of its frame it covers, as X Y W H."""
@@ -29,6 +29,11 @@ ROUNDING = 1e-3
 class RecordedPredictions:
     """Probability images of a sweep's frames, as an estimator.
 
+    A prediction belongs to the frame of its time stamp (to 1 ms). Where one of the files has no time stamps, or none of them is that of a
+    frame, it belongs to the frame of its number, if there are as many. Frames without one say nothing, and are counted.
+
+    Raises GeometryError when sizes or counts do not fit; SequenceFormatError when pixels are neither 8 bit nor floating point.
+
     Parameters
     ----------
     sequence : TrackedSequence or several in one Reference
@@ -37,13 +42,6 @@ class RecordedPredictions:
         As `read_sequence` returns them; 8 bit (0 to 255, or 0 and 1) or floating point (0 to 1). Their transforms are not looked at.
     rectangle : (x, y, width, height) or None
         What a prediction covers, in pixels of a frame, where it has not the size of one and does not say itself, as those recorded live do.
-
-    Raises GeometryError when sizes or counts do not fit; SequenceFormatError when pixels are neither 8 bit nor floating point.
-
-    Notes
-    -----
-    A prediction belongs to the frame of its time stamp (to 1 ms). Where one of the files has no time stamps, or none of them is that of a
-    frame, it belongs to the frame of its number, if there are as many. Frames without one say nothing, and are counted.
     """
 
     def __init__(
@@ -60,19 +58,19 @@ class RecordedPredictions:
         self._rectangle = checked_rectangle(rectangle)
         self._notes: list[str] = []
         self._of_frame: list[tuple[TrackedSequence, int] | None] = []
-        for sweep, said in zip(sweeps, of_each, strict=True):
-            self._check(sweep, said)
-            self._of_frame += [None if number < 0 else (said, number) for number in self._matched(sweep, said).tolist()]
-        self._full = {id(said): full_value(said) for said in of_each}
+        for sweep, predicted in zip(sweeps, of_each, strict=True):
+            self._check(sweep, predicted)
+            self._of_frame += [None if number < 0 else (predicted, number) for number in self._matched(sweep, predicted).tolist()]
+        self._full = {id(predicted): full_value(predicted) for predicted in of_each}
 
     def estimate(self, frame: TrackedFrame) -> Prediction | None:
         """What was recorded for a frame; None where nothing was; raises SequenceFormatError when it holds what is no probability."""
         found = self._of_frame[frame.number] if 0 <= frame.number < len(self._of_frame) else None
         if found is None or found[0].records[found[1]].image_status is not TransformStatus.OK:
             return None
-        said, number = found
+        predicted, number = found
         return Prediction(
-            probability_of(said.images[number], self._full[id(said)], f"{said.name}, frame {number}"),
+            probability_of(predicted.images[number], self._full[id(predicted)], f"{predicted.name}, frame {number}"),
             self._rectangle,
         )
 
@@ -80,52 +78,50 @@ class RecordedPredictions:
         """How predictions and frames were matched."""
         return tuple(self._notes)
 
-    def _check(self, sweep: TrackedSequence, said: TrackedSequence) -> None:
-        if np.dtype(said.images.dtype).kind != "f" and np.dtype(said.images.dtype) not in (np.dtype(np.uint8), np.dtype(bool)):
+    def _check(self, sweep: TrackedSequence, predicted: TrackedSequence) -> None:
+        kind = np.dtype(predicted.images.dtype)
+        if kind.kind != "f" and kind.name not in ("uint8", "bool"):
             raise SequenceFormatError(
-                f"{said.name}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {np.dtype(said.images.dtype).name}. "
-                "Save them as one of these."
+                f"{predicted.name}: predictions must be 8 bit, 0 to 255, or floating point, 0 to 1; got {kind.name}. Save them "
+                "as one of these."
             )
-        self._rectangle = self._rectangle or _own_rectangle(said)
-        if self._rectangle is None and said.frame_size != sweep.frame_size:
+        self._rectangle = self._rectangle or _own_rectangle(predicted)
+        if self._rectangle is None and predicted.frame_size != sweep.frame_size:
             raise GeometryError(
-                f"{said.name}: predictions of {_size(said)} pixels do not fit frames of {_size(sweep)}.", Remedy.PREDICTED_RECTANGLE
+                f"{predicted.name}: predictions of {_size(predicted)} pixels do not fit frames of {_size(sweep)}.",
+                Remedy.PREDICTED_RECTANGLE,
             )
 
-    def _matched(self, sweep: TrackedSequence, said: TrackedSequence) -> Integers:
+    def _matched(self, sweep: TrackedSequence, predicted: TrackedSequence) -> Integers:
         """The number of each frame's prediction, (frames,); -1 for those without."""
-        frames, predicted = _times(sweep), _times(said)
-        if frames is not None and predicted is not None:
-            order = np.argsort(predicted, kind="stable")
-            place = np.searchsorted(predicted[order], frames)
-            candidates = order[np.clip(np.stack([place - 1, place]), 0, len(order) - 1)]
-            nearest = candidates[np.abs(predicted[candidates] - frames).argmin(axis=0), np.arange(len(frames))]
-            matched = np.where(np.abs(predicted[nearest] - frames) <= SAME_TIME, nearest, -1)
+        frames, times = _times(sweep), _times(predicted)
+        if frames is not None and times is not None:
+            order = np.argsort(times, kind="stable")
+            index = np.searchsorted(times[order], frames)
+            candidates = order[np.clip(np.stack([index - 1, index]), 0, len(order) - 1)]
+            nearest = candidates[np.abs(times[candidates] - frames).argmin(axis=0), np.arange(len(frames))]
+            matched = np.where(np.abs(times[nearest] - frames) <= SAME_TIME, nearest, -1)
             count = int((matched >= 0).sum())
             if count:
-                self._tell(sweep, said, count, "time")
+                self._tell(sweep, predicted, count, "time")
                 return matched
-        if len(sweep) == len(said):
-            self._tell(sweep, said, len(sweep), "number")
+        if len(sweep) == len(predicted):
+            self._tell(sweep, predicted, len(sweep), "number")
             return np.arange(len(sweep))
         raise GeometryError(
-            f"{said.name}: {len(said)} predictions for {len(sweep)} frames, and their time stamps are not those of the frames. Save "
-            "them with the time stamps of their frames, or one for each frame."
+            f"{predicted.name}: {len(predicted)} predictions for {len(sweep)} frames, and their time stamps are not those of the frames. "
+            "Save them with the time stamps of their frames, or one for each frame."
         )
 
-    def _tell(self, sweep: TrackedSequence, said: TrackedSequence, count: int, by: str) -> None:
-        values = {"name": said.name, "count": count, "frames": len(sweep)}
-        if by == "time":
-            self._notes.append("{name}: bone is predicted for {count} of {frames} frames, matched by time.".format(**values))
-        else:
-            self._notes.append("{name}: bone is predicted for {count} of {frames} frames, matched by number.".format(**values))
+    def _tell(self, sweep: TrackedSequence, predicted: TrackedSequence, count: int, by: str) -> None:
+        self._notes.append(f"{predicted.name}: bone is predicted for {count} of {len(sweep)} frames, matched by {by}.")
 
 
-def full_value(said: TrackedSequence) -> float:
+def full_value(predicted: TrackedSequence) -> float:
     """The value that means certain bone: 255 of 8 bit, unless there are only 0 and 1; 1 of floating point."""
-    if np.dtype(said.images.dtype) != np.dtype(np.uint8):
+    if np.dtype(predicted.images.dtype) != np.dtype(np.uint8):
         return 1.0
-    return 255.0 if any(int(said.images[number].max(initial=0)) > 1 for number in range(len(said))) else 1.0
+    return 255.0 if any(int(predicted.images[number].max(initial=0)) > 1 for number in range(len(predicted))) else 1.0
 
 
 def probability_of(image: Numbers, full: float, what: str) -> Singles:
@@ -134,11 +130,9 @@ def probability_of(image: Numbers, full: float, what: str) -> Singles:
     Raises SequenceFormatError when one is not finite, or none. `what` names it.
     """
     probability: Singles = image.astype(np.float32)
-    low, high = (
-        (float(probability.min(initial=0.0)), float(probability.max(initial=0.0))) if np.isfinite(probability).all() else (math.nan,) * 2
-    )
-    if math.isnan(low):
+    if not np.isfinite(probability).all():
         raise SequenceFormatError(f"{what}: a probability of bone must be a number; got NaN or infinity. Repair the predictions.")
+    low, high = float(probability.min(initial=0.0)), float(probability.max(initial=0.0))
     if low < -ROUNDING * full or high > (1 + ROUNDING) * full:
         raise SequenceFormatError(
             f"{what}: a probability of bone must be 0 to 1; got {low:g} to {high:g}. Pass logits through a sigmoid, or divide by their "
@@ -158,9 +152,9 @@ def checked_rectangle(rectangle: Rectangle | None) -> Rectangle | None:
     return x, y, width, height
 
 
-def _own_rectangle(said: TrackedSequence) -> Rectangle | None:
+def _own_rectangle(predicted: TrackedSequence) -> Rectangle | None:
     """What predictions say that they cover, in their first frame."""
-    words = said.records[0].fields.get(COVERS, "").split() if said.records else []
+    words = predicted.records[0].fields.get(COVERS, "").split() if predicted.records else []
     try:
         x, y, width, height = (float(word) for word in words)
     except ValueError:
@@ -170,8 +164,8 @@ def _own_rectangle(said: TrackedSequence) -> Rectangle | None:
 
 def _times(sequence: TrackedSequence) -> Floats | None:
     """Time stamps, (frames,) s; None where one is missing."""
-    times = [math.nan if record.timestamp is None else record.timestamp for record in sequence.records]
-    found = np.array(times, dtype=np.float64)
+    stamps = [math.nan if record.timestamp is None else record.timestamp for record in sequence.records]
+    found = np.array(stamps, dtype=np.float64)
     return found if found.size and np.isfinite(found).all() else None
 
 
