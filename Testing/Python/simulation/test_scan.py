@@ -14,16 +14,17 @@ from AIFReconLib.simulation.scan import (
     ProbePath,
     TrackingErrors,
     contact_pose,
-    ct_misregistration,
     freehand_sweep,
     multi_angle_sweep,
     plus_configuration_xml,
+    random_rigid,
     simulate_sweep,
     single_angle_sweep,
 )
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 
 PROBE = PhasedArray(columns=320, rows=240, lines=96, samples=300)
+TINY = PhasedArray(columns=16, rows=16, lines=16, samples=16)
 SILENT = UltrasoundEffects(tissue=False, reverberation=False, noise=False)
 
 
@@ -78,8 +79,10 @@ def test_every_frame_of_a_sweep_shows_bone(sequence):
 
 
 @pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
-def test_the_face_stays_on_the_skin(phantom, make):
-    faces = make(phantom, 20).transducer_to_reference[:, :3, 3]
+def test_poses_are_rigid_and_the_face_stays_on_the_skin(phantom, make):
+    poses = make(phantom, 20).transducer_to_reference
+    assert [why_not_rigid(pose) for pose in poses] == [None] * 20
+    faces = poses[:, :3, 3]
     assert faces[:, 1] == pytest.approx(phantom.skin_y(faces[:, 0], faces[:, 2]), abs=0.05)
 
 
@@ -101,21 +104,9 @@ def test_a_sagittal_image_runs_along_the_spine(phantom):
     assert pose[:3, 0] == pytest.approx([0.0, 0.0, 1.0])
 
 
-@pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
-def test_poses_of_a_path_are_rigid(phantom, make):
-    assert [why_not_rigid(pose) for pose in make(phantom, 20).transducer_to_reference] == [None] * 20
-
-
-def test_multi_angle_sweep_visits_every_pair_of_tilts(path):
-    beams = {tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}
-    assert len(beams) == 9
-
-
-def test_multi_angle_sweep_has_as_many_frames_as_asked(phantom):
+def test_a_multi_angle_sweep_visits_every_pair_of_tilts_in_as_many_frames_as_asked(phantom, path):
+    assert len({tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}) == 9
     assert len(multi_angle_sweep(phantom, 31)) == 31
-
-
-def test_timestamps_of_a_path_rise(path):
     assert np.diff(path.timestamps).min() == pytest.approx(1 / 20)
 
 
@@ -162,8 +153,7 @@ def test_tracker_noise_leaves_the_images_as_they_are(phantom, sequence, path):
 
 def test_tracker_noise_moves_the_probe_by_its_standard_deviation(phantom):
     still = ProbePath(np.tile(contact_pose(phantom, 0, 0), (300, 1, 1)), np.arange(300) / 20)
-    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-    noisy = simulate_sweep(phantom, tiny, still, effects=SILENT, errors=TrackingErrors(noise=0.5))
+    noisy = simulate_sweep(phantom, TINY, still, effects=SILENT, errors=TrackingErrors(noise=0.5))
     positions = np.array([image_to_reference(r, np.eye(4))[:3, 3] for r in noisy.records])
     assert positions.std(axis=0) == pytest.approx([0.5] * 3, rel=0.15)
 
@@ -182,28 +172,22 @@ def test_late_poses_lag_behind_the_images(phantom):
 
 def test_a_time_offset_records_late_poses(phantom):
     sweep = single_angle_sweep(phantom, 8)
-    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-    late = simulate_sweep(phantom, tiny, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
-    recorded = image_to_reference(late.records[5], tiny.transducer_to_probe)
+    late = simulate_sweep(phantom, TINY, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
+    recorded = image_to_reference(late.records[5], TINY.transducer_to_probe)
     assert recorded == pytest.approx(sweep.transducer_to_reference[4], abs=1e-6)
 
 
 def test_dropout_takes_its_share_of_frames_out_of_view(phantom):
-    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-    lossy = simulate_sweep(phantom, tiny, single_angle_sweep(phantom, 50), effects=SILENT, errors=TrackingErrors(dropout=0.2))
+    lossy = simulate_sweep(phantom, TINY, single_angle_sweep(phantom, 50), effects=SILENT, errors=TrackingErrors(dropout=0.2))
     name = next(n for n in lossy.transform_names() if n.source == "Probe")
     assert lossy.status_counts(name) == {TransformStatus.OK: 40, TransformStatus.OUT_OF_VIEW: 10}
 
 
-def test_misregistration_moves_its_point_by_exactly_that_much():
+def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
     point = np.array([3.0, 40.0, -8.0])
-    error = ct_misregistration(2.0, 5.0, seed=7, about=point)
-    assert np.linalg.norm(transform_points(error, point) - point) == pytest.approx(2.0)
-
-
-def test_misregistration_turns_by_exactly_that_angle():
-    error = ct_misregistration(2.0, 5.0, seed=7)
-    assert np.rad2deg(np.arccos((np.trace(error[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
+    motion = random_rigid(2.0, 5.0, np.random.default_rng(7), about=point)
+    assert np.linalg.norm(transform_points(motion, point) - point) == pytest.approx(2.0)
+    assert np.rad2deg(np.arccos((np.trace(motion[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
 
 
 def test_configuration_holds_the_calibration():
@@ -238,19 +222,19 @@ def test_probe_poses_come_from_the_true_transducer(phantom, path, sequence):
     assert found == pytest.approx(path.transducer_to_reference[3], abs=1e-6)
 
 
-@pytest.mark.parametrize("wrong", [{"dropout": 1.0}, {"noise": -1.0}, {"time_offset": float("nan")}])
-def test_errors_that_cannot_be_are_refused(wrong):
-    with pytest.raises(SettingsError, match="must"):
-        TrackingErrors(**wrong)
-
-
-@pytest.mark.parametrize("wrong", [{"orientation": "coronal"}, {"in_plane_tilt_deg": 80.0}])
-def test_poses_that_cannot_be_are_refused(phantom, wrong):
-    with pytest.raises(SettingsError, match="must"):
-        contact_pose(phantom, 0.0, 0.0, **wrong)
-
-
-@pytest.mark.parametrize(("make", "frames"), [(single_angle_sweep, 0), (multi_angle_sweep, 5), (freehand_sweep, 1)])
-def test_too_few_frames_are_refused(phantom, make, frames):
-    with pytest.raises(SettingsError, match="frames"):
-        make(phantom, frames)
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda phantom: TrackingErrors(dropout=1.0), "dropout must"),
+        (lambda phantom: TrackingErrors(noise=-1.0), "errors must"),
+        (lambda phantom: TrackingErrors(time_offset=float("nan")), "errors must"),
+        (lambda phantom: contact_pose(phantom, 0.0, 0.0, orientation="coronal"), "orientation must"),
+        (lambda phantom: contact_pose(phantom, 0.0, 0.0, in_plane_tilt_deg=80.0), "tilts must"),
+        (lambda phantom: single_angle_sweep(phantom, 0), "frames must"),
+        (lambda phantom: multi_angle_sweep(phantom, 5), "frames must"),
+        (lambda phantom: freehand_sweep(phantom, 1), "frames must"),
+    ],
+)
+def test_what_cannot_be_is_refused(phantom, make, said):
+    with pytest.raises(SettingsError, match=said):
+        make(phantom)
