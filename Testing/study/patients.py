@@ -67,7 +67,7 @@ def run_study(
     FileFormatError
         When a file of an earlier run cannot be read.
     """
-    return run_tasks(work, {_name(seed): seed for seed in seeds}, row, folder, jobs, progress, "patients")
+    return run_tasks(work, {f"patient-{seed:03d}": seed for seed in seeds}, row, folder, jobs, progress, "patients")
 
 
 def run_tasks(
@@ -127,8 +127,15 @@ def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
     return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
 
 
-def _name(seed: int) -> str:
-    return f"patient-{seed:03d}"
+def table_head(labels: Iterable[str]) -> list[str]:
+    """The first two lines of a Markdown table whose first column names its lines."""
+    labels = tuple(labels)
+    return [table_line("", labels), "|---" * (len(labels) + 1) + "|"]
+
+
+def table_line(name: str, cells: Iterable[str]) -> str:
+    """A line of it."""
+    return f"| {name} | " + " | ".join(cells) + " |"
 
 
 def _file(folder: Path, name: str) -> Path:
