@@ -21,7 +21,7 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.session import LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.statistics import StreamStatistics
+from ..live.wire.sources import StreamStatistics
 from ..machine.threads import pause
 from ..message import one_line
 from ..registration.labeled_bone import LabeledBone
@@ -201,7 +201,7 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tupl
     region, probe = imaging_from(arguments, configuration)
     settings = replace(settings_from(arguments), best_cosine=arguments.cosine is not None)
     with ProgressBar() as progress:
-        seen = LiveBone.of(arguments, configuration, region, probe)
+        seen = LiveBone.of(arguments)
         bone = seen.bone if seen else bone_from(arguments, settings.method_for(True), labeled, None, progress=progress)
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
@@ -214,7 +214,7 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tupl
     )
     client = OpenIGTLinkClient(arguments.host, arguments.port)
     session = LiveSession(
-        seen.source(client) if seen else client,
+        client,
         settings,
         bone,
         grid_from(arguments),
@@ -225,8 +225,9 @@ def _session(arguments: argparse.Namespace, labeled: LabeledBone | None) -> tupl
         synchronizer=synchronizer,
         record=arguments.record,
         frame_limit=arguments.frames,
+        predictions_device=arguments.bone_image,
     )
-    client.connect_once()
+    client.start(wait=True)
     return session, client, seen
 
 

@@ -24,6 +24,7 @@ from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor
 from ...settings import ReconstructionSettings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
+from ..wire.messages import ImageMessage
 from ..wire.sources import CONNECTED, ENDED, MessageSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
 from .recording import Recorder
@@ -36,6 +37,8 @@ SCOUTING, LOOKING, RECONSTRUCTING, PAUSED, FAILED, STOPPED = "scouting", "lookin
 
 FRAMES_LOOKED_AT = 24
 """Tracked frames that are awaited to recognize the probe in, where neither options nor a configuration tell."""
+
+MOST_PREDICTIONS = 64
 
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
@@ -62,6 +65,9 @@ class LiveSession:
         A sequence file for every frame that is received, tracked or not. See `Recorder`.
     frame_limit : int or None
         End after so many frames.
+    predictions_device : str or None
+        An image device that sends what a network says of bone, with the time stamps of the images that it was made of. Its images are no
+        frames: they wait in `predictions`, the newest few, until somebody takes them.
     longest_delay : float or None, s
         When the frames that wait to be inserted will take longer than this, some are left out, evenly, and counted. None: none is ever left
         out; the source then has to wait or to drop messages.
@@ -95,6 +101,7 @@ class LiveSession:
         synchronizer: SynchronizerSettings | None = None,
         record: str | Path | None = None,
         frame_limit: int | None = None,
+        predictions_device: str | None = None,
         longest_delay: float | None = 1.0,
     ):
         self._source = source
@@ -116,12 +123,16 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self.recent: deque[LiveFrame] = deque(maxlen=2 * FRAMES_LOOKED_AT)
         self._frame_limit = frame_limit
+        self._predictions_device = predictions_device
+        self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
         self._meter = Meter()
         names = self._synchronizer.settings
         sign = origin(asked, self.settings, configuration, names)
         self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
         self._grid = grid = grid or (None if names.image_to_reference or names.reference else parts.grid)
-        self._lock = threading.RLock()
+        self._lock, self._looking = threading.RLock(), threading.Lock()
+        self._seen_imaging = known_imaging(configuration, True, region, probe)
+        self._look_from = 0
         self._phase = RECONSTRUCTING if self._imaging else LOOKING
         if grid is None:
             self._phase = SCOUTING
@@ -258,6 +269,24 @@ class LiveSession:
         """Return when next a frame was inserted and none waits, or after `timeout`, s, and for how long; see `Inserter`."""
         return self._inserter.wait_for_rest(timeout)
 
+    def imaging(self) -> Imaging | None:
+        """Region and probe of the images, where need be as the latest frames show them; None while these are too few.
+
+        Raises
+        ------
+        BeamGeometryError
+            When they cannot be told from these. Later ones are looked at again.
+        """
+        with self._looking:
+            frames = [frame for frame in tuple(self.recent) if frame.status == "OK"]
+            if self._seen_imaging is None and len(frames) >= FRAMES_LOOKED_AT and frames[-1].number >= self._look_from:
+                self._look_from = frames[-1].number + FRAMES_LOOKED_AT
+                latest = ScoutedFrames()
+                for frame in frames:
+                    latest.add(frame, 0)
+                self._seen_imaging = self._recognized(latest, True)
+            return self._seen_imaging
+
     @property
     def grid(self) -> VoxelGrid | None:
         """The voxels that are or will be filled."""
@@ -269,8 +298,8 @@ class LiveSession:
         return self._scouted.usable
 
     def devices(self) -> dict[str, tuple[str, ...]]:
-        """Names of the devices that the source has seen, each with the types of its messages."""
-        return self._source.devices()
+        """Names of the devices that the source has seen, but for that of predictions, each with the types of its messages."""
+        return {name: types for name, types in self._source.devices().items() if name != self._predictions_device}
 
     @property
     def error(self) -> Exception | None:
@@ -329,6 +358,9 @@ class LiveSession:
                 message = self._source.get(self._patience())
                 if message is None and self._source.state == ENDED:
                     break
+                if isinstance(message, ImageMessage) and message.device == self._predictions_device:
+                    self.predictions.append(message)
+                    continue
                 frames = self._synchronizer.expire(time.monotonic()) if message is None else self._synchronizer.feed(message)
                 self._heard.note(message)
                 self._take(frames)
@@ -387,6 +419,9 @@ class LiveSession:
     def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
         """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
         if self._imaging is None:
-            sequence, poses = kept.sequence()
-            self._imaging = recognized_imaging(sequence.images, poses, self._configuration, self._needs_probe, self._region, self._probe)
+            self._imaging = self._recognized(kept, self._needs_probe)
         return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *kept.notes))
+
+    def _recognized(self, frames: ScoutedFrames, needs_probe: bool) -> Imaging:
+        sequence, poses = frames.sequence()
+        return recognized_imaging(sequence.images, poses, self._configuration, needs_probe, self._region, self._probe)

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
 
+from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
-from AIFReconLib.live.session.session import FRAMES_LOOKED_AT
+from AIFReconLib.resolve import Imaging
 
 IMAGES = ProbeImages.simulated()
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
@@ -29,6 +29,9 @@ class Session:
     """What a watch asks of a session: the newest frame, and when to work."""
 
     latest = grid = None
+
+    def imaging(self):
+        return Imaging(IMAGES.region, IMAGES.geometry)
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
@@ -58,10 +61,9 @@ def watching(monkeypatch):
         monkeypatch.setattr(guidance_watch, name, 0)
     watches = []
 
-    def watch(labels=None, **options):
-        options = options or {"region": IMAGES.region, "probe": IMAGES.geometry}
+    def watch():
         session = Session()
-        watches.append(GuidanceWatch(session, two_vertebrae() if labels is None else labels, np.eye(4), **options))
+        watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4)))
         return session, watches[-1]
 
     yield watch
@@ -149,10 +151,13 @@ def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(wa
 
 
 def test_an_unknown_probe_is_a_sentence(watching, frames):
-    session, watch = watching(region=ImageRegion())
-    show(session, watch, [replace(frames[0], number=number) for number in range(FRAMES_LOOKED_AT)])
-    assert until(lambda: watch.state.problem is not None)
-    assert "--probe" in str(watch.state.problem)
+    def unknown():
+        raise BeamGeometryError("The probe cannot be told.")
+
+    session, watch = watching()
+    session.imaging = unknown
+    show(session, watch, frames[:1])
+    assert until(lambda: watch.state.problem == "The probe cannot be told.")
 
 
 def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, monkeypatch):

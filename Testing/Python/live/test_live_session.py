@@ -37,7 +37,7 @@ from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.statistics import Heard, Meter, tracking_words
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.decoding import decode
-from AIFReconLib.live.wire.framing import Frame, Framer
+from AIFReconLib.live.wire.framing import Framer
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.reconstruction import reconstruct
@@ -94,9 +94,9 @@ def captured(data: bytes) -> QueueSource:
     """A source of the messages in recorded bytes, as they arrive now."""
     source, framer = QueueSource(limit=100_000, byte_limit=2**31), Framer()
     for start in range(0, len(data), 2**18):
-        for part in framer.feed(data[start : start + 2**18]):
+        for raw in framer.feed(data[start : start + 2**18]):
             with contextlib.suppress(LiveMessageError):
-                for message in decode(part, time.monotonic()) if isinstance(part, Frame) else ():
+                for message in decode(raw, time.monotonic()):
                     source.put(message)
     source.stop()
     return source
@@ -671,10 +671,10 @@ def test_of_a_real_stream_exactly_the_frames_with_a_tracked_tool_are_inserted(le
 
 
 def test_no_wrong_image_of_a_corrupt_stream_enters_the_volume(data_dir, real_data, tmp_path):
-    """One image of this stream is sent in pieces, three times over; every image that comes through is one of the recording it shows."""
+    """Its server begins an image anew in the middle of itself; every image that comes through is one of the recording it shows."""
     originals = {picture.tobytes() for picture in read_sequence(real_data("SpinePhantomFreehand.igs.mha")).images}
     source = captured(recorded(data_dir, "H"))
     run(LiveSession(source, grid=EVERYWHERE, region=WHOLE, record=tmp_path / "scan.mhd"))
     received = read_sequence(tmp_path / "scan.mhd").images
-    assert len(received) >= 22
+    assert len(received) >= 3
     assert all(picture.tobytes() in originals for picture in received)
