@@ -14,8 +14,7 @@ from ...bone.estimators import BoneEstimator, Listeners
 from ...bone.growing import GrowingBone
 from ...bone.recorded import COVERS, SAME_TIME, probability_of
 from ...bone.seen import Prediction
-from ...errors import AIFReconError, GeometryError, OperationCanceled
-from ...message import said
+from ...errors import GeometryError, OperationCanceled
 from ...resolve import Imaging
 from ..pairing.synchronizer import LiveFrame
 from ..wire.messages import ImageMessage
@@ -105,10 +104,8 @@ class BoneWatch(Watch):
         self._spreading.stop(wait)
         recorder, self._recorder = self._recorder, None
         if recorder is not None and wait:
-            try:
-                self.recorded = recorder.finish()
-            except AIFReconError as error:
-                self._tell_problem(said(error))
+            self.recorded = recorder.finish()
+            self._problem = recorder.failure or self._problem
 
     def _tell_problem(self, problem: str) -> None:
         self._problem = problem

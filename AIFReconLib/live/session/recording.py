@@ -119,32 +119,28 @@ class Recorder:
             self._append(frame.image, frame.record)
             self._was_seen |= any(sample.status is TransformStatus.OK for sample in frame.record.transforms.values())
         except (AIFReconError, OSError) as error:
-            cause = "the disk is full" if getattr(error, "errno", None) in _FULL else getattr(error, "strerror", None) or error
-            self._cause = said(error) if isinstance(error, AIFReconError) else f"{cause}."
-            logger.exception("%s", self.failure)
+            self._fail(error)
 
     def finish(self, progress: Progress | None = None) -> Path | None:
         """Make the file that was asked for; the answer is its path, or None when there is no frame.
 
-        Raises
-        ------
-        OutputError
-            When it cannot be made. The recording then stays in the files beside it, and the message names them.
+        None also where it cannot be made: the recording then stays in the files beside it, and `failure` names them.
         """
         self.close()
-        if not self.frames:
-            self._remove()
-            return None
         try:
+            if not self.frames:
+                self._remove()
+                return None
             if self.path.suffix.lower() == ".mhd":
                 self._finish_in_place()
             else:
                 recorded = read_sequence(self.header_path)
                 fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, _NO_LAST_LINE.decode())}
                 write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
-        except OSError as error:
-            raise OutputError(f"{error} The recording is kept in {self.header_path} and its .raw file, and can be read there.") from error
-        self._remove()
+            self._remove()
+        except (AIFReconError, OSError) as error:
+            self._fail(error)
+            return None
         self._frames_are_in = self.path
         return self.path
 
@@ -153,6 +149,11 @@ class Recorder:
         for file in (self._pixels, self._header):
             if file is not None:
                 file.close()
+
+    def _fail(self, error: AIFReconError | OSError) -> None:
+        cause = "the disk is full" if getattr(error, "errno", None) in _FULL else getattr(error, "strerror", None) or error
+        self._cause = said(error) if isinstance(error, AIFReconError) else f"{cause}."
+        logger.exception("%s", self.failure)
 
     def _differs(self, image: Numbers) -> bool:
         return image.shape != self._shape or image.dtype != self._dtype
@@ -163,22 +164,20 @@ class Recorder:
             self._shape, self._dtype = image.shape, image.dtype
         is_missing = image is None or self._differs(image)
         pixels = np.zeros(self._shape, self._dtype) if image is None or is_missing else image
-        begin = self._begin(pixels) if self._header is None else b""
         lines = []
         for key, value in checked(frame_entries([record])):
             name = key.removeprefix(_FIRST_FRAME)
             text = TransformStatus.INVALID.value if is_missing and name == "ImageStatus" else value
             lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")
+        written = "".join(lines).encode("utf-8", errors="surrogateescape")
+        end = _LAST_LINE + f" = {self._pixels_path.name}\n".encode()
         # Without buffers of our own, what was written survives the program
         if self._pixels is None:
             self._pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
         self._write(self._pixels, np.ascontiguousarray(pixels, dtype=self._dtype.newbyteorder("<")).data)
-        end = f"{_LAST_LINE.decode()} = {self._pixels_path.name}\n".encode()
-        written = "".join(lines).encode("utf-8", errors="surrogateescape")
         if self._header is None:
-            self._header = open(self.header_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
-            self._write(self._header, memoryview(begin + written + end))
-            self._end_at = len(begin) + len(written)
+            self._header = self._begin_header(pixels, written + end)
+            self._end_at = self._header.seek(0, os.SEEK_END) - len(end)
         else:
             self._write_at(self._header, self._end_at + len(end), written + end)
             self._write_at(self._header, self._size_at, self._size(self.frames + 1))
@@ -187,17 +186,18 @@ class Recorder:
         self.frames += 1
         self.without_image += is_missing
 
-    def _begin(self, image: Numbers) -> bytes:
-        """The lines before those of the frames, as the sequence writer makes them, for one frame."""
+    def _begin_header(self, image: Numbers, lines_of_frame: bytes) -> FileIO:
+        """The header of one frame as the sequence writer makes it, but for the lines of that frame."""
         with workspace(self.path.absolute().parent) as folder:
             path = folder / "header.mhd"
             write_sequence(TrackedSequence(image[None], [FrameRecord()], {UNFINISHED: "True"}), path, compress=False)
-            lines = path.read_bytes().splitlines(keepends=True)[:-1]
-        lines = [line for line in lines if not line.startswith(_FIRST_FRAME.encode())]
-        size = next(number for number, line in enumerate(lines) if line.startswith(_SIZE.encode()))
-        self._size_at = sum(map(len, lines[:size]))
-        lines[size] = self._size(1) + b"\n"
-        return b"".join(lines)
+            lines = [line for line in path.read_bytes().splitlines(keepends=True)[:-1] if not line.startswith(_FIRST_FRAME.encode())]
+            size = next(number for number, line in enumerate(lines) if line.startswith(_SIZE.encode()))
+            self._size_at = sum(map(len, lines[:size]))
+            lines[size] = self._size(1) + b"\n"
+            path.write_bytes(b"".join(lines) + lines_of_frame)
+            os.replace(path, self.header_path)
+        return open(self.header_path, "r+b", buffering=0)
 
     def _size(self, frames: int) -> bytes:
         """The line of the header that says so many frames, as long for any number of them."""

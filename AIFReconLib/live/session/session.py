@@ -7,29 +7,29 @@ import threading
 import time
 from collections import deque
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from ...arrays import Reals
 from ...bone.map import BoneMap
 from ...compounding.needs import needs_beams, require_bone
 from ...compounding.state import Reconstruction, bytes_per_voxel
-from ...errors import AIFReconError, OutputError
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
-from ...message import said
 from ...progress import Progress, part
+from ...provenance.record import with_origin
 from ...resolve import Imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...settings import ReconstructionSettings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import ImageMessage
-from ..wire.sources import CONNECTED, ENDED, MessageSource
-from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
+from ..wire.sources import ENDED, MessageSource
+from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import NO_IMAGES, Heard, LiveStatistics, Meter, tracking_words
+from .statistics import Heard, LiveStatistics, Meter, statistics_of
 
 logger = logging.getLogger(__name__)
 
@@ -113,10 +113,9 @@ class LiveSession:
         self._method = self.settings.method_for(bone is not None)
         require_bone(self._method, self.settings, bone is not None)
         self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
-        self._region, self._probe = region, probe
+        self._recognized = partial(recognized_imaging, configuration=configuration, region=region, probe=probe)
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
-        self._reference = self._synchronizer.reference
         self.recorder = Recorder(record) if record is not None else None
         self.recorded: Path | None = None
         self.finished = threading.Event()
@@ -127,19 +126,24 @@ class LiveSession:
         self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
         self._meter = Meter()
         names = self._synchronizer.settings
-        sign = origin(asked, self.settings, configuration, names)
-        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
+        sign = partial(
+            with_origin,
+            asked=asked,
+            resolved=self.settings,
+            configuration=configuration,
+            inputs=[] if configuration.path is None else [configuration.path],
+            image_to_reference=names.image_to_reference,
+            reference=names.reference,
+        )
+        self._inserter = Inserter(self.settings, bone, longest_delay, sign, parts)
         self._grid = grid = grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock, self._looking = threading.RLock(), threading.Lock()
         self._seen_imaging = known_imaging(configuration, True, region, probe)
         self._look_from = 0
-        self._phase = RECONSTRUCTING if self._imaging else LOOKING
-        if grid is None:
-            self._phase = SCOUTING
+        self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._imaging else LOOKING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
         self._heard = Heard()
-        self._unfinished: str | None = None
         self._collect_error: Exception | None = None
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
 
@@ -177,15 +181,10 @@ class LiveSession:
     def reset(self) -> None:
         """Empty the volume and begin to count anew, on the same grid; frames that wait are forgotten. The recording goes on."""
         with self._lock:
-            self._meter.restart()
+            self._meter = Meter()
             self._inserter.restart()
             if self._phase in (SCOUTING, LOOKING):
                 self._scouted = ScoutedFrames()
-
-    def scout(self) -> None:
-        """Collect frames for a new grid. The volume so far stays until `use_grid`."""
-        with self._lock:
-            self._scouted, self._phase = ScoutedFrames(), SCOUTING
 
     def grid_from_scout(self, spacing: float | tuple[float, float, float] | None = None, margin: float = 0.0) -> VoxelGrid:
         """The box around the frames seen since scouting began.
@@ -238,14 +237,7 @@ class LiveSession:
         self._phase = STOPPED
         self.finished.set()
         if self.recorder is not None:
-            try:
-                self.recorded = self.recorder.finish(progress)
-            except OutputError as error:
-                self._unfinished = said(error)
-                logger.exception("A recording could not be finished")
-            except AIFReconError as error:
-                self._unfinished = f"{error} The recording is kept in {self.recorder.header_path} and its .raw file."
-                logger.exception("A recording could not be finished")
+            self.recorded = self.recorder.finish(progress)
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
@@ -283,8 +275,9 @@ class LiveSession:
                 self._look_from = frames[-1].number + FRAMES_LOOKED_AT
                 latest = ScoutedFrames()
                 for frame in frames:
-                    latest.add(frame, 0)
-                self._seen_imaging = self._recognized(latest, True)
+                    latest.add(frame, self._meter)
+                sequence, poses = latest.sequence()
+                self._seen_imaging = self._recognized(sequence.images, poses, need_probe=True)
             return self._seen_imaging
 
     @property
@@ -309,39 +302,16 @@ class LiveSession:
     @property
     def recording_failure(self) -> str | None:
         """Why the recording ended early or could not be finished, and where its frames are; None while all is well."""
-        return self._unfinished or (self.recorder.failure if self.recorder is not None else None)
+        return None if self.recorder is None else self.recorder.failure
 
     @property
     def statistics(self) -> LiveStatistics:
         """A snapshot of everything that is counted."""
-        now = time.monotonic()
-        latest, recorder = self.latest, self.recorder
-        images_stopped, poses_stopped = self._heard.stopped(now, None if latest is None else latest.received)
-        tracking = NO_IMAGES if latest is None or images_stopped else tracking_words(latest.status, self._reference)
-        error, source, pairing = self.error, self._source.statistics, self._synchronizer
-        troubles = (self._heard.trouble(now, lasts=self._source.state != CONNECTED), pairing.problem, pairing.note)
-        return LiveStatistics(
-            phase=self._phase_shown(error),
-            connection=self._source.state,
-            tracking=tracking,
-            dropped=source.dropped,
-            dropped_images=source.dropped_images,
-            repeated=pairing.repeated,
-            other_images=pairing.other_images,
-            recorded=recorder.frames if recorder is not None else 0,
-            recording_failure=self.recording_failure,
-            trouble=said(error) if error is not None else next(filter(None, troubles), None),
-            note=pairing.note,
-            images_stopped=images_stopped,
-            poses_stopped=poses_stopped,
-            **self._meter.counts(now),
+        # For the user, a failure matters more than a pause, and a pause more than what is paused
+        phase = FAILED if self.error is not None and self._phase != STOPPED else PAUSED if self._paused else self._phase
+        return statistics_of(
+            phase, self._source, self._synchronizer, self._meter, self._heard, self.latest, self.recorder, error=self.error
         )
-
-    def _phase_shown(self, error: Exception | None) -> str:
-        """The phase for the user, to whom a failure matters more than a pause, and a pause more than what is paused."""
-        if error is not None and self._phase != STOPPED:
-            return FAILED
-        return PAUSED if self._paused else self._phase
 
     def _start_inserting(self) -> None:
         if not self._prepared:
@@ -355,7 +325,8 @@ class LiveSession:
     def _collect(self) -> None:
         try:
             while not self.finished.is_set():
-                message = self._source.get(self._patience())
+                deadline, now = self._synchronizer.deadline, time.monotonic()
+                message = self._source.get(POLL if deadline is None else min(max(deadline - now, 0.0), POLL))
                 if message is None and self._source.state == ENDED:
                     break
                 if isinstance(message, ImageMessage) and message.device == self._predictions_device:
@@ -370,10 +341,6 @@ class LiveSession:
             logger.exception("The reception of a live scan ended")
         self.finished.set()
 
-    def _patience(self) -> float:
-        deadline = self._synchronizer.deadline
-        return POLL if deadline is None else min(max(deadline - time.monotonic(), 0.0), POLL)
-
     def _take(self, frames: list[LiveFrame]) -> None:
         for frame in frames:
             if self._frame_limit is not None and frame.number >= self._frame_limit:
@@ -383,28 +350,36 @@ class LiveSession:
             if self.recorder is not None:
                 self.recorder.append(frame)
             with self._lock:
-                self._hand_on(frame, self._meter.receive(frame.received))
+                self._meter.receive(frame.received)
+                self._hand_on(frame, self._meter)
             if frame.number + 1 == self._frame_limit:
                 self.finished.set()
 
-    def _hand_on(self, frame: LiveFrame, round_: int) -> None:
+    def _hand_on(self, frame: LiveFrame, meter: Meter) -> None:
         if self._paused:
-            self._meter.skip(WHILE_PAUSED, round_)
+            meter.skip(WHILE_PAUSED)
         elif frame.number % (self.settings.skip or 1):
-            self._meter.skip(LEFT_OUT, round_)
+            meter.skip(LEFT_OUT)
         elif self._phase in (SCOUTING, LOOKING):
-            self._scouted.add(frame, round_)
+            self._scouted.add(frame, meter)
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
                 self._begin(self._grid)
         else:
-            self._inserter.put(frame, round_)
+            self._inserter.put(frame, meter)
 
     def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was kept first."""
         kept, self._scouted = self._scouted, ScoutedFrames()
-        self._inserter.begin(grid, lambda: self._find_imaging(kept))
-        for frame, round_ in kept:
-            self._inserter.put(frame, round_, live=False)
+        frames = list(kept)
+
+        def imaging() -> Imaging:
+            found = self._find_imaging(kept)
+            kept.clear()
+            return found
+
+        self._inserter.begin(grid, imaging)
+        for frame, meter in frames:
+            self._inserter.put(frame, meter, live=False)
         self._phase = RECONSTRUCTING
 
     def _close_scouting(self) -> None:
@@ -412,16 +387,13 @@ class LiveSession:
         with self._lock:
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable:
                 self._begin(self._grid)
-            for frame, round_ in self._scouted:
-                self._meter.skip(SCOUTED if frame.status == "OK" else frame.status, round_)
+            for frame, meter in self._scouted:
+                meter.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()
 
     def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
         """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
         if self._imaging is None:
-            self._imaging = self._recognized(kept, self._needs_probe)
+            sequence, poses = kept.sequence()
+            self._imaging = self._recognized(sequence.images, poses, need_probe=self._needs_probe)
         return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *kept.notes))
-
-    def _recognized(self, frames: ScoutedFrames, needs_probe: bool) -> Imaging:
-        sequence, poses = frames.sequence()
-        return recognized_imaging(sequence.images, poses, self._configuration, needs_probe, self._region, self._probe)

@@ -286,27 +286,39 @@ def test_a_ct_that_was_placed_anew_weights_the_next_volume_and_not_the_one_that_
     assert expected.any()
 
 
-def test_a_frame_from_before_a_reset_is_not_counted_after_it():
-    meter = Meter()
-    before = meter.receive(0.0)
-    meter.restart()
-    meter.insert(0.01, before)
-    meter.skip("paused", before)
-    counts = meter.counts(0.0)
-    assert (counts["inserted"], counts["skipped"], counts["waiting"]) == (0, {}, 0)
-
-
 def test_frames_that_cannot_be_used_wait_for_a_box_without_filling_the_memory():
     """An hour with the probe out of view is 100 000 of them."""
-    scouted = ScoutedFrames()
+    scouted, meter = ScoutedFrames(), Meter()
     tracemalloc.start()
     for number in range(20_000):
         record = FrameRecord(transforms={TransformName("Probe", "Tracker"): TransformSample(np.eye(4), TransformStatus.OUT_OF_VIEW)})
-        scouted.add(LiveFrame(np.zeros((4, 4)), None, status="ProbeToTracker OUT_OF_VIEW", number=number, record=record), 1)
+        scouted.add(LiveFrame(np.zeros((4, 4)), None, status="ProbeToTracker OUT_OF_VIEW", number=number, record=record), meter)
     size, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert size < 500_000
     assert [frame.number for frame, _ in scouted] == list(range(20_000))
+
+
+def test_region_and_probe_are_told_to_whoever_looks_at_frames(session_of):
+    """Without configuration, as the latest images show them, or with why they do not, and then not again at once."""
+    images = np.zeros((90, 60, 80), np.uint8)
+    images[30:, 10:50, 20:60] = np.random.default_rng(0).integers(60, 250, (60, 40, 40), dtype=np.uint8)
+    session = session_of(grid=None, configuration=None)
+    session.start()
+    assert session.imaging() is None
+
+    def show(numbers):
+        for n in numbers:
+            for message in tracked(1.0 + n / 30, pixels=images[n]):
+                session.queue.put(message)
+        wait_for(lambda: session.latest is not None and session.latest.number >= numbers[-2])
+
+    show(range(30))
+    with pytest.raises(BeamGeometryError):
+        session.imaging()
+    assert session.imaging() is None
+    show(range(30, 90))
+    assert session.imaging().known_probe().kind == LINEAR
 
 
 def test_images_of_other_devices_are_told(session_of):

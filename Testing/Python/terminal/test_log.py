@@ -14,7 +14,6 @@ from files import write_patient
 from AIFReconLib.commands.parser import COMMANDS, build_parser, main
 from AIFReconLib.compounding import engines
 from AIFReconLib.live.session.insertion import Inserter
-from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.machine import threads
 from AIFReconLib.settings import ReconstructionSettings
@@ -155,7 +154,7 @@ def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
 
 
 def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
-    inserter = Inserter(ReconstructionSettings(method="average"), None, Meter(), 1.0)
+    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result)
 
     def fail():
         raise ZeroDivisionError("as an engine might")
