@@ -15,7 +15,7 @@ import pytest
 
 from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent, TransformMessage
 
-DEADLINE = 10.0
+DEADLINE = 60.0
 """How long a test waits for something that must happen, s."""
 
 RECORDINGS = {

@@ -131,7 +131,7 @@ class ReplayServer:
         self._ended.clear()
         self._error = None
         self._events = asyncio.new_event_loop()
-        self._stopping, self._deserted = asyncio.Event(), asyncio.Event()
+        self._stopping, self._is_deserted = asyncio.Event(), False
         thread = threading.Thread(target=self._run, args=(listener,), name="aifrecon replay", daemon=True)
         try:
             thread.start()
@@ -232,10 +232,13 @@ class ReplayServer:
             playing.cancel()
             stopping.cancel()
             await self._drain()
-            while self._clients:
+            # Somebody may just be coming
+            while len(asyncio.all_tasks()) > 1:
                 for client in self._clients:
                     client.writer.transport.abort()
                 await asyncio.sleep(0)
+            # A connection is closed a moment after its task has ended
+            await asyncio.sleep(POLL / 5)
 
     async def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Listen to a client for as long as it is there."""
@@ -262,7 +265,7 @@ class ReplayServer:
         logger.info("A client left; it missed %d frames", client.missed)
         writer.transport.abort()
         if not self._clients:
-            self._deserted.set()
+            self._is_deserted = True
 
     async def _play(self) -> None:
         """The recording from its beginning, whenever there are clients."""
@@ -270,7 +273,7 @@ class ReplayServer:
             if not any(client.is_ready for client in self._clients):
                 await asyncio.sleep(POLL / 5)
                 continue
-            self._deserted.clear()
+            self._is_deserted = False
             await self._play_to_clients()
 
     async def _play_to_clients(self) -> None:
@@ -281,10 +284,11 @@ class ReplayServer:
                 due = round_start + float(offset)
                 if await self._is_deserted_after(begin + due - time.monotonic()):
                     return
-                encoded = {version: self.frames.messages(number, begin_wall + due, version) for version in self._versions()}
-                for client in self._clients:
-                    if client.is_ready:
-                        client.send(encoded[client.version])
+                ready = [client for client in self._clients if client.is_ready]
+                versions = {client.version for client in ready}
+                encoded = {version: self.frames.messages(number, begin_wall + due, version) for version in versions}
+                for client in ready:
+                    client.send(encoded[client.version])
                 self.sent += 1
             if not self.loop:
                 break
@@ -295,15 +299,13 @@ class ReplayServer:
             for client in self._clients:
                 client.send(encode_status("", 0.0, text="\n", version=client.version))
 
-    def _versions(self) -> set[int]:
-        return {client.version for client in self._clients}
-
     async def _is_deserted_after(self, seconds: float) -> bool:
         """Wait; True as soon as every client has left."""
-        with suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(self._deserted.wait(), max(seconds, 0.0))
+        end = time.monotonic() + seconds
         await asyncio.sleep(0)
-        return self._deserted.is_set()
+        while not self._is_deserted and (left := end - time.monotonic()) > 0:
+            await asyncio.sleep(min(left, POLL))
+        return self._is_deserted
 
     async def _drain(self) -> None:
         """Wait until everything queued is with the operating system, but not for long."""

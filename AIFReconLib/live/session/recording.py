@@ -7,7 +7,7 @@ While it runs there are two files beside the one that was asked for, named after
 
 `read_sequence` opens ``sweep.recording.mhd`` at any time, also after the program was killed or the disk was full. A frame is added in
 an order that allows that: its pixels; behind the last line of the header, where nobody reads any more, its lines and that line again; the
-number of frames; and at last one byte, which takes the older last line for what it was. Its field `UNFINISHED` tells the reader that the
+number of frames; and at last one byte, which makes the older last line a field. The field `UNFINISHED` tells the reader that the
 pixels may go on behind the frames that the header lists. `finish` makes the file that was asked for, completely or not at all, and only
 then removes the two.
 """
@@ -28,7 +28,7 @@ from ...errors import AIFReconError, OutputError
 from ...geometry.transform_graph import TransformStatus
 from ...io.disk.atomic import atomic_outputs, check_writable
 from ...io.disk.workspace import workspace
-from ...io.metafile.metafile import UNFINISHED
+from ...io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
@@ -45,8 +45,7 @@ _SIZE = "DimSize = "
 _SIZE_LETTERS = 40
 """Room for three numbers, the last of which grows."""
 
-_LAST_LINE, _NO_LAST_LINE = b"ElementDataFile", b"_lementDataFile"
-"""How the last line of a header begins, and how those begin that were the last one once."""
+_LAST_LINE = b"ElementDataFile"
 
 
 class Recorder:
@@ -135,7 +134,7 @@ class Recorder:
                 self._finish_in_place()
             else:
                 recorded = read_sequence(self.header_path)
-                fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, _NO_LAST_LINE.decode())}
+                fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
                 write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
             self._remove()
         except (AIFReconError, OSError) as error:
@@ -181,7 +180,7 @@ class Recorder:
         else:
             self._write_at(self._header, self._end_at + len(end), written + end)
             self._write_at(self._header, self._size_at, self._size(self.frames + 1))
-            self._write_at(self._header, self._end_at, _NO_LAST_LINE[:1])
+            self._write_at(self._header, self._end_at, FORMER_LAST_LINE[:1].encode())
             self._end_at += len(end) + len(written)
         self.frames += 1
         self.without_image += is_missing
@@ -238,7 +237,7 @@ class Recorder:
                 for line in growing:
                     if line.startswith(_LAST_LINE):
                         break
-                    if not line.startswith((_NO_LAST_LINE, UNFINISHED.encode())):
+                    if not line.startswith((FORMER_LAST_LINE.encode(), UNFINISHED.encode())):
                         file.write(self._size(self.frames) + b"\n" if line.startswith(_SIZE.encode()) else line)
                 file.write(_LAST_LINE + f" = {target.name}\n".encode())
 

@@ -368,13 +368,13 @@ class LiveSession:
             self._inserter.put(frame, meter)
 
     def _begin(self, grid: VoxelGrid) -> None:
-        """Reconstruct from now on, what was kept first."""
-        kept, self._scouted = self._scouted, ScoutedFrames()
-        frames = list(kept)
+        """Reconstruct from now on, what was scouted first."""
+        scouted, self._scouted = self._scouted, ScoutedFrames()
+        frames = list(scouted)
 
         def imaging() -> Imaging:
-            found = self._find_imaging(kept)
-            kept.clear()
+            found = self._find_imaging(scouted)
+            scouted.clear()
             return found
 
         self._inserter.begin(grid, imaging)
@@ -391,9 +391,9 @@ class LiveSession:
                 meter.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()
 
-    def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
-        """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
+    def _find_imaging(self, scouted: ScoutedFrames) -> Imaging:
+        """How the images are to be read: as given and configured, else recognized in the frames that were scouted."""
         if self._imaging is None:
-            sequence, poses = kept.sequence()
+            sequence, poses = scouted.sequence()
             self._imaging = self._recognized(sequence.images, poses, need_probe=self._needs_probe)
-        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *kept.notes))
+        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *scouted.notes))

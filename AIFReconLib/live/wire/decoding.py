@@ -175,12 +175,12 @@ def _pose(
     raw: RawMessage, received: float, matrix: Matrix, metadata: dict[str, str], tool: str | None = None, from_quaternion: bool = False
 ) -> TransformMessage:
     """A transform and what the sender says of it; a matrix that holds no numbers is invalid, whatever it says."""
-    said = metadata.get("TransformStatus" if tool is None else f"{tool}Status")
+    word = metadata.get("TransformStatus" if tool is None else f"{tool}Status")
     valid = metadata.get("TransformValid", "") if tool is None else ""
-    if not np.isfinite(matrix).all() or (said is None and valid.strip().upper() in ("0", "FALSE")):
+    if not np.isfinite(matrix).all() or (word is None and valid.strip().upper() in ("0", "FALSE")):
         status = TransformStatus.INVALID
     else:
-        status = TransformStatus.OK if said is None else TransformStatus.parse(said)
+        status = TransformStatus.OK if word is None else TransformStatus.parse(word)
     device = raw.header.device if tool is None else tool
     return TransformMessage(device, raw.header.timestamp, matrix, status, metadata, received, raw.header.version, from_quaternion)
 

@@ -38,7 +38,7 @@ class Session:
         return 1.0
 
 
-def until(condition, seconds=20.0) -> bool:
+def until(condition, seconds=60.0) -> bool:
     end = time.monotonic() + seconds
     while not condition() and time.monotonic() < end:
         time.sleep(0.005)

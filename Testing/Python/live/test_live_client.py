@@ -86,19 +86,6 @@ def test_images_and_transforms_arrive_in_order(server, connect):
     assert [image.timestamp for image in inbox.images()] == [1, 2, 3, 4, 5]
 
 
-def test_a_message_in_many_small_pieces_arrives_whole(server, connect):
-    inbox = connect()
-    data = image_bytes()
-    for start in range(0, len(data), 40):
-        server.send(data[start : start + 40])
-    inbox.until(lambda inbox: inbox.images())
-    assert np.array_equal(inbox.images()[0].image, picture())
-
-
-def test_the_connection_is_announced(connect):
-    assert connect().until_event("connected").detail.startswith("Connected to 127.0.0.1, port ")
-
-
 def test_a_client_knows_the_devices_and_their_types(server, connect):
     inbox = connect()
     server.send(image_bytes(device="Same"), transform_bytes(device="Same"), transform_bytes(device="ProbeToTracker"))
@@ -171,20 +158,13 @@ def test_a_wrong_checksum_is_reported_and_counted(server, connect):
     assert inbox.client.statistics.damaged == 1
 
 
-def test_a_3d_image_is_refused_with_a_sentence(server, connect):
-    inbox = connect()
-    server.send(image_bytes(np.zeros((3, 4, 5), np.uint8), device="Volume"), transform_bytes())
-    inbox.until_transform("ProbeToTracker")
-    assert inbox.events("refused")[0].detail.startswith("IMAGE message of 'Volume' holds 5 x 4 x 3 pixels: frames must be 2D")
-    assert inbox.client.statistics.refused == 1
-
-
 def test_a_trouble_that_goes_on_is_not_reported_with_every_message(server, connect):
     inbox = connect()
     server.send(*[image_bytes(np.zeros((3, 4, 5), np.uint8))] * 50, transform_bytes())
     inbox.until_transform("ProbeToTracker")
-    assert len(inbox.events("refused")) < 10
-    assert inbox.client.statistics.refused == 50
+    refused = inbox.events("refused")
+    assert refused[0].detail.startswith("IMAGE message of 'Image_Reference' holds 5 x 4 x 3 pixels: frames must be 2D")
+    assert len(refused) < 50 == inbox.client.statistics.refused
 
 
 # ---- stalls
@@ -205,23 +185,14 @@ def test_a_stall_between_messages_is_reported_once(server, connect):
         assert not isinstance(message, StreamEvent)
 
 
-def test_a_stall_in_a_header_is_reported_and_survived(server, connect):
-    inbox = connect(stall_after=0.1)
-    data = transform_bytes()
-    server.send(transform_bytes(device="Before"), data[:30])
-    inbox.until_transform("Before")
-    assert "in the middle of a header (30 of 58 bytes)" in next_stall(inbox)
-    server.send(data[30:])
-    inbox.until_transform("ProbeToTracker")
-
-
-def test_a_stall_in_a_body_is_reported_and_survived(server, connect):
+@pytest.mark.parametrize(("arrived", "where"), [(30, "a header (30 of 58 bytes)"), (78, "an IMAGE of Image_Reference (20 of 107 bytes)")])
+def test_a_stall_within_a_message_is_reported_and_survived(server, connect, arrived, where):
     inbox = connect(stall_after=0.1)
     data = image_bytes()
-    server.send(transform_bytes(device="Before"), data[:78])
+    server.send(transform_bytes(device="Before"), data[:arrived])
     inbox.until_transform("Before")
-    assert "in the middle of an IMAGE of Image_Reference (20 of 107 bytes)" in next_stall(inbox)
-    server.send(data[78:])
+    assert f"in the middle of {where}" in next_stall(inbox)
+    server.send(data[arrived:])
     inbox.until(lambda inbox: inbox.images())
     assert np.array_equal(inbox.images()[0].image, picture())
 
@@ -293,13 +264,6 @@ def test_a_closed_port_fails_at_once_where_that_is_asked_for():
     assert client.state == "stopped"
 
 
-def test_a_server_that_is_there_lets_the_first_attempt_succeed(server):
-    client = OpenIGTLinkClient("127.0.0.1", server.port, **QUICK)
-    client.start(wait=True)
-    assert client.state == "connected"
-    client.stop()
-
-
 def test_a_host_that_does_not_resolve_is_reported_in_plain_words(monkeypatch):
     def unknown(*_, **__):
         raise socket.gaierror(-2, "Name or service not known")
@@ -307,11 +271,6 @@ def test_a_host_that_does_not_resolve_is_reported_in_plain_words(monkeypatch):
     monkeypatch.setattr(socket, "getaddrinfo", unknown)
     with pytest.raises(LiveConnectionError, match=r"Host 'nowhere\.invalid' cannot be found \(Name or service not known\)"):
         OpenIGTLinkClient("nowhere.invalid", 18944).start(wait=True)
-
-
-def test_a_host_that_cannot_be_a_name_is_reported_too():
-    with pytest.raises(LiveConnectionError, match="cannot be found"):
-        OpenIGTLinkClient("a" * 70 + ".b", 18944).start(wait=True)
 
 
 def test_a_machine_that_does_not_answer_is_given_up_after_the_timeout(silent_port):
@@ -340,39 +299,36 @@ def test_a_host_that_is_none_is_refused(host):
 # ---- stopping
 
 
-def stopped_in_time(client: OpenIGTLinkClient) -> bool:
-    start = time.monotonic()
+def stop(client: OpenIGTLinkClient) -> None:
+    """Stop a client, twice; its thread ends."""
     client.stop()
-    return time.monotonic() - start < 1.0 and client.state == "stopped"
+    client.stop()
+    assert client.state == "stopped"
+    wait_for(lambda: not any(thread.name.endswith(f":{client.port}") for thread in threading.enumerate()), "the end of the thread", 60.0)
 
 
-def test_it_stops_in_time_while_it_waits_to_reconnect():
+def test_it_stops_while_it_waits_to_reconnect():
     client = OpenIGTLinkClient("127.0.0.1", free_port(), retry_delays=(60.0,))
     client.start()
     wait_for(lambda: client.state == "waiting to reconnect")
-    assert stopped_in_time(client)
+    stop(client)
 
 
-def test_it_stops_in_time_while_a_machine_does_not_answer(silent_port):
+def test_it_stops_while_a_machine_does_not_answer(silent_port):
     client = OpenIGTLinkClient("127.0.0.1", silent_port, connect_timeout=60.0)
     client.start()
     wait_for(lambda: client.state == "connecting")
-    assert stopped_in_time(client)
-    wait_for(lambda: not any(thread.name.endswith(f":{silent_port}") for thread in threading.enumerate()), "the end of the thread", 2.0)
+    stop(client)
 
 
-def test_it_stops_in_time_while_nothing_arrives(connect):
-    assert stopped_in_time(connect().client)
-
-
-def test_it_stops_in_time_in_the_middle_of_a_message(server, connect):
+def test_it_stops_in_the_middle_of_a_message(server, connect):
     inbox = connect()
     server.send(transform_bytes(), image_bytes()[:70])
     inbox.until_transform("ProbeToTracker")
-    assert stopped_in_time(inbox.client)
+    stop(inbox.client)
 
 
-def test_it_stops_in_time_while_messages_keep_arriving(server, connect):
+def test_it_stops_while_messages_keep_arriving(server, connect):
     inbox = connect(queue_size=5)
     over = threading.Event()
 
@@ -387,12 +343,12 @@ def test_it_stops_in_time_while_messages_keep_arriving(server, connect):
     sender = threading.Thread(target=flood)
     sender.start()
     wait_for(lambda: inbox.client.statistics.count("IMAGE") > 50, "50 images")
-    assert stopped_in_time(inbox.client)
+    stop(inbox.client)
     over.set()
     sender.join()
 
 
-def test_it_stops_in_time_while_a_name_is_resolved(monkeypatch):
+def test_it_stops_while_a_name_is_resolved(monkeypatch):
     answer = threading.Event()
 
     def slow(*_, **__):
@@ -402,15 +358,10 @@ def test_it_stops_in_time_while_a_name_is_resolved(monkeypatch):
     monkeypatch.setattr(socket, "getaddrinfo", slow)
     client = OpenIGTLinkClient("slow.invalid", 18944)
     client.start()
-    assert stopped_in_time(client)
+    client.stop()
+    assert client.state == "stopped"
     answer.set()
-
-
-def test_stopping_twice_or_before_the_start_does_nothing(connect):
-    client = connect().client
-    client.stop()
-    client.stop()
-    OpenIGTLinkClient("localhost", 1).stop()
+    stop(client)
 
 
 def test_whoever_waits_for_a_message_is_let_go_by_a_stop(connect):
@@ -464,13 +415,6 @@ def test_pixels_that_wait_are_limited_in_bytes_too(server, connect):
     wait_for(lambda: inbox.client.statistics.dropped == 15, "15 dropped images")
     inbox.until(lambda inbox: inbox.images() and inbox.images()[-1].timestamp == 19)
     assert [image.timestamp for image in inbox.images()] == [15, 16, 17, 18, 19]
-
-
-def test_images_among_the_dropped_messages_are_counted(server, connect):
-    inbox = connect(queue_size=3)
-    server.send(*(image_bytes(timestamp=n) + transform_bytes(timestamp=n) for n in range(10)))
-    wait_for(lambda: inbox.client.statistics.dropped == 18, "18 dropped messages")
-    assert inbox.client.statistics.dropped_images == 9
 
 
 def test_texts_that_wait_are_limited_in_bytes_too():

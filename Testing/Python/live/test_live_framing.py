@@ -58,22 +58,8 @@ def test_the_checksum_of_any_length_is_that_of_the_definition(size):
     assert crc64(data) == crc_by_definition(data)
 
 
-def test_the_checksum_of_an_image_is_pyigtl_s():
-    body = image_bytes(picture(rows=123, columns=457))
-    assert crc64(body) == pyigtl.messages.CRC64(body)
-
-
 def test_the_checksum_has_its_published_check_value():
     assert crc64(b"123456789") == 0x6C40DF5F0B497347
-
-
-@given(st.integers(0, 2000), st.integers(0, 7))
-@settings(max_examples=30, deadline=None)
-def test_one_wrong_bit_anywhere_changes_the_checksum(place, bit):
-    data = bytearray(np.random.default_rng(0).bytes(2001))
-    before = crc64(data)
-    data[place] ^= 1 << bit
-    assert crc64(data) != before
 
 
 # ---- framing
@@ -186,10 +172,6 @@ def test_a_really_damaged_stream_is_given_up_where_its_server_began_a_message_an
 # ---- decoding
 
 
-def test_an_image_arrives_pixel_for_pixel():
-    assert np.array_equal(decoded(image_bytes(picture(3))).image, picture(3))
-
-
 def test_the_matrix_of_an_image_takes_pixel_centers_to_where_the_sender_put_them():
     assert np.allclose(decoded(image_bytes()).image_to_sender, POSE, atol=1e-5)
 
@@ -242,16 +224,10 @@ def test_an_image_whose_pixels_are_cut_short_is_refused():
         decode(frame)
 
 
-def test_an_image_of_an_unknown_pixel_type_is_refused():
-    body = bytearray(image_bytes()[58:])
-    body[3] = 77
-    (frame,) = framed(encoding.encode_message("IMAGE", "Odd", 0.0, bytes(body)))
-    with pytest.raises(LiveMessageError, match="'Odd' cannot be understood"):
-        decode(frame)
-
-
 def test_a_transform_arrives_as_sent():
-    assert np.allclose(decoded(transform_bytes()).matrix, POSE, atol=1e-6)
+    message = decoded(transform_bytes())
+    assert np.allclose(message.matrix, POSE, atol=1e-6)
+    assert message.status is TransformStatus.OK
 
 
 def test_the_status_of_a_transform_is_in_its_metadata():
@@ -263,17 +239,9 @@ def test_a_transform_that_is_said_to_be_not_valid_is_invalid():
     assert decoded(transform_bytes(version=2, metadata={"TransformValid": "0"})).status is TransformStatus.INVALID
 
 
-def test_a_transform_of_version_1_is_taken_as_ok():
-    assert decoded(transform_bytes()).status is TransformStatus.OK
-
-
 def test_a_matrix_of_nan_is_invalid_whatever_its_status_says():
     message = decoded(transform_bytes(np.full((4, 4), np.nan), version=2, metadata={"TransformStatus": "OK"}))
     assert message.status is TransformStatus.INVALID
-
-
-def test_a_matrix_of_nan_in_an_image_is_handed_on_as_it_is():
-    assert np.isnan(decoded(image_bytes(matrix=np.full((4, 4), np.nan))).image_to_sender[:3]).all()
 
 
 def test_types_that_nobody_needs_give_no_message():
@@ -420,10 +388,6 @@ def test_what_a_real_server_sent_is_encoded_to_the_same_bytes(data_dir, letter):
     assert different == 0
 
 
-def test_text_outside_ascii_survives_in_metadata():
-    assert decoded(encoding.encode_transform("A", 0.0, POSE, version=2, metadata={"Gerät": "Köpf"})).metadata == {"Gerät": "Köpf"}
-
-
-def test_a_time_survives_to_the_last_bit():
-    time = 1795209143.174278
-    assert decoded(encoding.encode_transform("A", time, POSE)).timestamp == time
+def test_text_outside_ascii_and_the_last_bit_of_a_time_survive():
+    message = decoded(encoding.encode_transform("A", 1795209143.174278, POSE, version=2, metadata={"Gerät": "Köpf"}))
+    assert (message.timestamp, message.metadata) == (1795209143.174278, {"Gerät": "Köpf"})
