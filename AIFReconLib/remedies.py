@@ -105,7 +105,9 @@ IN_PYTHON = {
     Remedy.NO_CALIBRATION: "Leave out the calibration.",
     Remedy.PIXEL_SIZE: "Give spacing in mm, (x, y).",
     Remedy.NO_PIXEL_SIZE: "Leave out spacing and origin_px{or_calibration}.",
-    Remedy.WHERE_THE_IMAGE_LIES: ("Give a calibration; or both spacing and origin_px, if the axes of the image are those of {frame}."),
+    Remedy.WHERE_THE_IMAGE_LIES: (
+        "Give a calibration; or both spacing and origin_px, if the axes of the image are those of {frame}."
+    ),
     Remedy.NAME_THE_COLUMNS: 'Name the columns, as in columns="time x y z qx qy qz qw", - for those that are not used.',
     Remedy.NO_IMAGE_COLUMN: "Leave out that column (columns, with -).",
     Remedy.QUATERNION_ORDER: "Give quaternion_order, xyzw or wxyz.",

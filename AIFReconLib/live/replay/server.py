@@ -132,7 +132,7 @@ class ReplayServer:
         self._error = None
         self._events = asyncio.new_event_loop()
         self._stopping, self._is_deserted = asyncio.Event(), False
-        thread = threading.Thread(target=self._run, args=(listener,), name="aifrecon replay", daemon=True)
+        thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
         try:
             thread.start()
         except RuntimeError:  # the system allows no more threads

@@ -226,7 +226,6 @@ def test_ctrl_c_saves_what_there_is(serve, live, results):
     )
     with child:
         deadline = time.monotonic() + 60
-        # The header of the recording is renewed every second
         while not (results / "scan.recording.mhd").exists() or len(read_sequence(results / "scan.recording.mhd")) < 5:
             assert child.poll() is None
             assert time.monotonic() < deadline
