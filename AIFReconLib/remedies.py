@@ -1,6 +1,6 @@
 """What can be done about what is wrong, by name: the library names a remedy, each door says it in its own words.
 
-The words for the terminal are in `terminal/remedies.py`, those of the panel in the module's `AIFReconScene/remedies.py`.
+The words for the terminal are in `terminal/remedies.py`, those of the panel in the module's `AIFReconScene/panelWords.py`.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ from ..imaging.region import ImageRegion
 from ..io.disk.atomic import check_writable, write_text
 from ..live.wire.decoding import decode
 from ..live.wire.encoding import encode_image
-from ..live.wire.framing import Frame, Framer
+from ..live.wire.framing import Framer
 from ..machine.threads import optional_module, usable_cores
 from ..message import columns
 from ..progress import Progress, part, report
@@ -153,9 +153,8 @@ def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:
     message = encode_image("Image_Reference", frame.timestamp, image, pose)
 
     def receive() -> None:
-        for whole in Framer().feed(message):
-            if isinstance(whole, Frame):
-                decode(whole)
+        for raw in Framer().feed(message):
+            decode(raw)
 
     return _median_seconds(receive, max(repeats, 5))
 

@@ -10,7 +10,7 @@ from ..arrays import Matrix
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
 from ..io.foreign.calibration import read_calibration
-from ..io.metafile.metafile import UNFINISHED
+from ..io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
 from ..io.sequence.files import IMAGE_FRAME
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
@@ -83,7 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
 def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> TrackedSequence:
     """The sequence with everything done to it that the options ask for: names first, then calibration, part and frames."""
     # What is written is complete; the mark would keep readers from saying that it is damaged when it is
-    sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key != UNFINISHED})
+    sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)})
     sequence = rename(with_configured_transforms(sequence), dict(_pair(text) for text in arguments.rename))
     if arguments.calibration:
         name, matrix = _calibration(arguments.calibration)

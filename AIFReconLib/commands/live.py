@@ -21,12 +21,11 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.session import LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.statistics import StreamStatistics
+from ..live.wire.sources import StreamStatistics
 from ..machine.threads import pause
 from ..message import one_line
 from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..resolve import asked_imaging
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
 from ..terminal.live_bone import LiveBone, add_streamed_bone_option, predictions_path
@@ -183,7 +182,7 @@ def _session(
     """The session that the options ask for, its client, which is connected, and what looks for bone beside it."""
     configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
     with ProgressBar() as progress:
-        seen = LiveBone.of(arguments, configuration, *asked_imaging(recipe, configuration))
+        seen = LiveBone.of(arguments)
         bone = seen.bone if seen else bone_from(arguments, labeled, None, recipe, progress)
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
@@ -196,7 +195,7 @@ def _session(
     )
     client = OpenIGTLinkClient(arguments.host, arguments.port)
     session = LiveSession(
-        seen.source(client) if seen else client,
+        client,
         replace(recipe, time_offset=0.0, longest_gap=LONGEST_GAP),
         bone,
         grid_from(arguments),
@@ -204,8 +203,9 @@ def _session(
         synchronizer=synchronizer,
         record=arguments.record,
         frame_limit=arguments.frames,
+        predictions_device=arguments.bone_image,
     )
-    client.connect_once()
+    client.start(wait=True)
     return session, client, seen
 
 

@@ -78,6 +78,9 @@ class FrameCounts:
 class Reconstructor:
     """Collects tracked frames into a volume.
 
+    All but the grid may be left out. There are many parameters because they are what `reconstruct` finds in recipe, configuration, images
+    and memory, one by one, and who inserts frames by hand need not have these.
+
     Parameters
     ----------
     grid : VoxelGrid

@@ -35,11 +35,8 @@ def check_shares(method: str, settings: Recipe, importance: Reals | None) -> Non
     chosen = method_named(method)
     if settings.interpolation == "linear" and (chosen.spread is None or settings.best_cosine):
         wish = f"method {method}" if chosen.spread is None else "the cosine of incidence"
-        raise SettingsError(
-            "Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {methods}.".format(
-                wish=wish, methods=listed(LINEAR_METHODS, " or ")
-            )
-        )
+        methods = listed(LINEAR_METHODS, " or ")
+        raise SettingsError(f"Input interpolation must be nearest for {wish}; got 'linear'. Leave it out, or choose method {methods}.")
     if importance is not None and (not chosen.weighs_pixels or settings.best_cosine):
         wish = "the cosine of incidence" if chosen.weighs_pixels else f"method {method}"
         raise SettingsError(f"An importance mask weights an average, and does not fit {wish}. Leave it out, or choose method average.")

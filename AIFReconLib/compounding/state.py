@@ -138,13 +138,7 @@ class VoxelState:
 
     @property
     def weights(self) -> Reals:
-        """`weight`, for methods that keep one.
-
-        Raises
-        ------
-        ValueError
-            When this one does not.
-        """
+        """`weight`, for methods that keep one; a ValueError when this one does not."""
         if self.weight is None:
             raise ValueError(f"Input state must be one that keeps weights; method {self.method} has none here.")
         return self.weight

@@ -44,13 +44,7 @@ SPINOUS_LENGTH = 30.0
 
 
 def require_matplotlib() -> None:
-    """Return if figures can be drawn; to be asked before a long computation.
-
-    Raises
-    ------
-    OutputError
-        When matplotlib is not installed.
-    """
+    """Return if figures can be drawn; to be asked before a long computation; an OutputError when matplotlib is not installed."""
     if importlib.util.find_spec("matplotlib") is None:
         raise OutputError("Cannot draw a figure: matplotlib is not installed. Install it with: pip install matplotlib")
 

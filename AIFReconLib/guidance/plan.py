@@ -81,6 +81,7 @@ def plan_scan(
 ) -> ScanPlan:
     """The passes that show most of a target with a number of frames.
 
+    Bone and probe are given; each of the other parameters is one thing that a planner may want otherwise.
     Raises SettingsError when the frames are too few for one pass; GeometryError when there is no such target, or no pass shows more of
     it.
 

@@ -23,6 +23,8 @@ def fill_as_asked(
 ) -> int:
     """Fill holes in place as the settings ask for, else as a configuration does; returns how many were filled.
 
+    Eight parameters: volumes in memory, how to fill them, and what the machine may take.
+
     Parameters
     ----------
     values, mask : [k, j, i] arrays

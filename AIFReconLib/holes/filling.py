@@ -48,9 +48,7 @@ class HoleFilling:
 
     def __post_init__(self) -> None:
         if self.kind not in KINDS:
-            raise SettingsError(
-                "Input kind of hole filling must be one of {kinds}; got {kind!r}.".format(kinds=", ".join(KINDS), kind=self.kind)
-            )
+            raise SettingsError(f"Input kind of hole filling must be one of {', '.join(KINDS)}; got {self.kind!r}.")
         if not 1 <= self.size <= LARGEST_SIZE:
             raise SettingsError(f"Input size of hole filling must be 1 to {LARGEST_SIZE} voxels; got {self.size!r}.")
         if self.kind in (GAUSSIAN, GAUSSIAN_BY_HITS) and not 0 < self.stdev < np.inf:

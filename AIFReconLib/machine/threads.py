@@ -101,13 +101,7 @@ def give_way() -> None:
 
 
 def checked_threads(threads: int | None) -> int:
-    """How many threads to use: as many as asked for, else `usable_cores`.
-
-    Raises
-    ------
-    SettingsError
-        When it is not at least 1.
-    """
+    """How many threads to use: as many as asked for, else `usable_cores`; a SettingsError when it is not at least 1."""
     if threads is not None and threads < 1:
         raise SettingsError(f"Input threads must be at least 1; got {threads!r}.")
     return usable_cores() if threads is None else int(threads)

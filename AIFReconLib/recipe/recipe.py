@@ -98,13 +98,18 @@ class ImagingSettings(Branch):
         None, "virtual apex of a sector probe", NUMBERS, counts=(2,), metavar="COLUMN ROW", label="Apex:"
     )
     clip_px: tuple[float, float, float, float] | None = setting(
-        None, "use this rectangle of the image (columns X to X + W)", NUMBERS, counts=(4,), metavar="X Y W H", label="Clip rectangle:"
+        None,
+        "use this rectangle of the image (columns X to X + W); four zeros: all of it",
+        NUMBERS,
+        counts=(4,),
+        metavar="X Y W H",
+        label="Clip rectangle:",
     )
     fan_angles_deg: tuple[float, float] | None = setting(
         None, "use this fan about the apex, from +y toward +x", NUMBERS, counts=(2,), metavar="A B", label="Fan angles:"
     )
     fan_radius_px: tuple[float, float] | None = setting(
-        None, "between these radii about the apex", NUMBERS, counts=(2,), metavar="R0 R1", label="Fan radii:"
+        None, "between these radii about the apex; 0 0: no fan", NUMBERS, counts=(2,), metavar="R0 R1", label="Fan radii:"
     )
     fan_apex_px: tuple[float, float] | None = setting(
         None, "apex of the fan, where it is not the probe's", NUMBERS, counts=(2,), metavar=""

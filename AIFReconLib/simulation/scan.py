@@ -257,11 +257,6 @@ def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generat
     return matrix
 
 
-def ct_misregistration(translation: float, rotation_deg: float, seed: int, about: ArrayLike = (0.0, 0.0, 0.0)) -> Matrix:
-    """A wrong registration, (4, 4) from Reference to Reference: `error @ ct_to_reference` moves `about` by exactly `translation` mm."""
-    return random_rigid(translation, rotation_deg, np.random.default_rng([seed, 20]), about)
-
-
 def tracker_poses(timestamps: Floats) -> Matrix:
     """ReferenceToTracker, (n, 4, 4), mm: a camera 1.4 m away; the patient's marker rocks by half a millimeter as they breathe."""
     pose = np.eye(4)

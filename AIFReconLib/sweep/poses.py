@@ -14,19 +14,16 @@ import numpy as np
 from ..arrays import Integers, Matrix
 from ..errors import GeometryError, NoUsableFramesError, TransformError
 from ..geometry.transform_graph import (
-    AGREE,
     TransformName,
-    TransformSample,
     TransformStatus,
     Ways,
     connected,
     find_ways,
-    largest_gap,
 )
-from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from ..message import Sentence, listed, said
 from ..remedies import Remedy
 from .configuration import PlusConfiguration
+from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
 from .pixel_size import about_pixel_size
@@ -149,35 +146,21 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     matrices = np.full((count, 4, 4), np.nan)
     problems: list[str | None] = []
     stated = np.full((count, 2), np.nan)
-    pairs: dict[Ways, dict[int, list[Matrix]]] = {}
-    left: dict[frozenset[TransformName], Ways | None] = {frozenset(): ways}
+    pairs: dict[Ways, dict[int, Sequence[Matrix]]] = {}
     for number, record in enumerate(sequence.records):
         if record.stated_spacing is not None:
             stated[number] = record.stated_spacing
         if record.image_status is not TransformStatus.OK:
             problems.append(f"no image ({record.image_status.value})")
             continue
-        samples, broken = _judge(ways, record.transforms, static, image_frame=wanted.source)
-        names = frozenset(broken)
-        if names not in left:
-            left[names] = ways.without(names)
-        seen = left[names]
-        if seen is None:
-            problems.append(next(iter(broken.values())))
-            continue
-        try:
-            matrix, loops = seen.follow({name: sample.matrix for name, sample in samples.items()})
-        except GeometryError as error:
-            problems.append(f"{error}")
-            continue
-        problem = why_not_an_image_pose(matrix)
-        problems.append(f"image pose {problem}" if problem else None)
-        if problem is None:
-            matrices[number] = matrix
-            if loops:
-                pairs.setdefault(seen, {})[number] = loops
+        pose = frame_pose(ways, record.transforms, static, wanted.source)
+        problems.append(pose.problem)
+        if pose.matrix is not None:
+            matrices[number] = pose.matrix
+        if pose.loops:
+            pairs.setdefault(pose.ways, {})[number] = pose.loops
     for seen, frames in pairs.items():
-        _require_agreement(sequence, seen, frames)
+        require_agreement(f"{sequence.name}: ", sequence.frame_size, seen, frames)
     path = tuple(link.name for link in ways.path)
     return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(stated, wanted, matrices)))
 
@@ -310,46 +293,3 @@ def _moves(sequence: TrackedSequence, name: TransformName) -> bool:
     """Whether a transform is not the same in every frame that has it, as far as that can be seen."""
     matrices = [record.transforms[name].matrix for record in sequence.records if name in record.transforms]
     return len(matrices) == 1 or any(not np.array_equal(matrix, matrices[0], equal_nan=True) for matrix in matrices)
-
-
-def _judge(
-    ways: Ways, recorded: Mapping[TransformName, TransformSample], static: Mapping[TransformName, TransformSample], image_frame: str
-) -> tuple[dict[TransformName, TransformSample], dict[TransformName, str]]:
-    """One frame's transforms on the ways, and what is wrong with those that cannot be used, what says most first."""
-    samples: dict[TransformName, TransformSample] = {}
-    broken: dict[TransformName, str] = {}
-    for name in ways.names:
-        sample = recorded.get(name) or static.get(name) or _inverse(recorded.get(name.inverse))
-        if sample is None:
-            broken[name] = f"{name} not recorded"
-            continue
-        samples[name] = sample
-        if sample.status is not TransformStatus.OK:
-            broken[name] = f"{name} {sample.status.value}"
-            continue
-        scales_pixels = bool({image_frame, CROPPED.source} & {name.source, name.target})
-        problem = why_not_rigid(sample.matrix) if name in recorded and not scales_pixels else why_not_affine(sample.matrix)
-        if problem:
-            broken[name] = f"{name} {problem}"
-    return samples, broken
-
-
-def _inverse(sample: TransformSample | None) -> TransformSample | None:
-    """What a frame says that holds a transform the other way round than others do."""
-    if sample is None or sample.status is not TransformStatus.OK or why_not_rigid(sample.matrix):
-        return sample
-    return TransformSample(invert(sample.matrix))
-
-
-def _require_agreement(sequence: TrackedSequence, ways: Ways, pairs: Mapping[int, list[Matrix]]) -> None:
-    """Return if the ways put the image's corners to one place in each of these frames."""
-    columns, rows = sequence.frame_size
-    corners = np.array([(x, y, 0.0, 1.0) for x in (0.0, max(columns - 1, 1)) for y in (0.0, max(rows - 1, 1))]).T
-    gaps = largest_gap(np.array(list(pairs.values())), corners)
-    frame, pair = np.unravel_index(int(np.argmax(gaps)), gaps.shape)
-    if gaps[frame, pair] > AGREE:
-        raise TransformError(
-            f"{sequence.name}: {ways.describe(int(pair))}. They differ by {float(gaps[frame, pair]):.3g} mm in frame {list(pairs)[frame]}.",
-            Remedy.WHICH_CHAIN,
-            chain=listed((link.name for link in ways.path), ","),
-        )

@@ -11,14 +11,9 @@ from ..bone.growing_bone import GrowingBone
 from ..bone.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..errors import SettingsError
-from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion
-from ..live.pairing.predictions import PredictionSource
 from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.session import LiveSession
-from ..live.wire.sources import MessageSource
 from ..resolve import Imaging
-from ..sweep.configuration import PlusConfiguration
 from .reconstruction_options import seen_source
 from .remedies import in_options
 
@@ -46,27 +41,19 @@ class LiveBone:
     Parameters
     ----------
     arguments : Namespace
-    configuration, region, probe
-        As for the session.
     """
 
-    def __init__(
-        self, arguments: argparse.Namespace, configuration: PlusConfiguration, region: ImageRegion | None, probe: ProbeGeometry | None
-    ):
+    def __init__(self, arguments: argparse.Namespace):
         self.bone = GrowingBone()
         self._device: str | None = arguments.bone_image
         # Refused before the scan, not in it
         self._model = OnnxModel(arguments.bone_model) if arguments.bone_model else None
-        self._how = configuration, region, probe
         self._record = predictions_path(arguments)
-        self._streamed: PredictionSource | None = None
         self._watch: BoneWatch | None = None
         self._frames = 0
 
     @classmethod
-    def of(
-        cls, arguments: argparse.Namespace, configuration: PlusConfiguration, region: ImageRegion | None, probe: ProbeGeometry | None
-    ) -> LiveBone | None:
+    def of(cls, arguments: argparse.Namespace) -> LiveBone | None:
         """What the options ask for; None where they ask for none.
 
         Raises
@@ -87,19 +74,12 @@ class LiveBone:
             )
         if arguments.bone_image and arguments.bone_image == arguments.image:
             raise SettingsError(f"--bone-image and --image must be two devices; got {arguments.image!r} for both.")
-        return cls(arguments, configuration, region, probe)
-
-    def source(self, client: MessageSource) -> MessageSource:
-        """What the session takes its messages from."""
-        if self._device is None:
-            return client
-        self._streamed = PredictionSource(client, self._device)
-        return self._streamed
+        return cls(arguments)
 
     @contextmanager
     def beside(self, session: LiveSession) -> Iterator[None]:
         """Look for bone while the block runs."""
-        self._watch = BoneWatch(session, self.bone, self._streamed or self._estimator, *self._how, record=self._record)
+        self._watch = BoneWatch(session, self.bone, None if self._device else self._estimator, self._record)
         try:
             yield
         finally:

@@ -141,11 +141,9 @@ def check_seen_bone(arguments: argparse.Namespace) -> None:
     if source is None:
         return
     if arguments.bone_transform:
-        raise SettingsError("--bone-transform places a CT, and {source} needs none. Leave out one of them.", source=source)
+        raise SettingsError(f"--bone-transform places a CT, and {source} needs none. Leave out one of them.")
     if getattr(arguments, "speed_of_sound", None) is not None:
-        raise SettingsError(
-            "{source} takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels.", source=source
-        )
+        raise SettingsError(f"{source} takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels.")
 
 
 def seen_bone_inputs(arguments: argparse.Namespace) -> list[Path | None]:

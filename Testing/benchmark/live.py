@@ -132,12 +132,12 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         prepared = time.monotonic() - preparing
         watches: list[Watch] = []
         if arguments.agreement:
-            watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4), region=region, probe=probe))
+            watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4)))
         if arguments.guidance:
-            guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4), region=region, probe=probe)
+            guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4))
             guidance.prepared.wait()
             watches.append(guidance)
-        asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging), region=region, probe=probe) if seen else None
+        asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging)) if seen else None
         watches += [asking] if asking else []
         session.start()
         began, samples, p99s, snapshots = time.monotonic(), [], [], []

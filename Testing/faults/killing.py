@@ -167,7 +167,6 @@ def kill_recording(entry: Entry, writer: Writer, trials: int, chance: random.Ran
         recorder = Recorder(place / writer.file)
         for number, frame in enumerate(recorded_frames(1)):
             recorder.append(frame)
-            recorder.refresh()
             listed[0] = number + 1
         recorder.finish()
 

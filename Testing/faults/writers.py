@@ -112,7 +112,6 @@ def _recording_writer(file: str) -> Writer:
         recorder = Recorder(folder / file)
         for frame in recorded_frames(version):
             recorder.append(frame)
-            recorder.refresh()
         recorder.finish()
 
     return Writer(f"live recording {file[1:]}", write, file, digest_sequence)

@@ -23,7 +23,7 @@ from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
-from AIFReconLib.simulation.scan import ct_misregistration, multi_angle_sweep
+from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid
 from AIFReconLib.terminal.console import ProgressBar
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -98,7 +98,7 @@ def rows(phantom: LumbarPhantom) -> dict[str, tuple[Row, ...]]:
 
     def registration_panels(method: str) -> tuple[Panel, ...]:
         errors = {"exact": (0.0, 0.0), "2 mm off": (2.0, 0.0), "5 mm off": (5.0, 0.0), "5 degrees off": (0.0, 5.0)}
-        placed = {name: labels.placed_by(ct_misregistration(*error, SEED, about)) for name, error in errors.items()}
+        placed = {name: labels.placed_by(random_rigid(*error, np.random.default_rng([SEED, 20]), about)) for name, error in errors.items()}
         return tuple(
             Panel(
                 name, replace(BASE, method=method), BoneMap.from_labels(wrong, sigma_mm=SIGMA), believed=None if name == "exact" else wrong

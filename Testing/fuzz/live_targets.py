@@ -8,8 +8,8 @@ import numpy as np
 
 from AIFReconLib.errors import LiveMessageError
 from AIFReconLib.live.wire.decoding import USED_TYPES, decode
-from AIFReconLib.live.wire.framing import Frame, Framer
-from AIFReconLib.live.wire.messages import ImageMessage, StatusMessage, TransformMessage
+from AIFReconLib.live.wire.framing import Framer
+from AIFReconLib.live.wire.messages import ImageMessage, TransformMessage
 
 from . import seeds
 from .target import Target
@@ -17,15 +17,14 @@ from .target import Target
 KINDS = tuple(kind.encode() for kind in (*sorted(USED_TYPES), "POLYDATA", "STRING", "POINT", "GET_STATUS", "CAPABILITY"))
 
 
-def _decode_all(frames) -> None:
-    for frame in frames:
-        if isinstance(frame, Frame):
-            for message in decode(frame):
-                _check_message(message)
+def _decode_all(messages) -> None:
+    for raw in messages:
+        for message in decode(raw):
+            _check_message(message)
 
 
 def _check_message(message) -> None:
-    assert isinstance(message, ImageMessage | TransformMessage | StatusMessage)
+    assert isinstance(message, ImageMessage | TransformMessage)
     assert isinstance(message.device, str)
     assert np.isfinite(message.timestamp)
     if isinstance(message, ImageMessage):
@@ -44,13 +43,12 @@ def _read_stream(path: Path) -> None:
     framer, whole = Framer(2**20), Framer(2**20)
     step = 1 + len(data) // 7
     parts = [part for start in range(0, len(data), step) for part in framer.feed(data[start : start + step])]
-    parts += framer.look_inside()
-    together = whole.feed(data) + whole.look_inside()
-    assert [part.body for part in parts if isinstance(part, Frame)] == [part.body for part in together if isinstance(part, Frame)]
+    together = whole.feed(data)
+    assert [part.body for part in parts] == [part.body for part in together]
     framer.describe_pending()
-    for frame in parts:
+    for raw in parts:
         try:
-            _decode_all([frame])
+            _decode_all([raw])
         except LiveMessageError:
             continue  # a message that is refused costs no other
 

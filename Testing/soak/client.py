@@ -36,7 +36,7 @@ from AIFReconLib.live.session.snapshots import SnapshotMaker
 from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
-from AIFReconLib.live.wire.statistics import StreamStatistics
+from AIFReconLib.live.wire.sources import StreamStatistics
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 from . import stream
@@ -295,9 +295,8 @@ def describe(outcome: Outcome) -> str:
         f"simulated {told['simulated_s']:.0f} s in {outcome.wall:.0f} s; {told['connections']} connections",
         f"frames received {frames.frames_received}, inserted {frames.inserted}, skipped {frames.frames_skipped}, again {frames.repeated}",
         *(f"  {count:7d}  {reason}" for reason, count in frames.skipped.items()),
-        f"messages dropped {counted.dropped}, of them images {counted.dropped_images}; wrong checksums {counted.bad_crc}; "
-        f"refused {counted.refused}; impossible sizes {counted.refused_sizes}; found again {counted.resyncs} times; "
-        f"{counted.skipped_bytes} bytes of no message",
+        f"messages dropped {counted.dropped}, of them images {counted.dropped_images}; wrong checksums {counted.damaged}; "
+        f"refused {counted.refused}; reconnections {counted.reconnects}",
         *map(str, outcome.equations),
         f"growth: {outcome.growth}",
         *(f"FINDING: {finding}" for finding in outcome.findings),

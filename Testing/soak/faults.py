@@ -100,9 +100,10 @@ def trickle(server) -> None:
 
 
 def garbage(server) -> None:
-    """Random bytes between two frames."""
-    server.line.send(server.random.bytes(int(server.random.integers(1, 20_000))))
-    server.frame("garbage before")
+    """Random bytes after a frame."""
+    server.frame("garbage behind")
+    server.line.send(server.random.bytes(int(server.random.integers(HEADER_SIZE, 20_000))))
+    server.line.await_hang_up()
 
 
 def wrong_checksum(server) -> None:
@@ -130,17 +131,11 @@ def huge_size(server) -> None:
     _declare(server, number, time, stream.image_message(number, time, server.version), size, "huge size")
 
 
-def large_size(server) -> None:
-    """A header declares far more than will ever come, and yet no more than the limit: the messages behind it must not drown in it."""
-    number, time = server.next_frame("size that never comes")
-    size = int(server.random.integers(SIZE_LIMIT // 2, SIZE_LIMIT))
-    _declare(server, number, time, stream.image_message(number, time, server.version), size, "size that never comes")
-
-
 def _declare(server, number: int, time: float, data: bytes, size: int, fault: str) -> None:
     spoiled = data[: _SIZE.start] + size.to_bytes(8, "big") + data[_SIZE.stop :]
-    server.line.send(spoiled + b"".join(stream.transform_messages(number, time, server.version)))
+    server.line.send(spoiled + bytes(5000 + HEADER_SIZE))
     server.ledger.note(number, fault, DESTROYED)
+    server.line.await_hang_up()
 
 
 def begins_anew(server) -> None:
@@ -148,8 +143,9 @@ def begins_anew(server) -> None:
     number, time = server.next_frame("begins anew within itself")
     data = stream.image_message(number, time, server.version)
     server.line.send(data[: server.random.integers(HEADER_SIZE, len(data))] + data)
-    server.line.send(b"".join(stream.transform_messages(number, time, server.version)))
-    server.ledger.note(number, "begins anew within itself", WHOLE)
+    server.ledger.note(number, "begins anew within itself", DESTROYED)
+    server.line.send(bytes(HEADER_SIZE))
+    server.line.await_hang_up()
 
 
 def same_time(server) -> None:
@@ -260,7 +256,6 @@ FAULTS = {
     wrong_checksum: COMMON,
     wrong_size: COMMON,
     huge_size: COMMON,
-    large_size: 2.0,
     begins_anew: COMMON,
     same_time: COMMON,
     reordered: COMMON,

@@ -230,6 +230,8 @@ def endure_clients(behavior: Callable[[socket.socket], None], count: int, second
                 behavior(connection)
         began, sent = honest.statistics.count("IMAGE"), server.sent
         grown = _watch(seconds)
+        while honest.statistics.count("IMAGE") == began:
+            time.sleep(0.01)
         frames, expected = honest.statistics.count("IMAGE") - began, server.sent - sent
         honest.stop()
         asked = time.monotonic()

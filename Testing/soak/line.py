@@ -8,7 +8,7 @@ import sys
 import time
 from contextlib import suppress
 
-from AIFReconLib.live.wire.framing import Frame, Framer
+from AIFReconLib.live.wire.framing import Framer
 
 PATIENCE = 600.0
 """s that a client may take to connect, or to take what was sent."""
@@ -54,7 +54,7 @@ class Line:
             self.connections += 1
             framer, asked = Framer(), False
             while not asked and (data := self._connection.recv(4096)):
-                asked = any(isinstance(part, Frame) for part in framer.feed(data))
+                asked = bool(framer.feed(data))
         except OSError as error:
             raise LineBroken(f"no client connected in {PATIENCE:g} s ({error})") from None
 
@@ -77,6 +77,15 @@ class Line:
                 self._connection.recv(4096)
             self._connection.close()
             self._connection = None
+
+    def await_hang_up(self) -> None:
+        """Wait until the client gives up the connection, as it does when bytes come that are no message."""
+        assert self._connection is not None, "nobody is connected"
+        with suppress(ConnectionError):
+            while self._connection.recv(4096):
+                pass
+        self._connection.close()
+        self._connection = None
 
     def reset(self) -> None:
         """The rude end: a reset. First everything sent reaches the client's machine, else nobody could tell which frames were destroyed."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 
 from .command import carry_out, page_writer, parsed, study_parser
 from .guidance_cases import Row, patient_rows
-from .patients import Spread
+from .patients import Spread, table_head, table_line
 
 COLUMNS = (
     ("passes", "passes", "{:.0f}"),
@@ -38,13 +38,12 @@ def main(words: list[str]) -> int:
 
 def page_of(rows: list[Row]) -> str:
     """A table: medians with quartiles, a line per way of scanning and number of frames; then how far predictions are off."""
-    names = [name for name, _, _ in COLUMNS]
-    lines = ["| | patients | frames | " + " | ".join(names) + " |", "|---" * (len(names) + 3) + "|"]
+    lines = table_head(["patients", "frames", *(name for name, _, _ in COLUMNS)])
     off = []
     for scan, frames in sorted({(row.scan, row.frames) for row in rows}):
         these = [row for row in rows if (row.scan, row.frames) == (scan, frames)]
-        cells = [_cell((getattr(row, name) for row in these), form) for _, name, form in COLUMNS]
-        lines.append(f"| {scan} | {len(these)} | {frames} | " + " | ".join(cells) + " |")
+        cells = (_cell((getattr(row, name) for row in these), form) for _, name, form in COLUMNS)
+        lines.append(table_line(scan, [str(len(these)), str(frames), *cells]))
         for said in ("predicted", "expected"):
             points = [100 * (getattr(row, said) - row.interspinous) for row in these if getattr(row, said) == getattr(row, said)]
             if points:

@@ -23,7 +23,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
-from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, ct_misregistration, multi_angle_sweep, simulate_sweep, single_angle_sweep
+from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -100,7 +100,7 @@ def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
     rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in (PLAIN, OURS)]
     about = _middle(phantom)
     for condition, (translation, rotation_deg) in MISREGISTRATIONS.items():
-        wrong = phantom.labels.placed_by(ct_misregistration(translation, rotation_deg, seed, about))
+        wrong = phantom.labels.placed_by(random_rigid(translation, rotation_deg, np.random.default_rng([seed, 20]), about))
         rows += [_row(seed, "multi-angle", condition, method, multi, wrong) for method in bone_methods]
     noisy = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed=seed, errors=TRACKER_NOISE)
     noisy_scan = Scan(_configured(noisy, probe), multi.truth)

@@ -22,7 +22,7 @@ from .method_cases import (
     WITHOUT_BONE,
     Row,
 )
-from .patients import Spread, spread_of
+from .patients import Spread, spread_of, table_head, table_line
 
 COLUMNS = (
     ("CNR", "bone_cnr", 1),
@@ -133,10 +133,8 @@ def _exact(rows: list[Row], scan: str) -> str:
 
 
 def _table(rows: list[Row], lines: Iterable[tuple[str, dict[str, str]]]) -> str:
-    text = ["| | " + " | ".join(label for label, _, _ in COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
-    for name, wanted in lines:
-        cells = [_cell(spread_of(rows, metric, **wanted), scale) for _, metric, scale in COLUMNS]
-        text.append(f"| {name} | " + " | ".join(cells) + " |")
+    text = table_head(label for label, _, _ in COLUMNS)
+    text += [table_line(name, (_cell(spread_of(rows, metric, **wanted), scale) for _, metric, scale in COLUMNS)) for name, wanted in lines]
     return "\n".join(text)
 
 

@@ -67,7 +67,7 @@ def run_study(
     FileFormatError
         When a file of an earlier run cannot be read.
     """
-    return run_tasks(work, {_name(seed): seed for seed in seeds}, row, folder, jobs, progress, "patients")
+    return run_tasks(work, {f"patient-{seed:03d}": seed for seed in seeds}, row, folder, jobs, progress, "patients")
 
 
 def run_tasks(
@@ -105,11 +105,8 @@ def run_tasks(
             for name, made in completed(client, work, missing):
                 if isinstance(made, Lost):
                     raise InsufficientMemoryError(
-                        "A process of the study was ended from outside, for memory most likely, after {done} of {count} {counted}. "
-                        "Run it again with fewer --jobs; it goes on where it stopped.",
-                        done=done,
-                        count=len(given),
-                        counted=counted,
+                        f"A process of the study was ended from outside, for memory most likely, after {done} of {len(given)} {counted}. "
+                        "Run it again with fewer --jobs; it goes on where it stopped."
                     )
                 write_text(_file(folder, name), json.dumps([asdict(each) for each in made], indent=1) + "\n")
                 done += 1
@@ -122,9 +119,7 @@ def read_rows(path: Path, row: type[Row]) -> list[Row]:
     try:
         return [row(**values) for values in json.loads(path.read_text("utf-8"))]
     except (ValueError, TypeError) as error:
-        raise FileFormatError(
-            "{path}: it is no result of the study ({problem}). Delete it, and run the study again.", path=path, problem=error
-        ) from None
+        raise FileFormatError(f"{path}: it is no result of the study ({error}). Delete it, and run the study again.") from None
 
 
 def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
@@ -132,8 +127,15 @@ def spread_of(rows: Iterable[Any], name: str, **wanted: str) -> Spread:
     return Spread.of(row.metrics[name] for row in rows if all(getattr(row, key) == value for key, value in wanted.items()))
 
 
-def _name(seed: int) -> str:
-    return f"patient-{seed:03d}"
+def table_head(labels: Iterable[str]) -> list[str]:
+    """The first two lines of a Markdown table whose first column names its lines."""
+    labels = tuple(labels)
+    return [table_line("", labels), "|---" * (len(labels) + 1) + "|"]
+
+
+def table_line(name: str, cells: Iterable[str]) -> str:
+    """A line of it."""
+    return f"| {name} | " + " | ".join(cells) + " |"
 
 
 def _file(folder: Path, name: str) -> Path:

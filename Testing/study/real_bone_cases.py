@@ -105,7 +105,7 @@ class RealBone:
         beside = Path(__file__).resolve().parents[3] / "shared" / "data"
         folder = Path(os.environ.get("AIFRECON_DATA_DIR") or beside) / "fibula"
         if not folder.is_dir():
-            raise FileFormatError("{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds fibula/.", folder=folder)
+            raise FileFormatError(f"{folder} is not there. Set AIFRECON_DATA_DIR to the folder that holds fibula/.")
         return cls(folder)
 
     @cached_property

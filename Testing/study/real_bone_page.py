@@ -10,6 +10,7 @@ import numpy as np
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import BONE_METHODS
 
+from .patients import table_head, table_line
 from .real_bone_cases import ALL, CHOOSING, HOLE_LIMIT, SHIFTS, SIGMA, SPACING, TURNS, WIDTHS, Row
 from .real_bone_measures import BRIGHT, ELSEWHERE, INCIDENCES
 
@@ -77,38 +78,36 @@ def _width(row: Row) -> str:
 
 def _table(columns: Iterable[tuple[str, str, str]], lines: Iterable[tuple[str, Row]]) -> str:
     columns = tuple(columns)
-    text = _head(label for label, _, _ in columns)
-    for name, row in lines:
-        text.append(_line(name, (_cell(row.metrics[metric], form) for _, metric, form in columns)))
-    return "\n".join(text)
+    text = [table_line(name, (_cell(row.metrics[metric], form) for _, metric, form in columns)) for name, row in lines]
+    return "\n".join([*table_head(label for label, _, _ in columns), *text])
 
 
 def _by_incidence(rows: list[Row]) -> str:
     bins = [f"{low} to {high}" for low, high in pairwise(INCIDENCES)]
-    text = _head(bins)
+    text = table_head(bins)
     exact = [row for row in rows if _exact(row)]
-    text.append(_line("cm², of bone reached", (_cell(exact[0].metrics[f"bone_area_{low}"] / 100, ".1f") for low in INCIDENCES[:-1])))
+    text.append(table_line("cm², of bone reached", (_cell(exact[0].metrics[f"bone_area_{low}"] / 100, ".1f") for low in INCIDENCES[:-1])))
     for label, metric, form in (COLUMNS[2], COLUMNS[0], COLUMNS[4], COLUMNS[5]):
         for row in exact:
             if row.method in METHODS:
                 cells = (_cell(row.metrics[f"{metric}_{low}"], form) for low in INCIDENCES[:-1])
-                text.append(_line(f"{label}, {row.method}", cells))
+                text.append(table_line(f"{label}, {row.method}", cells))
     return "\n".join(text)
 
 
 def _bright(rows: list[Row]) -> str:
-    text = _head(f"{what} {level}" for level in SHOWN for what in ("on bone above", "of bone shown above"))
+    text = table_head(f"{what} {level}" for level in SHOWN for what in ("on bone above", "of bone shown above"))
     for row in rows:
         if _exact(row):
             numbers = (row.metrics[f"{what}_{level}"] for level in SHOWN for what in ("precision", "shown"))
-            text.append(_line(row.method, (_cell(number, ".1%") for number in numbers)))
+            text.append(table_line(row.method, (_cell(number, ".1%") for number in numbers)))
     return "\n".join(text)
 
 
 def _misplaced(rows: list[Row]) -> str:
     """Means over the directions; of false bone beyond average's the mean and the worst."""
     columns = [each for each in COLUMNS if each[0] in MISPLACED]
-    text = _head([*(label for label, _, _ in columns), "false bone", "beyond average's", "at worst"])
+    text = table_head([*(label for label, _, _ in columns), "false bone", "beyond average's", "at worst"])
     for error in (*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)):
         of_error = [row for row in rows if row.condition.startswith(f"CT {error}")]
         average = {row.condition: row.metrics["false_bone"] for row in of_error if row.method == AVERAGE.name}
@@ -118,17 +117,8 @@ def _misplaced(rows: list[Row]) -> str:
             cells = [_cell(float(np.mean([row.metrics[metric] for row in some])), form) for _, metric, form in columns]
             false = float(np.nanmean([row.metrics["false_bone"] for row in some])) if np.isfinite(beyond).any() else float("nan")
             most = (float(np.nanmean(beyond)), float(np.nanmax(beyond))) if np.isfinite(beyond).any() else (float("nan"),) * 2
-            text.append(_line(f"{error}, {method}", [*cells, *(_cell(each, ".1%") for each in (false, *most))]))
+            text.append(table_line(f"{error}, {method}", [*cells, *(_cell(each, ".1%") for each in (false, *most))]))
     return "\n".join([*text, "", f"False bone: bright where the misplaced CT expects bone {ELSEWHERE:g} mm or more from where it is."])
-
-
-def _head(labels: Iterable[str]) -> list[str]:
-    labels = tuple(labels)
-    return ["| | " + " | ".join(labels) + " |", "|---" * (len(labels) + 1) + "|"]
-
-
-def _line(name: str, cells: Iterable[str]) -> str:
-    return f"| {name} | " + " | ".join(cells) + " |"
 
 
 def _cell(number: float, form: str) -> str:

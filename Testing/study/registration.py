@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .command import carry_out, page_writer, parsed, study_parser
+from .patients import table_line
 from .registration_cases import Row, patient_rows
 
 
@@ -31,7 +32,7 @@ def page_of(rows: list[Row]) -> str:
         accepted = sum(row.accepted for row in these) / len(these)
         middle = sorted(row.agreement for row in these)
         medians = sorted(row.median_distance for row in these)
-        cells = [condition, str(len(these)), f"{accepted:.0%}"]
+        cells = [str(len(these)), f"{accepted:.0%}"]
         if errors:
             wrong = sum(row.accepted and row.error > 2.0 for row in these)
             cells += [f"{np.median(errors):.2f}", f"{np.percentile(errors, 95):.2f}"]
@@ -39,7 +40,7 @@ def page_of(rows: list[Row]) -> str:
         else:
             cells += ["", "", "", "", ""]
         cells += [f"{middle[0]:.2f} to {middle[-1]:.2f}", f"{medians[0]:.2f} to {medians[-1]:.2f}"]
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append(table_line(condition, cells))
     return "\n".join(lines + _kept(rows)) + "\n"
 
 
@@ -48,9 +49,9 @@ def _kept(rows: list[Row]) -> list[str]:
     lines = ["", "| Condition | n | CNR kept: median | least | coverage kept: median | least |", "|---|---|---|---|---|---|"]
     rows = [row for row in rows if row.cnr_kept == row.cnr_kept]
     for condition in dict.fromkeys(row.condition for row in rows):
-        cells = [condition, str(len([row for row in rows if row.condition == condition]))]
+        cells = [str(len([row for row in rows if row.condition == condition]))]
         for name in ("cnr_kept", "coverage_kept"):
             shares = [getattr(row, name) for row in rows if row.condition == condition]
             cells += [f"{np.median(shares):.1%}", f"{min(shares):.1%}"]
-        lines.append("| " + " | ".join(cells) + " |")
+        lines.append(table_line(condition, cells))
     return lines

@@ -2,7 +2,6 @@
 
 from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.bone.predicted_bone import EchoEstimator
-from AIFReconLib.live.pairing.predictions import PredictionSource
 from AIFReconLib.live.session.bone_watch import BoneWatch, predictions_beside
 
 from ..background import inBackground
@@ -17,8 +16,6 @@ class LiveBone:
     ----------
     parameters : AIFReconParameterNode
         Their source is another than the CT.
-    source : MessageSource
-        Of the scan.
     record : Path or None
         Of the scan; what a network says is recorded beside it.
     progress : callable or None
@@ -30,18 +27,17 @@ class LiveBone:
         When the file is no network that can be run.
     """
 
-    def __init__(self, parameters, source, record=None, progress=None):
+    def __init__(self, parameters, record=None, progress=None):
         self.bone = GrowingBone()
         chosen = parameters.boneSource
-        self._streamed = PredictionSource(source, parameters.liveBoneDevice.strip()) if chosen == BoneSource.PREDICTIONS else None
+        self.device = parameters.liveBoneDevice.strip() if chosen == BoneSource.PREDICTIONS else None
         self._model = inBackground(lambda _progress: _modelIn(parameters), progress) if chosen == BoneSource.MODEL else None
-        self.source = self._streamed or source
         self._record = None if record is None or chosen == BoneSource.ECHOES else predictions_beside(record)
         self._watch = None
 
-    def begin(self, session, imaging: dict) -> None:
-        """Look for bone in what this session receives from now on; `imaging` as for a `Watch`."""
-        self._watch = BoneWatch(session, self.bone, self._streamed or self._estimator, record=self._record, **imaging)
+    def begin(self, session) -> None:
+        """Look for bone in what this session receives from now on."""
+        self._watch = BoneWatch(session, self.bone, None if self.device else self._estimator, self._record)
 
     def stop(self) -> None:
         """Look no more, and finish the recording."""

@@ -27,16 +27,14 @@ class LiveGuidance:
     ----------
     session : LiveSession
     parameters : AIFReconParameterNode
-    imaging : dict
-        Configuration, region and probe, as for the watch.
 
     Notes
     -----
     Everything here is called on the main thread and returns at once, but for the moments in which labels are read that have changed.
     """
 
-    def __init__(self, session, parameters, imaging: dict):
-        self._session, self._parameters, self._imaging = session, parameters, imaging
+    def __init__(self, session, parameters):
+        self._session, self._parameters = session, parameters
         self._watch: GuidanceWatch | None = None
         self._problem: str | None = None
         self._place = np.eye(4)
@@ -99,7 +97,7 @@ class LiveGuidance:
             self._problem = said(error)
             return
         if self._watch is None:
-            self._watch = GuidanceWatch(self._session, labels, self._place, **self._imaging)
+            self._watch = GuidanceWatch(self._session, labels, self._place)
         else:
             self._watch.place(self._place, labels)
 

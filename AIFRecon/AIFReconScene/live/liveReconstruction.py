@@ -14,7 +14,6 @@ from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.progress import part, report
 from AIFReconLib.provenance.record import with_settings
 from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
-from AIFReconLib.resolve import asked_imaging
 
 from .. import garbage
 from ..background import ALIVE_EVERY, inBackground
@@ -72,27 +71,27 @@ class LiveReconstruction:
         labels, configuration = inputs.labels(part(progress, 0.0, 0.1)), _configurationFrom(parameters)
         grid, self._source = inputs.grid(settings), _sourceFrom(parameters)
         share = part(progress, 0.1, 0.5)
-        self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, self._source, record, share)
+        self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, record, share)
         bone = inputs.boneMap(share, labels, settings.method_for(True)) if self.seen is None else self.seen.bone
         self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
-        field, (region, probe) = _fieldOf(labels, part(progress, 0.5, 0.6)), asked_imaging(settings, configuration)
+        field = _fieldOf(labels, part(progress, 0.5, 0.6))
         self.session = LiveSession(
-            self._source if self.seen is None else self.seen.source,
+            self._source,
             settings,
             bone,
             grid,
             configuration=configuration,
             synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
             record=record,
+            predictions_device=None if self.seen is None else self.seen.device,
         )
         self._snapshots = SnapshotMaker(self.session)
         self._boneAt = None if field is None else matrixToWorld(parameters.bone)
-        imaging = {"configuration": configuration, "region": region, "probe": probe}
-        self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt, **imaging)
-        self._parameters, self._imaging = parameters, imaging
+        self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt)
+        self._parameters = parameters
         self.guidance = None
         if self.seen is not None:
-            self.seen.begin(self.session, imaging)
+            self.seen.begin(self.session)
         try:
             self.guide(parameters.guidance, part(progress, 0.6, 0.7))
             # Beside the windows of a scan it takes many times as long
@@ -125,7 +124,7 @@ class LiveReconstruction:
     def guide(self, wanted: bool, progress=None) -> None:
         """Tell from now on what is met, and where to look next, or do so no longer."""
         if wanted and self.guidance is None:
-            self.guidance = LiveGuidance(self.session, self._parameters, self._imaging)
+            self.guidance = LiveGuidance(self.session, self._parameters)
             self.guidance.begin(progress)
         elif not wanted and self.guidance is not None:
             ended, self.guidance = self.guidance, None

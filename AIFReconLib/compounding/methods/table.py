@@ -37,13 +37,7 @@ _TABLE: dict[str, Method] = {method.name: method for method in BUILT_IN}
 
 
 def built_in(name: str) -> BuiltInMethod:
-    """The method of the library of that name.
-
-    Raises
-    ------
-    MethodError
-        When there is none.
-    """
+    """The method of the library of that name; a MethodError when there is none."""
     method = method_named(name)
     if not isinstance(method, BuiltInMethod):
         raise MethodError(f"Method {name} is none of the library's. Choose one of {listed(METHODS)}.")
@@ -66,13 +60,7 @@ def enter(method: Method) -> None:
 
 
 def method_named(name: str) -> Method:
-    """The method of that name, built in or registered.
-
-    Raises
-    ------
-    MethodError
-        When there is none.
-    """
+    """The method of that name, built in or registered; a MethodError when there is none."""
     if name in _TABLE:
         return _TABLE[name]
     if is_own_method(name):

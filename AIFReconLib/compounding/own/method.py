@@ -181,11 +181,8 @@ def register_method(function: Callable[..., Answer]) -> Method:
         if by_name and argument.name in ARRAYS:
             arrays.append(argument.name)
         elif not by_name or argument.default is argument.empty:
-            raise MethodError(
-                "Method {method} takes {argument}, which no frame has. Take some of {arrays}, or give it a default.".format(
-                    method=name, argument=str(argument).partition(":")[0], arrays=listed(ARRAYS)
-                )
-            )
+            what = str(argument).partition(":")[0]
+            raise MethodError(f"Method {name} takes {what}, which no frame has. Take some of {listed(ARRAYS)}, or give it a default.")
     if not arrays:
         raise MethodError(f"Method {name} must take at least one of {listed(ARRAYS)}.")
     sees_bone = not set(arrays).isdisjoint(OF_BONE)

@@ -114,6 +114,8 @@ def build_metafile(
 ) -> Metafile:
     """The `Metafile` of a parsed header, after checking that the payload is there.
 
+    Its many parameters are what the two formats say in keys of their own.
+
     Parameters
     ----------
     size_key : str

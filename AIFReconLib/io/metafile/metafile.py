@@ -24,6 +24,9 @@ COMPRESSED = "compressed"
 UNFINISHED = "RecordingUnfinished"
 """A field of recordings that were cut off by a crash: their pixels may go on behind the frames that the header lists."""
 
+FORMER_LAST_LINE = "_lementDataFile"
+"""Another field of such recordings: what the last line of the header becomes when a frame is added behind it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Metafile:

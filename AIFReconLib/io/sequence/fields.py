@@ -227,6 +227,7 @@ def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str
 
 
 def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: str | None) -> float | None:
+    """A finite number of seconds; None where there is none."""
     if text is None:
         return None
     try:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Matrix, Numbers
+from ...arrays import Matrix
 from ...errors import TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital
-from ...message import said
+from ...message import Sentence, said
 from ...sweep.configuration import PlusConfiguration
-from ...sweep.frames import FrameRecord, TrackedSequence
-from ...sweep.poses import chain_ends, image_ways, missing_link, sweep_poses
+from ...sweep.frame_pose import frame_pose, require_agreement
+from ...sweep.poses import chain_ends, image_ways, missing_link
 from ..wire.messages import ImageMessage
 
 PROBE = "Probe"
@@ -47,6 +47,19 @@ def stream_name(text: str) -> TransformName | None:
     return name if writable and str(name) == capital(text) else None
 
 
+@dataclass(frozen=True)
+class _Tools:
+    """The tools that an image's own matrix is made of, and the ways that they are on, where those are known."""
+
+    names: tuple[TransformName, ...] = ()
+    ways: Ways | None = None
+
+    def unseen(self, transforms: Mapping[TransformName, TransformSample]) -> tuple[TransformName, ...]:
+        """Those without which the matrix is not valid."""
+        broken = tuple(name for name in self.names if transforms[name].status is not TransformStatus.OK)
+        return () if self.ways is not None and self.ways.without(broken) is not None else broken
+
+
 class Placement:
     """Places images.
 
@@ -77,11 +90,10 @@ class Placement:
     ):
         self.problem: str | None = None
         self._trusting, self._uses_image_matrix = trusting, uses_image_matrix
-        self._configuration = configuration
         self._configured = configuration.transforms
         self._named = image_to_reference
         self.wanted, _ = chain_ends(configuration, image_to_reference, reference)
-        self._ways: dict[tuple[str, str, frozenset[TransformName], str | None], Ways | None] = {}
+        self._ways: dict[tuple[str, str, frozenset[TransformName], str | None], Ways | TransformError] = {}
         self._first: dict[TransformName, Matrix] = {}
         self._moving: set[TransformName] = set()
 
@@ -92,42 +104,27 @@ class Placement:
             return None
         return frame if stream_name(str(TransformName(self.wanted.source, frame))) else None
 
-    def _used_frame(self, message: ImageMessage, names: frozenset[TransformName]) -> str | None:
-        """`embedded_frame`, where a way leads on from there."""
-        frame = self.embedded_frame(message)
-        leads_on = frame == self.wanted.target or (frame is not None and self._chain(frame, self.wanted.target, names) is not None)
-        return frame if leads_on else None
-
     def needed(
-        self, message: ImageMessage, sent: Iterable[TransformName], told: Iterable[TransformName]
+        self, message: ImageMessage, sent: Iterable[TransformName], metadata: Iterable[TransformName]
     ) -> frozenset[TransformName] | None:
-        """The transforms that decide on the image, of those that are sent and told of; None while they are not known.
-
-        Parameters
-        ----------
-        message : ImageMessage
-        sent : TransformNames that have come as messages of their own
-        told : TransformNames in the image's metadata
-        """
-        sent, told = frozenset(sent), frozenset(told)
-        names = sent | told
+        """The transforms that decide on the image, of those that are sent and of those in its metadata; None while they are not known."""
+        sent, metadata = frozenset(sent), frozenset(metadata)
+        names, target = sent | metadata, self.wanted.target
         frame = self._used_frame(message, names)
         if frame is None:
-            chain = self._chain(self.wanted.source, self.wanted.target, self._fewest(sent, names), self._named)
-            return None if chain is None else names & set(chain.names)
-        deciding = self._deciding(message, frame, names, told)
+            ways = self._find(self.wanted.source, target, self._fewest(sent, names), self._named)
+            return None if ways is None else names & set(ways.names)
+        deciding = self._deciding(message, frame, names, metadata)
         if deciding is None:
-            return frozenset() if self._trusting and frame == self.wanted.target else None
-        if frame == self.wanted.target:
-            return names & set(deciding)
-        chain = self._chain(frame, self.wanted.target, names)
-        return None if chain is None else names & {*deciding, *chain.names}
+            return frozenset() if self._trusting and frame == target else None
+        onward = None if frame == target else self._find(frame, target, names)
+        return names & {*deciding, *(onward.names if onward else ())}
 
     def place(
         self,
         message: ImageMessage,
         sent: Mapping[TransformName, TransformSample],
-        told: Mapping[TransformName, TransformSample],
+        metadata: Mapping[TransformName, TransformSample],
         problems: Mapping[TransformName, str],
     ) -> Placed:
         """The image's pose and status.
@@ -137,155 +134,148 @@ class Placement:
         message : ImageMessage
         sent : dict of TransformName to TransformSample
             Every transform that has come as messages of its own, at the time of the image; MISSING where none belongs to it.
-        told : dict of TransformName to TransformSample
+        metadata : dict of TransformName to TransformSample
             Those in the image's metadata.
         problems : dict of TransformName to str
             What is wrong with one of them where its status does not tell.
         """
         # Where a message did not come, the image's metadata tell why, or bring the pose
-        transforms = {name: told.get(name, s) if s.status is TransformStatus.MISSING else s for name, s in sent.items()}
-        transforms = {**told, **transforms}
+        transforms = {name: metadata.get(name, s) if s.status is TransformStatus.MISSING else s for name, s in sent.items()}
+        transforms = {**metadata, **transforms}
         frame = self._used_frame(message, frozenset(transforms))
         if frame is None:
             fewest = self._fewest(frozenset(sent), frozenset(transforms))
             transforms = {name: sample for name, sample in transforms.items() if name in fewest}
-            return self._follow(message.image, transforms, problems, self._named)
-        own = TransformName(self.wanted.source, frame)
-        status, doubt = self._confirm(message, frame, transforms, frozenset(told), problems)
-        transforms.pop(own.inverse, None)
-        transforms[own] = TransformSample(message.image_to_sender, status)
+            return self._follow(message, transforms, problems, self._named)
+        of_image = TransformName(self.wanted.source, frame)
+        status, doubt = self._confirm(message, frame, transforms, frozenset(metadata), problems)
+        transforms.pop(of_image.inverse, None)
+        transforms[of_image] = TransformSample(message.image_to_sender, status)
         if doubt is not None:
             return Placed(None, doubt, transforms)
         # The server has followed the other ways
-        named = str(self.wanted) if frame == self.wanted.target else self._named
-        return self._follow(message.image, transforms, problems, named)
+        return self._follow(message, transforms, problems, str(self.wanted) if frame == self.wanted.target else self._named)
+
+    def _used_frame(self, message: ImageMessage, names: frozenset[TransformName]) -> str | None:
+        """`embedded_frame`, where a way leads on from there."""
+        frame = self.embedded_frame(message)
+        leads_on = frame == self.wanted.target or (frame is not None and self._find(frame, self.wanted.target, names) is not None)
+        return frame if leads_on else None
 
     def _fewest(self, sent: frozenset[TransformName], names: frozenset[TransformName]) -> frozenset[TransformName]:
         """The transforms that were sent where they suffice: metadata repeat them in other words."""
-        return sent if self._chain(self.wanted.source, self.wanted.target, sent, self._named) is not None else names
+        return sent if self._find(self.wanted.source, self.wanted.target, sent, self._named) is not None else names
 
     def _confirm(
         self,
         message: ImageMessage,
         frame: str,
         transforms: Mapping[TransformName, TransformSample],
-        told: frozenset[TransformName],
+        metadata: frozenset[TransformName],
         problems: Mapping[TransformName, str],
     ) -> tuple[TransformStatus, str | None]:
         """Status of the image's own matrix, and what makes it unusable."""
         names = frozenset(transforms)
-        deciding = self._deciding(message, frame, names, told)
-        if deciding is None:
+        if self._deciding(message, frame, names, metadata) is None:
             return (TransformStatus.OK, None) if self._trusting else (TransformStatus.UNKNOWN, UNCONFIRMED)
-        broken = self._unseen(self._tools(frame, names, told), transforms)
-        of_metadata = self._tools(frame, told, told)
+        tools, of_metadata = self._tools(frame, names, metadata), self._tools(frame, metadata, metadata)
         # A message that was lost says nothing against a pose whose tools the metadata confirm
-        confirmed = bool(of_metadata and of_metadata[0]) and not self._unseen(of_metadata, transforms)
+        confirmed = of_metadata is not None and bool(of_metadata.names) and not of_metadata.unseen(transforms)
         direct = self._direct(message, frame, names)
         enough = {TransformStatus.OK, TransformStatus.MISSING} if confirmed else {TransformStatus.OK}
         bad = [name for name in direct if transforms[name].status not in enough]
         # The tool that was not seen says more than the chain that broke
-        culprit = next(iter((*broken, *bad)), None)
+        culprit = next(iter((*(tools.unseen(transforms) if tools else ()), *bad)), None)
         if culprit is None or (direct and not bad):
             return TransformStatus.OK, None
         status = transforms[culprit].status
         return status, f"{culprit} {problems.get(culprit, status.value)}"
 
     def _deciding(
-        self, message: ImageMessage, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
+        self, message: ImageMessage, frame: str, names: frozenset[TransformName], metadata: frozenset[TransformName]
     ) -> tuple[TransformName, ...] | None:
         """The transforms that tell whether the image's own matrix is valid; None where there are none."""
-        tools = self._tools(frame, names, told)
-        return self._direct(message, frame, names) or (None if tools is None else tools[0])
+        tools = self._tools(frame, names, metadata)
+        return self._direct(message, frame, names) or (None if tools is None else tools.names)
 
     def _direct(self, message: ImageMessage, frame: str, names: frozenset[TransformName]) -> tuple[TransformName, ...]:
         """The transforms of the image itself."""
-        own = {TransformName(self.wanted.source, frame), TransformName(message.device.rpartition("_")[0], frame)}
-        return tuple(name for name in names if own & {name, name.inverse})
+        of_image = {TransformName(self.wanted.source, frame), TransformName(message.device.rpartition("_")[0], frame)}
+        return tuple(name for name in names if of_image & {name, name.inverse})
 
-    def _tools(
-        self, frame: str, names: frozenset[TransformName], told: frozenset[TransformName]
-    ) -> tuple[tuple[TransformName, ...], Ways | None] | None:
-        """The tools that the image's own matrix is made of, and the ways that they are on, where those are known."""
+    def _tools(self, frame: str, names: frozenset[TransformName], metadata: frozenset[TransformName]) -> _Tools | None:
         moving = frozenset(name for name in names if self.wanted.source not in (name.source, name.target))
         if frame == PROBE:
-            return (), None
+            return _Tools()
         for start in (self.wanted.source, PROBE):
-            ways = self._chain(start, frame, moving)
+            ways = self._find(start, frame, moving)
             if ways is not None:
-                return tuple(name for name in ways.names if name in moving), ways
-        tools = tuple(sorted(told & moving, key=str))
-        return (tools, None) if tools else None
+                return _Tools(tuple(name for name in ways.names if name in moving), ways)
+        tools = tuple(sorted(metadata & moving, key=str))
+        return _Tools(tools) if tools else None
 
-    @staticmethod
-    def _unseen(
-        tools: tuple[tuple[TransformName, ...], Ways | None] | None, transforms: Mapping[TransformName, TransformSample]
-    ) -> tuple[TransformName, ...]:
-        """Those of the tools without which the matrix is not valid."""
-        names, ways = tools or ((), None)
-        broken = tuple(name for name in names if transforms[name].status is not TransformStatus.OK)
-        return () if ways is not None and ways.without(broken) is not None else broken
-
-    def _chain(self, source: str, target: str, names: frozenset[TransformName], named: str | None = None) -> Ways | None:
+    def _find(self, source: str, target: str, names: frozenset[TransformName], named: str | None = None) -> Ways | None:
         """The ways from one frame to another, by the transforms of the stream and of the configuration; None where there is none."""
+        found = self._look_up(source, target, names, named)
+        return found if isinstance(found, Ways) else None
+
+    def _look_up(self, source: str, target: str, names: frozenset[TransformName], named: str | None) -> Ways | TransformError:
         key = (source, target, names, named)
         if key not in self._ways:
             if len(self._ways) > 100:
                 self._ways.clear()
             try:
-                self._ways[key] = image_ways(TransformName(source, target), named, sorted(names, key=str), self._configured)
-            except TransformError:
-                self._ways[key] = None
+                self._ways[key] = image_ways(TransformName(source, target), named, sorted(names, key=str), self._static(names))
+            except TransformError as error:
+                self._ways[key] = error
         return self._ways[key]
+
+    def _static(self, names: Iterable[TransformName]) -> dict[TransformName, TransformSample]:
+        """The configuration's transforms but for those that are sent, whichever way round."""
+        sent = set(names)
+        return {name: sample for name, sample in self._configured.items() if not sent & {name, name.inverse}}
 
     def _follow(
         self,
-        image: Numbers,
+        message: ImageMessage,
         transforms: dict[TransformName, TransformSample],
         problems: Mapping[TransformName, str],
         named: str | None,
     ) -> Placed:
-        """Follow the ways exactly as for one frame of a recording, so that live and offline agree to the bit."""
-        ends = {"source": self.wanted.source, "target": self.wanted.target}
-        chain = self._chain(self.wanted.source, self.wanted.target, frozenset(transforms), named)
-        if chain is None:
-            try:
-                image_ways(self.wanted, named, transforms, self._configured)
-            except TransformError as error:
-                self.problem = f"{error} {self._advice(transforms)}"
-            return Placed(None, "no transform leads from {source} to {target}".format(**ends), transforms)
-        if not transforms.keys() & set(chain.names):
-            self.problem = (
-                "By the configuration alone {source} is fixed to {target}, so all images would lie in one plane. {advice}".format(
-                    advice=self._advice(transforms), **ends
-                )
-            )
-            return Placed(None, "{source} is fixed to {target}".format(**ends), transforms)
-        record = FrameRecord(transforms=transforms)
-        sequence = TrackedSequence(np.broadcast_to(image, (1, *image.shape)), [record], configuration=self._configuration)
+        """Follow the ways exactly as for a frame of a recording, so that live and offline agree to the bit."""
+        source, target = self.wanted.source, self.wanted.target
+        ways = self._look_up(source, target, frozenset(transforms), named)
+        if isinstance(ways, TransformError):
+            self._tell(said(ways), transforms)
+            return Placed(None, f"no transform leads from {source} to {target}", transforms)
+        if not transforms.keys() & set(ways.names):
+            self._tell(f"By the configuration alone {source} is fixed to {target}, so all images would lie in one plane.", transforms)
+            return Placed(None, f"{source} is fixed to {target}", transforms)
+        pose = frame_pose(ways, transforms, self._static(transforms), source)
         try:
-            poses = sweep_poses(sequence, named, self.wanted.target)
+            if pose.loops:
+                require_agreement("", message.image.shape[::-1], pose.ways, {0: pose.loops})
         except TransformError as error:
-            self.problem = said(error).removeprefix(f"{sequence.name}: ")
-            return Placed(None, "two ways lead from {source} to {target}, and disagree".format(**ends), transforms)
+            self.problem = said(error)
+            return Placed(None, f"two ways lead from {source} to {target}, and disagree", transforms)
         self.problem = None
-        status = poses.problems[0]
-        if status is None:
-            return Placed(poses.image_to_reference[0], "OK", transforms)
-        culprit = next((name for name in problems if status.startswith(f"{name} ")), None)
-        what = f"{culprit} {problems[culprit]}" if culprit else status
-        return Placed(None, what, transforms)
+        if pose.problem is None:
+            return Placed(pose.matrix, "OK", transforms)
+        culprit = next((name for name in problems if pose.problem.startswith(f"{name} ")), None)
+        return Placed(None, f"{culprit} {problems[culprit]}" if culprit else pose.problem, transforms)
 
-    def _advice(self, transforms: Mapping[TransformName, TransformSample]) -> str:
+    def _tell(self, what: str, transforms: Mapping[TransformName, TransformSample]) -> None:
+        """Say what is wrong, and what is missing."""
         for name, sample in transforms.items():
             if sample.status is TransformStatus.OK and not np.array_equal(self._first.setdefault(name, sample.matrix), sample.matrix):
                 self._moving.add(name)
+        advice: str = missing_link(self.wanted, list(dict.fromkeys([*self._configured, *transforms])), list(self._moving))
         if not transforms:
-            return (
+            advice = (
                 "No transforms are sent. Let the server send those of its tools (ProbeToTracker, ReferenceToTracker); an image that "
                 f"brings its pose in its own matrix must be called {self.wanted.source}_{self.wanted.target}."
             )
-        return missing_link(self.wanted, list(dict.fromkeys([*self._configured, *transforms])), list(self._moving))
+        self.problem = Sentence(f"{what} {advice}", advice)
 
 
 def metadata_transforms(message: ImageMessage) -> dict[TransformName, TransformSample]:

@@ -70,9 +70,9 @@ class PoseHistory:
     def compare(self, before: float | None, time: float) -> None:
         """Learn whether its times are those of the images, from an image of `time` and the image `before` that."""
         first = bisect_right(self._times, before) if before is not None else len(self._times)
-        place = bisect_left(self._times, time)
-        self._strangers += max(place - first, 0)
-        self._matches += place < len(self._times) and self._times[place] == time
+        index = bisect_left(self._times, time)
+        self._strangers += max(index - first, 0)
+        self._matches += index < len(self._times) and self._times[index] == time
 
     def add(self, time: float, sample: TransformSample, arrival: int) -> None:
         """Append a sample; `arrival` counts the messages of the stream."""
@@ -93,9 +93,9 @@ class PoseHistory:
 
     def exactly_at(self, time: float) -> Answer | None:
         """The sample of this very time, if it has come."""
-        place = bisect_left(self._times, time)
-        if place < len(self._times) and self._times[place] == time:
-            return Answer(self._samples[place], exact=True)
+        index = bisect_left(self._times, time)
+        if index < len(self._times) and self._times[index] == time:
+            return Answer(self._samples[index], exact=True)
         return None
 
     def has_passed(self, time: float) -> bool:
@@ -109,26 +109,26 @@ class PoseHistory:
         -----
         A sample that is not OK on either side, or none before, leaves the time without a pose.
         """
-        place = bisect_left(self._times, time)
-        if place == len(self._times):
+        index = bisect_left(self._times, time)
+        if index == len(self._times):
             return None
-        if self._times[place] == time:
-            return Answer(self._samples[place], exact=True)
-        if place == 0:
+        if self._times[index] == time:
+            return Answer(self._samples[index], exact=True)
+        if index == 0:
             return Answer(MISSING)
-        before, after = self._samples[place - 1], self._samples[place]
+        before, after = self._samples[index - 1], self._samples[index]
         for sample in (before, after):
             if sample.status is not TransformStatus.OK:
                 return Answer(TransformSample(MISSING.matrix, sample.status))
             if why_not_rigid(sample.matrix) and not _is_like(before.matrix, after.matrix):
                 return Answer(TransformSample(sample.matrix, TransformStatus.INVALID), why_not_rigid(sample.matrix))
-        span = self._times[place] - self._times[place - 1]
+        span = self._times[index] - self._times[index - 1]
         if span > self._longest_gap:
             return Answer(TransformSample(MISSING.matrix, TransformStatus.MISSING), "stale")
         distance, angle = pose_change(before.matrix, after.matrix)
         if distance > LARGEST_SPEED * span or angle > LARGEST_TURN * span:
             return Answer(TransformSample(MISSING.matrix, TransformStatus.INVALID), "jumps")
-        fraction = (time - self._times[place - 1]) / span
+        fraction = (time - self._times[index - 1]) / span
         return Answer(TransformSample(interpolate_pose(before.matrix, after.matrix, fraction)))
 
     def given_up(self) -> Answer:

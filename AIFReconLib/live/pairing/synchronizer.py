@@ -29,9 +29,6 @@ MOST_TRANSFORMS = 200
 WHOLE_SECONDS = 5
 """Messages of one time, a whole second, after which a clock that never told anything else counts in seconds."""
 
-NAMES_TOLD = 5
-"""Names of transforms that cannot be used, which are told of."""
-
 REMEMBERED_TIMES = 512
 """Times of placed images, by which those are recognized that a server sends again after a reconnection."""
 
@@ -95,7 +92,7 @@ class LiveFrame(TrackedFrame):
 class _Waiting:
     message: ImageMessage
     time: float
-    told: dict[TransformName, TransformSample]
+    metadata: dict[TransformName, TransformSample]
 
 
 class Synchronizer:
@@ -119,11 +116,7 @@ class Synchronizer:
     def __init__(self, settings: SynchronizerSettings | None = None, configuration: PlusConfiguration | None = None):
         self.settings = settings or SynchronizerSettings()
         self.device = self.settings.image_device
-        self.frames = 0
-        self.repeated = 0
-        self.other_images = 0
-        self.unused_transforms = 0
-        self._unused: dict[str, str] = {}
+        self.frames = self.repeated = self.other_images = 0
         given = self.settings
         # Who spells out a chain wants that one
         by_image = given.time_offset == 0.0 and "," not in (given.image_to_reference or "")
@@ -132,8 +125,7 @@ class Synchronizer:
         self._histories: dict[TransformName, PoseHistory] = {}
         self._expected: frozenset[TransformName] = frozenset()
         self._waiting: deque[_Waiting] = deque()
-        self._arrival = 0
-        self._image_arrival = 0
+        self._arrival = self._image_arrival = 0
         self._image_time: float | None = None
         self._decided_time: float | None = None
         self._lesser: set[TransformName] = set()
@@ -150,10 +142,7 @@ class Synchronizer:
     @property
     def problem(self) -> str | None:
         """Why images cannot be placed at all, in full; None when they can."""
-        problem = self._placement.problem
-        if problem is None or not self._unused:
-            return problem
-        return f"{problem} Not used: {listed(self._unused.values())}."
+        return self._placement.problem
 
     @property
     def note(self) -> str | None:
@@ -176,7 +165,7 @@ class Synchronizer:
 
         Parameters
         ----------
-        message : ImageMessage, TransformMessage, StatusMessage or StreamEvent
+        message : ImageMessage, TransformMessage or StreamEvent
         """
         self._arrival += 1
         frames = []
@@ -185,7 +174,7 @@ class Synchronizer:
                 frames = self._start_over()
         elif isinstance(message, ImageMessage):
             frames = self._take_image(message)
-        elif isinstance(message, TransformMessage):
+        else:
             self._take_transform(message)
         return frames + self.expire(message.received)
 
@@ -240,7 +229,6 @@ class Synchronizer:
     def _take_transform(self, message: TransformMessage) -> None:
         name = self._name_of(message)
         if name is None or (name not in self._histories and len(self._histories) >= MOST_TRANSFORMS):
-            self.unused_transforms += 1
             return
         status = message.status
         if status is TransformStatus.OK and message.header_version == 1 and np.array_equal(message.matrix, np.eye(4)):
@@ -258,20 +246,16 @@ class Synchronizer:
         A whole matrix under a whole name goes before a tool's name alone, and before a quaternion, which holds no scale.
         """
         name = stream_name(message.device)
-        if name is not None and not message.turned:
+        if name is not None and not message.from_quaternion:
             if name in self._lesser:
                 self._lesser.remove(name)
                 self._histories.pop(name, None)
             return name
         name = name or stream_name(f"{message.device}To{capital(self.settings.tracker_frame)}")
-        reason = None
-        if name is None:
-            reason = f"{message.device} (not a name such as ProbeToTracker)"
-        elif self._placement.wanted.source in (name.source, name.target):
-            reason = f"{message.device} (does not hold the size of a pixel, send TRANSFORM)"
-        if reason is not None and len(self._unused) < NAMES_TOLD:
-            self._unused[message.device] = reason
-        if name is None or reason is not None or (name in self._histories and name not in self._lesser):
+        # None of these holds the size of a pixel, without which no image is placed
+        if name is None or self._placement.wanted.source in (name.source, name.target):
+            return None
+        if name in self._histories and name not in self._lesser:
             return None
         if len(self._histories) < MOST_TRANSFORMS:
             self._lesser.add(name)
@@ -308,7 +292,7 @@ class Synchronizer:
             if self._decided_time is None and len(self._waiting) < 2:
                 # What the first image of a connection comes with is known when the next one is there
                 return None
-            needed = self._placement.needed(message, answers, waiting.told)
+            needed = self._placement.needed(message, answers, waiting.metadata)
             # What it could do without is waited for until the next image is there
             wanted = needed if needed is None or len(self._waiting) > 1 else needed | self._expected
             if wanted is None or any(name in answers and answers[name] is None for name in wanted):
@@ -320,7 +304,7 @@ class Synchronizer:
         placed = self._placement.place(
             message,
             {name: MISSING if answer is None else answer.sample for name, answer in answers.items()},
-            waiting.told,
+            waiting.metadata,
             {name: answer.problem for name, answer in answers.items() if answer is not None and answer.problem},
         )
         if placed.status == "OK":

@@ -83,8 +83,8 @@ class ReplayFrames:
         image, self._image_path = self._image_chain(image_to_reference, reference, named)
         self.image_device = f"{image.source}_{image.target}" if self._image_path else image.source
         if transforms is None:
-            own = [image] if self._image_path and image not in recorded and image.inverse not in recorded else []
-            self.transforms = (*recorded, *own)
+            of_image = [image] if self._image_path and image not in recorded and image.inverse not in recorded else []
+            self.transforms = (*recorded, *of_image)
         else:
             self.transforms = tuple(TransformName.parse(name) for name in transforms)
         self._paths = {image: self._image_path} if self._image_path else {}
@@ -93,9 +93,9 @@ class ReplayFrames:
     def __len__(self) -> int:
         return len(self._order)
 
-    def messages(self, place: int, timestamp: float, version: int) -> bytes:
-        """The messages of the frame at a place in time order, all of one timestamp (s since 1970), image first."""
-        number = int(self._order[place])
+    def messages(self, index: int, timestamp: float, version: int) -> bytes:
+        """The messages of the frame at an index in time order, all of one timestamp (s since 1970), image first."""
+        number = int(self._order[index])
         record = self._sequence.records[number]
         samples = {**self._static, **record.transforms}
         parts = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import errno
 import logging
 import socket
@@ -9,14 +10,15 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 
 from ...errors import LiveConnectionError, SettingsError
 from ...machine.threads import pause
 from ...sweep.frames import TrackedSequence
 from ..wire.connection import POLL, check_port
 from ..wire.encoding import encode_status
+from ..wire.framing import Framer
 from .frames import ReplayFrames
-from .peer import Peer
 
 logger = logging.getLogger(__name__)
 
@@ -27,7 +29,19 @@ END_INTERVAL = 0.22
 DRAIN_TIMEOUT = 0.5
 
 MOST_CLIENTS = 32
-"""Clients at a time; each costs two threads, and a thousand of them would leave nothing to anybody."""
+"""Clients at a time; beyond it new ones are turned away."""
+
+QUEUE_BYTES = 64 * 2**20
+"""What may wait for a client that reads too slowly; beyond it whole frames are left out."""
+
+REQUEST_LIMIT = 2**20
+"""Bytes of a client's message; what Plus understands is far smaller."""
+
+TAKES_NOTHING = 30.0
+"""s after which a client that has taken not a byte of what waits for it is given up."""
+
+GREETING = 0.25
+"""How long a new client is given to ask for header version 2 before the first frame goes out, s."""
 
 
 class ReplayServer:
@@ -56,7 +70,7 @@ class ReplayServer:
     its beginning. After the last frame of a recording that does not repeat, a STATUS of time 0 goes out every 0.22 s and the
     connections stay open. Time stamps are those of the present, frames as far apart as recorded. A client that reads slowly misses
     whole frames and never gets a part of one; one that takes nothing at all for half a minute is disconnected, and while 32 are connected
-    others are turned away.
+    others are turned away. One thread serves all.
 
     Examples
     --------
@@ -91,19 +105,13 @@ class ReplayServer:
         self.host = host
         self.port = check_port(port, lowest=0)
         self.loop = loop
-        self.sent = 0
-        self.served = 0
-        self.turned_away = 0
+        self.sent = self.served = self.turned_away = 0
         self._version = header_version
-        self._dropped = 0
-        self._lock = threading.Lock()
-        self._peers: list[Peer] = []
-        self._stopping = threading.Event()
-        self._played = threading.Event()
-        self._deserted = threading.Event()
+        self._missed = 0
+        self._clients: list[_Client] = []
+        self._played, self._ended = threading.Event(), threading.Event()
         self._error: Exception | None = None
-        self._listener: socket.socket | None = None
-        self._threads: list[threading.Thread] = []
+        self._thread: threading.Thread | None = None
 
     # ---- control
 
@@ -115,36 +123,32 @@ class ReplayServer:
         LiveConnectionError
             When the port is taken, or the host is no address of this machine.
         """
-        if self._listener is not None:
+        if self._thread is not None:
             return
-        self._listener = _listen(self.host, self.port)
-        self.port = self._listener.getsockname()[1]
-        self._stopping.clear()
+        listener = _listen(self.host, self.port)
+        self.port = listener.getsockname()[1]
         self._played.clear()
+        self._ended.clear()
         self._error = None
-        self._threads = [threading.Thread(target=work, name=f"replay {work.__name__}", daemon=True) for work in (self._accept, self._play)]
+        self._events = asyncio.new_event_loop()
+        self._stopping, self._is_deserted = asyncio.Event(), False
+        thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
         try:
-            for thread in self._threads:
-                thread.start()
+            thread.start()
         except RuntimeError:  # the system allows no more threads
-            self._stopping.set()
-            self._listener.close()
-            self._listener = None
+            listener.close()
+            self._events.close()
             raise
+        self._thread = thread
 
     def stop(self) -> None:
         """Close every connection and free the port; what was queued is sent if the clients take it within half a second."""
-        if self._listener is None:
+        if self._thread is None:
             return
-        deadline = time.monotonic() + DRAIN_TIMEOUT
-        self._stopping.set()
-        for thread in self._threads:
-            thread.join()
-        for peer in self._current_peers():
-            peer.drain(max(0.0, deadline - time.monotonic()))
-            peer.close()
-        self._listener.close()
-        self._listener = None
+        with suppress(RuntimeError):  # it has ended by itself
+            self._events.call_soon_threadsafe(self._stopping.set)
+        self._thread.join()
+        self._thread = None
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until the recording has been played once and handed to the clients, or the server stopped; False after `timeout` s.
@@ -167,10 +171,9 @@ class ReplayServer:
         AIFReconError
             When the recording turned out to be damaged.
         """
-        while not pause(POLL, unless=self._stopping):
+        while not pause(POLL, unless=self._ended):
             pass
-        if self._error is not None:
-            raise self._error
+        self.wait()
 
     def __enter__(self) -> ReplayServer:
         self.start()
@@ -184,111 +187,165 @@ class ReplayServer:
     @property
     def clients(self) -> int:
         """Clients that are connected."""
-        return len(self._current_peers())
+        return len(self._clients)
 
     @property
     def dropped(self) -> int:
         """Frames, over all clients, that a slow one missed."""
-        with self._lock:
-            return self._dropped + sum(peer.dropped for peer in self._peers)
+        return self._missed + sum(client.missed for client in tuple(self._clients))
 
     def describe(self) -> str:
         """Where it listens and what it sends, in two lines."""
         frames = self.frames
         names = ", ".join(map(str, frames.transforms)) or "none"
         pose = "with its pose" if "_" in frames.image_device else "without a pose"
-        speed = len(frames) / frames.period
         again = ", over and over" if self.loop else ""
         return (
             f"Listening on {self.host}, port {self.port}.\n"
-            f"Sends {len(frames)} frames at {speed:.3g} frames/s{again}: image {frames.image_device} ({pose}); transforms {names}."
+            f"Sends {len(frames)} frames at {len(frames) / frames.period:.3g} frames/s{again}: "
+            f"image {frames.image_device} ({pose}); transforms {names}."
         )
 
-    # ---- threads
+    # ---- the thread
 
-    def _accept(self) -> None:
-        listener = self._listener
-        while listener is not None and not self._stopping.is_set():
-            try:
-                connection, _ = listener.accept()
-            except TimeoutError:
-                continue
-            except OSError:
-                # A client that gave up before it was accepted is no reason to stop serving the others
-                self._stopping.wait(POLL)
-                continue
-            if self.clients >= MOST_CLIENTS:
-                self.turned_away += 1
-                logger.warning("A client was turned away: %d are connected", MOST_CLIENTS)
-                connection.close()
-                continue
-            peer = Peer(connection, self._version, self._forget)
-            with self._lock:
-                self._peers.append(peer)
-                self.served += 1
-            logger.info("A client connected, the %d. since the server started", self.served)
-            peer.start()
-
-    def _forget(self, peer: Peer) -> None:
-        with self._lock:
-            if peer in self._peers:
-                self._peers.remove(peer)
-                self._dropped += peer.dropped
-                logger.info("A client left; it missed %d frames", peer.dropped)
-            if not self._peers:
-                self._deserted.set()
-
-    def _current_peers(self) -> list[Peer]:
-        with self._lock:
-            return list(self._peers)
-
-    def _ready_peers(self) -> list[Peer]:
-        return [peer for peer in self._current_peers() if peer.ready]
-
-    def _play(self) -> None:
+    def _run(self, listener: socket.socket) -> None:
         try:
-            while not self._stopping.is_set():
-                self._deserted.clear()
-                if self._ready_peers():
-                    self._play_to_clients()
-                else:
-                    self._stopping.wait(POLL / 5)
+            self._events.run_until_complete(self._serve(listener))
         except Exception as error:  # whoever waits for the server gets it; a thread has nobody to raise it to
             self._error = error
             logger.exception("The replay ended")
-            self._stopping.set()
         finally:
+            self._events.close()
+            self._ended.set()
             self._played.set()
 
-    def _play_to_clients(self) -> None:
-        """The recording from its beginning, until its end and beyond, or until every client has left."""
-        begin, begin_wall = time.monotonic(), time.time()
-        round_start = 0.0
+    async def _serve(self, listener: socket.socket) -> None:
+        server = await asyncio.start_server(self._meet, sock=listener)
+        playing = asyncio.create_task(self._play())
+        stopping = asyncio.create_task(self._stopping.wait())
+        try:
+            await asyncio.wait((playing, stopping), return_when=asyncio.FIRST_COMPLETED)
+            if playing.done():
+                playing.result()
+        finally:
+            server.close()
+            playing.cancel()
+            stopping.cancel()
+            await self._drain()
+            # Somebody may just be coming
+            while len(asyncio.all_tasks()) > 1:
+                for client in self._clients:
+                    client.writer.transport.abort()
+                await asyncio.sleep(0)
+            # A connection is closed a moment after its task has ended
+            await asyncio.sleep(POLL / 5)
+
+    async def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """Listen to a client for as long as it is there."""
+        if self.clients >= MOST_CLIENTS:
+            self.turned_away += 1
+            logger.warning("A client was turned away: %d are connected", MOST_CLIENTS)
+            writer.close()
+            return
+        client = _Client(writer, self._version or 1)
+        self._clients.append(client)
+        self.served += 1
+        logger.info("A client connected, the %d. since the server started", self.served)
+        framer = Framer(REQUEST_LIMIT)
+        with suppress(OSError):
+            while data := await reader.read(2**16):
+                for message in framer.feed(data):
+                    if self._version is None and message.header.version > 1:
+                        client.version = 2
+                    client.has_asked = True
+                    if message.header.kind == "GET_STATUS":
+                        client.send(encode_status("", 0.0, text="\n", version=client.version))
+        self._clients.remove(client)
+        self._missed += client.missed
+        logger.info("A client left; it missed %d frames", client.missed)
+        writer.transport.abort()
+        if not self._clients:
+            self._is_deserted = True
+
+    async def _play(self) -> None:
+        """The recording from its beginning, whenever there are clients."""
         while True:
-            for place, offset in enumerate(self.frames.offsets):
+            if not any(client.is_ready for client in self._clients):
+                await asyncio.sleep(POLL / 5)
+                continue
+            self._is_deserted = False
+            await self._play_to_clients()
+
+    async def _play_to_clients(self) -> None:
+        """The recording until its end and beyond, or until every client has left."""
+        begin, begin_wall, round_start = time.monotonic(), time.time(), 0.0
+        while True:
+            for number, offset in enumerate(self.frames.offsets):
                 due = round_start + float(offset)
-                self._stopping.wait(max(0.0, begin + due - time.monotonic()))
-                if self._stopping.is_set() or self._deserted.is_set():
+                if await self._is_deserted_after(begin + due - time.monotonic()):
                     return
-                self._broadcast(place, begin_wall + due)
+                ready = [client for client in self._clients if client.is_ready]
+                versions = {client.version for client in ready}
+                encoded = {version: self.frames.messages(number, begin_wall + due, version) for version in versions}
+                for client in ready:
+                    client.send(encoded[client.version])
+                self.sent += 1
             if not self.loop:
                 break
             round_start += self.frames.period
-        for peer in self._current_peers():
-            peer.drain(DRAIN_TIMEOUT)
+        await self._drain()
         self._played.set()
-        while not self._stopping.wait(END_INTERVAL) and not self._deserted.is_set():
-            for peer in self._ready_peers():
-                peer.offer(encode_status("", 0.0, text="\n", version=peer.version))
+        while not await self._is_deserted_after(END_INTERVAL):
+            for client in self._clients:
+                client.send(encode_status("", 0.0, text="\n", version=client.version))
 
-    def _broadcast(self, place: int, timestamp: float) -> None:
-        encoded: dict[int, bytes] = {}
-        for peer in self._ready_peers():
-            version = peer.version
-            if version not in encoded:
-                encoded[version] = self.frames.messages(place, timestamp, version)
-            peer.offer(encoded[version])
-        self.sent += 1
+    async def _is_deserted_after(self, seconds: float) -> bool:
+        """Wait; True as soon as every client has left."""
+        end = time.monotonic() + seconds
+        await asyncio.sleep(0)
+        while not self._is_deserted and (left := end - time.monotonic()) > 0:
+            await asyncio.sleep(min(left, POLL))
+        return self._is_deserted
+
+    async def _drain(self) -> None:
+        """Wait until everything queued is with the operating system, but not for long."""
+        end = time.monotonic() + DRAIN_TIMEOUT
+        while any(client.waiting for client in self._clients) and time.monotonic() < end:
+            await asyncio.sleep(POLL / 5)
+
+
+class _Client:
+    """One that is connected, and how it takes what is sent to it."""
+
+    def __init__(self, writer: asyncio.StreamWriter, version: int):
+        self.writer, self.version = writer, version
+        self.has_asked = False
+        self.missed = 0
+        self._accepted = self._took_last = time.monotonic()
+        self._queued = self._taken = 0
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether it has said which version it wants, or has had its time to."""
+        return self.has_asked or time.monotonic() - self._accepted > GREETING
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that wait to be sent."""
+        return self.writer.transport.get_write_buffer_size()
+
+    def send(self, data: bytes) -> None:
+        """Queue whole messages, or leave them out; never waits."""
+        waiting, now = self.waiting, time.monotonic()
+        if self._queued - waiting > self._taken or not waiting:
+            self._taken, self._took_last = self._queued - waiting, now
+        if now - self._took_last > TAKES_NOTHING:
+            self.writer.transport.abort()
+        elif waiting + len(data) > QUEUE_BYTES and waiting:
+            self.missed += 1
+        elif not self.writer.transport.is_closing():
+            self.writer.write(data)
+            self._queued += len(data)
 
 
 def _listen(host: str, port: int) -> socket.socket:
@@ -311,20 +368,17 @@ def _listen(host: str, port: int) -> socket.socket:
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
         listener.listen()
-        listener.settimeout(POLL)
     except OSError as error:
         listener.close()
-        raise _failure(error, host, port) from None
+        raise LiveConnectionError(_why_not_served(error, host, port)) from None
     return listener
 
 
-def _failure(error: OSError, host: str, port: int) -> LiveConnectionError:
+def _why_not_served(error: OSError, host: str, port: int) -> str:
     if error.errno == errno.EADDRINUSE:
-        return LiveConnectionError(
-            f"Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one)."
-        )
+        return f"Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one)."
     if error.errno == errno.EADDRNOTAVAIL:
-        return LiveConnectionError(f"{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses.")
+        return f"{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses."
     if error.errno == errno.EACCES:
-        return LiveConnectionError(f"Port {port} needs special rights. Choose one above 1023; Plus uses {PLUS_PORT}.")
-    return LiveConnectionError(f"Port {port} on {host} cannot be served ({error.strerror}). Choose another port.")
+        return f"Port {port} needs special rights. Choose one above 1023; Plus uses {PLUS_PORT}."
+    return f"Port {port} on {host} cannot be served ({error.strerror}). Choose another port."

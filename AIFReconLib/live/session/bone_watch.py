@@ -1,4 +1,4 @@
-"""Bone that the frames of a scan show by themselves, found out beside the threads that receive and insert, which weight by it at once."""
+"""Bone that the frames of a scan show by themselves, by which those that come later are weighted at once."""
 
 from __future__ import annotations
 
@@ -15,13 +15,8 @@ from ...bone.predicted_bone import BoneEstimator
 from ...bone.predictions import Prediction, PredictionSampler
 from ...bone.recorded_predictions import COVERS, SAME_TIME, probability_of
 from ...bone.scan_line_reader import ForEachKind
-from ...errors import AIFReconError, GeometryError, OperationCanceled
-from ...imaging.beams import ProbeGeometry
-from ...imaging.region import ImageRegion
-from ...message import said
+from ...errors import GeometryError, OperationCanceled
 from ...resolve import Imaging
-from ...sweep.configuration import PlusConfiguration
-from ..pairing.predictions import PredictionSource
 from ..pairing.synchronizer import LiveFrame
 from ..wire.messages import ImageMessage
 from .recording import Recorder
@@ -29,7 +24,7 @@ from .session import LiveSession
 from .watch import PATIENCE, Watch
 
 SPREAD_EVERY = 0.5
-"""s between two updates of the volume's bone."""
+"""s between two updates of the volume's bone at least."""
 
 BEHIND = 5
 """Frames that wait to be inserted from which on an estimator rests as other watches do."""
@@ -65,10 +60,8 @@ class BoneWatch(Watch):
     session : LiveSession
         Made with `bone`.
     bone : GrowingBone
-    source : callable from Imaging to BoneEstimator, or PredictionSource
-        What tells bone in a frame, made when region and probe are known; or the session's source, which keeps streamed predictions.
-    configuration, region, probe
-        See `Watch`.
+    estimator : callable from Imaging to BoneEstimator, or None
+        What tells bone in a frame, made when region and probe are known; None: the predictions that the session receives.
     record : Path or None
         A sequence file for the predictions, 8 bit, which `RecordedPredictions` takes with the recorded scan.
 
@@ -84,14 +77,11 @@ class BoneWatch(Watch):
         self,
         session: LiveSession,
         bone: GrowingBone,
-        source: Callable[[Imaging], BoneEstimator] | PredictionSource,
-        configuration: PlusConfiguration | None = None,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
+        estimator: Callable[[Imaging], BoneEstimator] | None,
         record: Path | None = None,
     ):
-        super().__init__(session, "aifrecon live bone", 0.0, configuration, region, probe)
-        self._bone, self._source = bone, source
+        super().__init__(session, "aifrecon live bone")
+        self._bone, self._make_estimator = bone, estimator
         self._recorder = None if record is None else Recorder(record)
         self.recorded: Path | None = None
         self._estimator: BoneEstimator | None = None
@@ -115,10 +105,8 @@ class BoneWatch(Watch):
         self._spreading.stop(wait)
         recorder, self._recorder = self._recorder, None
         if recorder is not None and wait:
-            try:
-                self.recorded = recorder.finish()
-            except AIFReconError as error:
-                self._tell_problem(said(error))
+            self.recorded = recorder.finish()
+            self._problem = recorder.failure or self._problem
 
     def _tell_problem(self, problem: str) -> None:
         self._problem = problem
@@ -133,18 +121,17 @@ class BoneWatch(Watch):
         return not self._closing.is_set()
 
     def _look(self, frame: LiveFrame | None) -> None:
-        if isinstance(self._source, PredictionSource):
-            for of_frame, message in self._matched(self._source):
+        if self._make_estimator is None:
+            for of_frame, message in self._matched():
                 self._take(of_frame, Prediction(self._streamed(message)))
-        elif frame is not None and (imaging := self._imaging(frame)) is not None:
-            if self._estimator is None:
-                self._estimator = self._source(imaging)
+        elif frame is not None and (imaging := self._session.imaging()) is not None:
+            self._estimator = self._estimator or self._make_estimator(imaging)
             prediction = self._estimator.estimate(frame)
             if prediction is not None:
                 self._take(frame, prediction)
 
     def _take(self, frame: LiveFrame, prediction: Prediction) -> None:
-        imaging = self._imaging(frame)
+        imaging = self._session.imaging()
         self._frames, self._problem = self._frames + 1, None
         if self._recorder is not None:
             self._recorder.append(_as_frame(frame, prediction))
@@ -155,12 +142,14 @@ class BoneWatch(Watch):
         image, pose = frame.placed()
         self._bone.learn(self._samplers.of(frame).sample(image, prediction), pose, self._session.grid)
 
-    def _matched(self, source: PredictionSource) -> list[tuple[LiveFrame, ImageMessage]]:
+    def _matched(self) -> list[tuple[LiveFrame, ImageMessage]]:
         """Predictions whose frames are placed; others wait a little."""
         placed = [frame for frame in tuple(self._session.recent) if frame.status == "OK"]
         times = np.array([frame.timestamp for frame in placed])
         found, waiting, now = [], [], time.monotonic()
-        for message in [*self._waiting, *source.predictions()]:
+        while self._session.predictions:
+            self._waiting.append(self._session.predictions.popleft())
+        for message in self._waiting:
             near = int(np.abs(times - message.timestamp).argmin()) if times.size else -1
             if near >= 0 and abs(times[near] - message.timestamp) <= SAME_TIME:
                 found.append((placed[near], message))
@@ -188,19 +177,13 @@ class _Spreading(Watch):
     """Brings what is known of bone to the volume, in moments in which nothing is inserted."""
 
     def __init__(self, session: LiveSession, bone: GrowingBone, tell: Callable[[str], None]):
-        super().__init__(session, "aifrecon live bone map", 0.0)
+        super().__init__(session, "aifrecon live bone map", SPREAD_EVERY)
         self._bone, self._tell = bone, tell
-        self._spread = time.monotonic()
         self._thread.start()
 
     def _look(self, frame: LiveFrame | None) -> None:
-        if time.monotonic() - self._spread < SPREAD_EVERY:
-            return
-        try:
-            with contextlib.suppress(OperationCanceled):
-                self._bone.spread(self._pause)
-        finally:
-            self._spread = time.monotonic()
+        with contextlib.suppress(OperationCanceled):
+            self._bone.spread(self._pause)
 
     def _pause(self) -> None:
         if not self._make_way():

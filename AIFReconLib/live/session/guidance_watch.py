@@ -1,10 +1,11 @@
-"""What a scan has met of the bone while it goes on, and where to look next, found out beside the threads that receive and insert."""
+"""What a scan has met of the bone while it goes on, and where to look next."""
 
 from __future__ import annotations
 
 import contextlib
 import threading
 import time
+from functools import partial
 
 import numpy as np
 
@@ -16,16 +17,10 @@ from ...guidance.coverage import is_awry
 from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
 from ...guidance.mesh import ColoredBone
 from ...guidance.met import BoneMet, FrameGeometry
-from ...imaging.beams import ProbeGeometry
-from ...imaging.region import ImageRegion
 from ...resolve import Imaging
-from ...sweep.configuration import PlusConfiguration
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
 from .watch import Watch
-
-PERIOD = 0.0
-"""s between two looks: every frame counts, if there is time for it."""
 
 TELL_EVERY = 0.15
 """s between two summaries, so that colors change five times a second."""
@@ -47,7 +42,7 @@ FAR_AFTER = 60
 
 
 class GuidanceWatch(Watch):
-    """Looks at the frames of a session on a thread of its own.
+    """Looks at the frames of a session, at every one if there is time for it.
 
     Parameters
     ----------
@@ -55,36 +50,26 @@ class GuidanceWatch(Watch):
     labels : Volume of integers
     labels_to_reference : (4, 4) array, mm
         Rigid.
-    configuration, region, probe
-        See `Watch`.
 
     Attributes
     ----------
     prepared : threading.Event
         Set when the surface of bone is known, or a problem.
+    state : Guidance
+        What is known now; `colored` is the same object until the labels change.
 
     Notes
     -----
-    Every method returns at once but `stop`. A frame takes some 2 ms; those that come meanwhile are not looked at. Candidate passes are
-    looked at for every place of the CT, in pieces while no frame is inserted: advice is there when all were looked at once, and becomes
-    better when they were looked at again.
+    A frame takes some 2 ms; those that come meanwhile are not looked at. Candidate passes are looked at for every place of the CT, in
+    pieces while no frame is inserted: advice is there when all were looked at once, and becomes better when they were looked at again.
     """
 
-    def __init__(
-        self,
-        session: LiveSession,
-        labels: Volume,
-        labels_to_reference: Matrix,
-        configuration: PlusConfiguration | None = None,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
-    ):
-        super().__init__(session, "aifrecon guidance", PERIOD, configuration, region, probe)
+    def __init__(self, session: LiveSession, labels: Volume, labels_to_reference: Matrix):
+        super().__init__(session, "aifrecon guidance")
         self.prepared = threading.Event()
-        self._lock = threading.Lock()
-        self._wanted: tuple[Matrix, Volume | None] | None = (np.asarray(labels_to_reference, dtype=np.float64), labels)
-        self._labels, self._place = labels, np.eye(4)
-        self._own: GuidedBone | None = None
+        self.state = Guidance()
+        self._labels, self._labels_to_reference = labels, np.asarray(labels_to_reference, dtype=np.float64)
+        self._bone_of_ct: GuidedBone | None = None
         self._colored: ColoredBone | None = None
         self._bone: GuidedBone | None = None
         self._met: BoneMet | None = None
@@ -97,28 +82,43 @@ class GuidanceWatch(Watch):
         self._brightest = 1.0
         self._is_preparing = False
         self._told, self._advised = 0.0, 0.0
-        self._state = Guidance()
+        self._ask("labels", partial(self._take_labels, labels))
         self._thread.start()
-
-    @property
-    def state(self) -> Guidance:
-        """What is known now; `colored` is the same object until the labels change."""
-        return self._state
 
     def place(self, labels_to_reference: Matrix, labels: Volume | None = None) -> None:
         """The CT lies elsewhere now, or has other labels; what was met is told anew from the poses so far."""
-        with self._lock:
-            if labels is None and self._wanted is not None:
-                labels = self._wanted[1]
-            self._wanted = np.asarray(labels_to_reference, dtype=np.float64), labels
+        if labels is not None:
+            self._ask("labels", partial(self._take_labels, labels))
+        self._ask("place", partial(self._move, np.asarray(labels_to_reference, dtype=np.float64)))
 
     def _tell_problem(self, problem: str) -> None:
-        self._state = Guidance(problem=problem)
+        self.state = Guidance(problem=problem)
         self.prepared.set()
 
+    def _take_labels(self, labels: Volume) -> None:
+        self._labels, self._bone_of_ct = labels, None
+        self._begin()
+        self._show(guided_bone(labels))
+        self._begin()
+
+    def _move(self, labels_to_reference: Matrix) -> None:
+        self._labels_to_reference = labels_to_reference
+        self._begin()
+
+    def _begin(self) -> None:
+        """Nothing is met yet of the bone where it lies now."""
+        self._met = self._advisor = None
+        self._advised = 0.0
+        self._bone = None if self._bone_of_ct is None else self._bone_of_ct.placed_by(self._labels_to_reference)
+        if self._bone is not None:
+            self.prepared.set()
+
+    def _show(self, bone: GuidedBone) -> None:
+        self._bone_of_ct, self._colored = bone, ColoredBone.of(bone)
+        self.state = Guidance.before(self._colored, bone)
+
     def _look(self, frame: LiveFrame | None) -> None:
-        self._follow_place()
-        imaging = None if frame is None else self._imaging(frame)
+        imaging = None if frame is None else self._session.imaging()
         if frame is not None and imaging is not None and self._bone is not None:
             self._add(self._bone, imaging, *frame.placed())
         if self._met is None:
@@ -134,8 +134,8 @@ class GuidanceWatch(Watch):
         """Add a frame; the first says how large images are, and which way the probe looks."""
         rows, columns = image.shape
         if self._met is None:
-            bone = self._turned_to(bone, pose)
-            self._met = BoneMet(FrameGeometry(bone, (columns, rows), imaging.known_probe(), imaging.region))
+            self._turn(bone, pose)
+            self._met = BoneMet(FrameGeometry(self._bone or bone, (columns, rows), imaging.known_probe(), imaging.region))
             self._again = list(self._poses)
         if self._met.geometry.beams.frame_size != (columns, rows):
             return
@@ -143,33 +143,12 @@ class GuidanceWatch(Watch):
         self._met.insert(pose, image, self._brightest)
         self._poses = [*self._poses, pose][-MOST_POSES:]
 
-    def _follow_place(self) -> None:
-        with self._lock:
-            wanted, self._wanted = self._wanted, None
-        if wanted is None:
-            return
-        place, labels = wanted
-        self._bone = self._met = self._advisor = None
-        self._advised = 0.0
-        if labels is not None:
-            self._own = self._colored = None
-            self._labels = labels
-            self._take(guided_bone(labels))
-        self._place, self._bone = place, None if self._own is None else self._own.placed_by(place)
-        self.prepared.set()
-
-    def _take(self, own: GuidedBone) -> None:
-        self._own, self._colored = own, ColoredBone.of(own)
-        self._state = Guidance.before(self._colored, own)
-
-    def _turned_to(self, bone: GuidedBone, pose: Matrix) -> GuidedBone:
+    def _turn(self, bone: GuidedBone, pose: Matrix) -> None:
         """Where the labels' axes are not the patient's, the first frame says where the front is."""
         looks = pose[:3, 1] / np.linalg.norm(pose[:3, 1])
         if is_awry(bone.patient_to_reference[:3, 1], looks):
-            own = guided_bone(self._labels, None, self._place[:3, :3].T @ looks)
-            self._take(own)
-            self._bone = bone = own.placed_by(self._place)
-        return bone
+            self._show(guided_bone(self._labels, None, self._labels_to_reference[:3, :3].T @ looks))
+            self._begin()
 
     def _tell(self, met: BoneMet) -> None:
         now, colored = time.monotonic(), self._colored
@@ -179,15 +158,15 @@ class GuidanceWatch(Watch):
         self._make_way()
         problem = self._why_not(met)
         if problem is not None:
-            self._state = Guidance.before(colored, met.bone, problem)
+            self.state = Guidance.before(colored, met.bone, problem)
             return
         pose, advice = self._poses[-1], None
         if self._advisor is not None:
             if now - self._advised >= ADVISE_EVERY:
                 advice, self._advised = self._advisor.advise(met, pose, self._go_on), now
             else:
-                advice = self._advisor.to(None if self._state.advice is None else self._state.advice.move, pose)
-        self._state = Guidance.of(colored, met, advice)
+                advice = self._advisor.to(None if self.state.advice is None else self.state.advice.move, pose)
+        self.state = Guidance.of(colored, met, advice)
 
     def _why_not(self, met: BoneMet) -> str | None:
         grid = self._session.grid

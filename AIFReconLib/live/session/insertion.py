@@ -8,8 +8,6 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from typing import TypeAlias
 
 import numpy as np
 
@@ -22,12 +20,10 @@ from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...progress import Progress
-from ...provenance.record import with_origin
 from ...recipe.recipe import Recipe
 from ...resolve import Imaging, ReconstructorParts
-from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import TrackedFrame
-from ..pairing.synchronizer import LiveFrame, SynchronizerSettings
+from ..pairing.synchronizer import LiveFrame
 from .statistics import Meter, Rhythm
 
 logger = logging.getLogger(__name__)
@@ -47,26 +43,6 @@ WARM_UP = 2
 LARGEST_STRIDE = 64.0
 
 
-Sign: TypeAlias = Callable[[Reconstruction, Imaging], Reconstruction]
-"""What makes a result one whose volumes say where they come from."""
-
-
-def origin(asked: Recipe, resolved: Recipe, configuration: PlusConfiguration, names: SynchronizerSettings) -> Sign:
-    """What signs the results of a scan with these settings."""
-    return partial(
-        with_origin,
-        asked=replace(asked, image_to_reference=names.image_to_reference, reference=names.reference),
-        resolved=resolved,
-        configuration=configuration,
-        inputs=[] if configuration.path is None else [configuration.path],
-    )
-
-
-def unsigned(result: Reconstruction, _imaging: Imaging) -> Reconstruction:
-    """The result as it is."""
-    return result
-
-
 class Inserter:
     """Inserts frames in their order on a thread of its own.
 
@@ -75,45 +51,38 @@ class Inserter:
     settings : Recipe
         With everything resolved.
     bone : BoneMap or None
-    meter : Meter
     longest_delay : float or None, s
         Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
+    sign : callable
+        What makes a result one whose volumes say where they come from.
     parts : ReconstructorParts
         What else the configuration gives.
-    sign : callable
-        As `origin` makes it.
     """
 
     def __init__(
         self,
         settings: Recipe,
         bone: BoneMap | None,
-        meter: Meter,
         longest_delay: float | None,
+        sign: Callable[[Reconstruction, Imaging], Reconstruction],
         parts: ReconstructorParts | None = None,
-        sign: Sign = unsigned,
     ):
-        self._sign = sign
-        self._imaging = Imaging(ImageRegion(), None)
+        self._settings, self._bone, self._sign = settings, bone, sign
         self._parts = parts or ReconstructorParts()
+        self._imaging = Imaging(ImageRegion(), None)
         self.error: Exception | None = None
         self.warm, self.ready = threading.Event(), threading.Event()
-        self._settings = settings
-        self._bone = bone
-        self._meter = meter
         self._patient = longest_delay is None
         self._keep_up = KeepUp(longest_delay or 1.0)
         lock = threading.RLock()
         self._changed, self._resting = threading.Condition(lock), threading.Condition(lock)
-        self._tasks: deque[Callable[[], None] | tuple[LiveFrame, int, bool]] = deque()
+        self._tasks: deque[Callable[[], None] | tuple[LiveFrame, Meter, bool]] = deque()
         self._rhythm = Rhythm()
-        self._waiting_frames = 0
-        self._waiting_bytes = 0
+        self._waiting_frames = self._waiting_bytes = 0
         self._closed = False
         self._volume = threading.Lock()
         self._turnstile = threading.Lock()
         self._reconstructor: Reconstructor | None = None
-        self._notes: tuple[str, ...] = ()
         self._begin: Callable[[], None] | None = None
         self._image_like: tuple[tuple[int, ...], NumberType] | None = None
         self._insertions = 0
@@ -140,31 +109,25 @@ class Inserter:
         ----------
         grid : VoxelGrid
         imaging : callable
-            Called on the thread; its answer is asked once.
+            Called on the thread, for every volume that is begun.
         """
-        known: list[Imaging] = []
-        unknown = [imaging]
 
         def make() -> None:
-            if not known:
-                known.append(unknown[0]())
-                # It may hold every image that was scouted
-                unknown.clear()
+            known = imaging()
             reconstructor = Reconstructor(
                 grid,
                 self._settings,
                 self._bone,
-                probe=known[0].probe,
-                region=known[0].region,
+                probe=known.probe,
+                region=known.region,
                 threads=self._parts.threads,
                 importance=self._parts.importance,
                 holes=self._parts.holes,
                 fixed_point=self._parts.fixed_point,
             )
-            notes = (*known[0].notes, *self._parts.notes)
             with self._volume:
-                self._reconstructor, self._image_like, self._insertions, self._notes = reconstructor, None, 0, notes
-                self._imaging = known[0]
+                self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
+                self._imaging = known
             self.error, self._ready = None, time.monotonic()
             self.ready.set()
 
@@ -192,14 +155,14 @@ class Inserter:
                 self._tasks.append(self._begin)
             self._changed.notify_all()
 
-    def put(self, frame: LiveFrame, round_: int, live: bool = True) -> None:
+    def put(self, frame: LiveFrame, meter: Meter, live: bool = True) -> None:
         """Hand over a frame, usable or not.
 
         Parameters
         ----------
         frame : LiveFrame
-        round_ : int
-            The meter's count that it belongs to.
+        meter : Meter
+            What it is counted by.
         live : bool
             It has just come. Others are never left out, and their latency tells nothing.
         """
@@ -216,7 +179,7 @@ class Inserter:
                 frame = replace(frame, image=None)
             self._waiting_frames += frame.status == "OK"
             self._waiting_bytes += _bytes(frame)
-            self._tasks.append((frame, round_, live))
+            self._tasks.append((frame, meter, live))
             self._changed.notify_all()
 
     def wait_for_rest(self, timeout: float) -> float:
@@ -237,9 +200,8 @@ class Inserter:
         with self._turnstile, self._volume:
             if self._reconstructor is None:
                 return None
-            make, notes, imaging = self._reconstructor.capture(), self._notes, self._imaging
-        result = self._sign(make(progress), imaging)
-        return replace(result, said=(*notes, *result.said))
+            make, imaging = self._reconstructor.capture(), self._imaging
+        return self._signed(make(progress), imaging)
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """The final volume, after `close`; it can be asked for once."""
@@ -247,8 +209,11 @@ class Inserter:
             if self._reconstructor is None:
                 return None
             reconstructor, self._reconstructor = self._reconstructor, None
-        result = self._sign(reconstructor.finish(progress), self._imaging)
-        return replace(result, said=(*self._notes, *result.said))
+        return self._signed(reconstructor.finish(progress), self._imaging)
+
+    def _signed(self, result: Reconstruction, imaging: Imaging) -> Reconstruction:
+        result = self._sign(result, imaging)
+        return replace(result, said=(*imaging.notes, *self._parts.notes, *result.said))
 
     # ---- the thread
 
@@ -286,7 +251,7 @@ class Inserter:
                 self.ready.set()
                 logger.exception("The reconstruction of a live scan stopped")
                 if not callable(task):
-                    self._meter.skip(AFTER_ERROR, task[1])
+                    task[1].skip(AFTER_ERROR)
             if not callable(task):
                 with self._changed:
                     self._waiting_frames = max(self._waiting_frames - (task[0].status == "OK"), 0)
@@ -295,7 +260,7 @@ class Inserter:
                     if not self._waiting_frames:
                         self._resting.notify_all()
 
-    def _insert(self, frame: LiveFrame, round_: int, live: bool) -> None:
+    def _insert(self, frame: LiveFrame, meter: Meter, live: bool) -> None:
         if frame.status == "OK":
             image, _ = frame.placed()
             like = image.shape, image.dtype
@@ -319,9 +284,9 @@ class Inserter:
                 self._seconds_per_frame = last if self._insertions == WARM_UP + 1 else 0.9 * self._seconds_per_frame + 0.1 * last
         if reason is None:
             # What waited for the volume to be made tells nothing of the speed
-            self._meter.insert(now - frame.received if live and frame.received >= self._ready else None, round_)
+            meter.insert(now - frame.received if live and frame.received >= self._ready else None)
         else:
-            self._meter.skip(reason, round_)
+            meter.skip(reason)
 
     def _insert_into_volume(self, frame: TrackedFrame) -> str | None:
         """Insert a frame; the answer is why it did not enter, None when it did."""
@@ -354,11 +319,6 @@ class KeepUp:
         self._longest_delay = longest_delay
         self._stride = 1.0
         self._credit = 0.0
-
-    @property
-    def stride(self) -> float:
-        """Every how many frames one is taken; 1 when all are."""
-        return self._stride
 
     def admit(self, delay: float) -> bool:
         """Whether to take the next frame.

@@ -20,6 +20,7 @@ from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import SweepPoses
 from ..pairing.pose_history import LARGEST_SPEED
 from ..pairing.synchronizer import LiveFrame
+from .statistics import Meter
 
 SCOUTED = "seen while scouting"
 
@@ -45,15 +46,15 @@ class ScoutedFrames:
 
     def __init__(self, byte_limit: int = 512 * 2**20):
         self.usable = 0
-        self._kept: list[tuple[LiveFrame, int]] = []
-        self._others: dict[tuple[str, int], array[int]] = {}
+        self._kept: list[tuple[LiveFrame, Meter]] = []
+        self._others: dict[tuple[str, Meter], array[int]] = {}
         self._poses: list[Matrix] = []
         self._times: list[tuple[float, float]] = []
         self.notes: tuple[str, ...] = ()
         self._left = byte_limit
 
-    def add(self, frame: LiveFrame, round_: int) -> None:
-        """Keep a frame; `round_` is the count that it belongs to."""
+    def add(self, frame: LiveFrame, meter: Meter) -> None:
+        """Keep a frame, and what it is counted by."""
         if frame.status == "OK":
             image, image_to_reference = frame.placed()
             self.usable += 1
@@ -61,11 +62,11 @@ class ScoutedFrames:
             self._times.append((frame.timestamp, frame.received))
             self._left -= image.nbytes
         if frame.status == "OK" and self._left >= 0:
-            self._kept.append((frame, round_))
+            self._kept.append((frame, meter))
         else:
             # Hours may pass before there is a volume, so only their numbers are kept
             status = SCOUTED if frame.status == "OK" else frame.status
-            self._others.setdefault((status, round_), array("q")).append(frame.number)
+            self._others.setdefault((status, meter), array("q")).append(frame.number)
 
     def _reachable(self, middles: Floats) -> list[int]:
         """Numbers of the poses of which each can be reached from the one before; of several such tracks, the longest. Middles are in mm."""
@@ -83,11 +84,11 @@ class ScoutedFrames:
         elapsed = min(max(abs(stamped_now - stamped), received_now - received), LONGEST_REACH)
         return distance <= FARTHEST_STEP + LARGEST_SPEED * elapsed
 
-    def __iter__(self) -> Iterator[tuple[LiveFrame, int]]:
-        """Every frame and its count: first those without an image, by reason, then the usable ones in order of arrival."""
-        for (status, round_), numbers in self._others.items():
+    def __iter__(self) -> Iterator[tuple[LiveFrame, Meter]]:
+        """Every frame and what it is counted by: first those without an image, by reason, then the usable ones in order of arrival."""
+        for (status, meter), numbers in self._others.items():
             for number in numbers:
-                yield LiveFrame(None, None, status=status, number=number), round_
+                yield LiveFrame(None, None, status=status, number=number), meter
         yield from self._kept
 
     def clear(self) -> None:

@@ -7,28 +7,29 @@ import threading
 import time
 from collections import deque
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from ...arrays import Reals
 from ...bone.map import BoneMap
 from ...compounding.needs import needs_beams, require_bone
 from ...compounding.state import Reconstruction, bytes_per_voxel
-from ...errors import AIFReconError, OutputError
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
-from ...message import said
 from ...progress import Progress, part
+from ...provenance.record import with_origin
 from ...recipe.recipe import Recipe
 from ...resolve import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
-from ..wire.sources import CONNECTED, ENDED, MessageSource
-from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter, origin
+from ..wire.messages import ImageMessage
+from ..wire.sources import ENDED, MessageSource
+from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import NO_IMAGES, Heard, LiveStatistics, Meter, tracking_words
+from .statistics import Heard, LiveStatistics, Meter, statistics_of
 
 logger = logging.getLogger(__name__)
 
@@ -36,6 +37,8 @@ SCOUTING, LOOKING, RECONSTRUCTING, PAUSED, FAILED, STOPPED = "scouting", "lookin
 
 FRAMES_LOOKED_AT = 24
 """Tracked frames that are awaited to recognize the probe in, where neither options nor a configuration tell."""
+
+MOST_PREDICTIONS = 64
 
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
@@ -62,6 +65,9 @@ class LiveSession:
         A sequence file for every frame that is received, tracked or not. See `Recorder`.
     frame_limit : int or None
         End after so many frames.
+    predictions_device : str or None
+        An image device that sends what a network says of bone, with the time stamps of the images that it was made of. Its images are no
+        frames: they wait in `predictions`, the newest few, until somebody takes them.
     longest_delay : float or None, s
         When the frames that wait to be inserted will take longer than this, some are left out, evenly, and counted. None: none is ever left
         out; the source then has to wait or to drop messages.
@@ -95,6 +101,7 @@ class LiveSession:
         synchronizer: SynchronizerSettings | None = None,
         record: str | Path | None = None,
         frame_limit: int | None = None,
+        predictions_device: str | None = None,
         longest_delay: float | None = 1.0,
     ):
         self._source = source
@@ -110,29 +117,35 @@ class LiveSession:
         self._method = self.settings.method_for(bone is not None)
         require_bone(self._method, self.settings, bone is not None)
         self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
-        self._region, self._probe = region, probe
+        self._recognized = partial(recognized_imaging, configuration=configuration, region=region, probe=probe)
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
-        self._reference = self._synchronizer.reference
         self.recorder = Recorder(record) if record is not None else None
         self.recorded: Path | None = None
         self.finished = threading.Event()
         self.latest: LiveFrame | None = None
         self.recent: deque[LiveFrame] = deque(maxlen=2 * FRAMES_LOOKED_AT)
         self._frame_limit = frame_limit
+        self._predictions_device = predictions_device
+        self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
         self._meter = Meter()
         names = self._synchronizer.settings
-        sign = origin(asked, self.settings, configuration, names)
-        self._inserter = Inserter(self.settings, bone, self._meter, longest_delay, parts, sign)
+        sign = partial(
+            with_origin,
+            asked=replace(asked, image_to_reference=names.image_to_reference, reference=names.reference),
+            resolved=self.settings,
+            configuration=configuration,
+            inputs=[] if configuration.path is None else [configuration.path],
+        )
+        self._inserter = Inserter(self.settings, bone, longest_delay, sign, parts)
         self._grid = grid = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
-        self._lock = threading.RLock()
-        self._phase = RECONSTRUCTING if self._imaging else LOOKING
-        if grid is None:
-            self._phase = SCOUTING
+        self._lock, self._looking = threading.RLock(), threading.Lock()
+        self._seen_imaging = known_imaging(configuration, True, region, probe)
+        self._look_from = 0
+        self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._imaging else LOOKING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
         self._heard = Heard()
-        self._unfinished: str | None = None
         self._collect_error: Exception | None = None
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
 
@@ -170,15 +183,10 @@ class LiveSession:
     def reset(self) -> None:
         """Empty the volume and begin to count anew, on the same grid; frames that wait are forgotten. The recording goes on."""
         with self._lock:
-            self._meter.restart()
+            self._meter = Meter()
             self._inserter.restart()
             if self._phase in (SCOUTING, LOOKING):
                 self._scouted = ScoutedFrames()
-
-    def scout(self) -> None:
-        """Collect frames for a new grid. The volume so far stays until `use_grid`."""
-        with self._lock:
-            self._scouted, self._phase = ScoutedFrames(), SCOUTING
 
     def grid_from_scout(self, spacing: float | tuple[float, float, float] | None = None, margin: float = 0.0) -> VoxelGrid:
         """The box around the frames seen since scouting began.
@@ -231,14 +239,7 @@ class LiveSession:
         self._phase = STOPPED
         self.finished.set()
         if self.recorder is not None:
-            try:
-                self.recorded = self.recorder.finish(progress)
-            except OutputError as error:
-                self._unfinished = said(error)
-                logger.exception("A recording could not be finished")
-            except AIFReconError as error:
-                self._unfinished = f"{error} The recording is kept in {self.recorder.header_path} and its .raw file."
-                logger.exception("A recording could not be finished")
+            self.recorded = self.recorder.finish(progress)
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
@@ -262,6 +263,25 @@ class LiveSession:
         """Return when next a frame was inserted and none waits, or after `timeout`, s, and for how long; see `Inserter`."""
         return self._inserter.wait_for_rest(timeout)
 
+    def imaging(self) -> Imaging | None:
+        """Region and probe of the images, where need be as the latest frames show them; None while these are too few.
+
+        Raises
+        ------
+        BeamGeometryError
+            When they cannot be told from these. Later ones are looked at again.
+        """
+        with self._looking:
+            frames = [frame for frame in tuple(self.recent) if frame.status == "OK"]
+            if self._seen_imaging is None and len(frames) >= FRAMES_LOOKED_AT and frames[-1].number >= self._look_from:
+                self._look_from = frames[-1].number + FRAMES_LOOKED_AT
+                latest = ScoutedFrames()
+                for frame in frames:
+                    latest.add(frame, self._meter)
+                sequence, poses = latest.sequence()
+                self._seen_imaging = self._recognized(sequence.images, poses, need_probe=True)
+            return self._seen_imaging
+
     @property
     def grid(self) -> VoxelGrid | None:
         """The voxels that are or will be filled."""
@@ -273,8 +293,8 @@ class LiveSession:
         return self._scouted.usable
 
     def devices(self) -> dict[str, tuple[str, ...]]:
-        """Names of the devices that the source has seen, each with the types of its messages."""
-        return self._source.devices()
+        """Names of the devices that the source has seen, but for that of predictions, each with the types of its messages."""
+        return {name: types for name, types in self._source.devices().items() if name != self._predictions_device}
 
     @property
     def error(self) -> Exception | None:
@@ -284,39 +304,16 @@ class LiveSession:
     @property
     def recording_failure(self) -> str | None:
         """Why the recording ended early or could not be finished, and where its frames are; None while all is well."""
-        return self._unfinished or (self.recorder.failure if self.recorder is not None else None)
+        return None if self.recorder is None else self.recorder.failure
 
     @property
     def statistics(self) -> LiveStatistics:
         """A snapshot of everything that is counted."""
-        now = time.monotonic()
-        latest, recorder = self.latest, self.recorder
-        images_stopped, poses_stopped = self._heard.stopped(now, None if latest is None else latest.received)
-        tracking = NO_IMAGES if latest is None or images_stopped else tracking_words(latest.status, self._reference)
-        error, source, pairing = self.error, self._source.statistics, self._synchronizer
-        troubles = (self._heard.trouble(now, lasts=self._source.state != CONNECTED), pairing.problem, pairing.note)
-        return LiveStatistics(
-            phase=self._phase_shown(error),
-            connection=self._source.state,
-            tracking=tracking,
-            dropped=source.dropped,
-            dropped_images=source.dropped_images,
-            repeated=pairing.repeated,
-            other_images=pairing.other_images,
-            recorded=recorder.frames if recorder is not None else 0,
-            recording_failure=self.recording_failure,
-            trouble=said(error) if error is not None else next(filter(None, troubles), None),
-            note=pairing.note,
-            images_stopped=images_stopped,
-            poses_stopped=poses_stopped,
-            **self._meter.counts(now),
+        # For the user, a failure matters more than a pause, and a pause more than what is paused
+        phase = FAILED if self.error is not None and self._phase != STOPPED else PAUSED if self._paused else self._phase
+        return statistics_of(
+            phase, self._source, self._synchronizer, self._meter, self._heard, self.latest, self.recorder, error=self.error
         )
-
-    def _phase_shown(self, error: Exception | None) -> str:
-        """The phase for the user, to whom a failure matters more than a pause, and a pause more than what is paused."""
-        if error is not None and self._phase != STOPPED:
-            return FAILED
-        return PAUSED if self._paused else self._phase
 
     def _start_inserting(self) -> None:
         if not self._prepared:
@@ -330,9 +327,13 @@ class LiveSession:
     def _collect(self) -> None:
         try:
             while not self.finished.is_set():
-                message = self._source.get(self._patience())
+                deadline, now = self._synchronizer.deadline, time.monotonic()
+                message = self._source.get(POLL if deadline is None else min(max(deadline - now, 0.0), POLL))
                 if message is None and self._source.state == ENDED:
                     break
+                if isinstance(message, ImageMessage) and message.device == self._predictions_device:
+                    self.predictions.append(message)
+                    continue
                 frames = self._synchronizer.expire(time.monotonic()) if message is None else self._synchronizer.feed(message)
                 self._heard.note(message)
                 self._take(frames)
@@ -341,10 +342,6 @@ class LiveSession:
             self._collect_error = error
             logger.exception("The reception of a live scan ended")
         self.finished.set()
-
-    def _patience(self) -> float:
-        deadline = self._synchronizer.deadline
-        return POLL if deadline is None else min(max(deadline - time.monotonic(), 0.0), POLL)
 
     def _take(self, frames: list[LiveFrame]) -> None:
         for frame in frames:
@@ -355,28 +352,36 @@ class LiveSession:
             if self.recorder is not None:
                 self.recorder.append(frame)
             with self._lock:
-                self._hand_on(frame, self._meter.receive(frame.received))
+                self._meter.receive(frame.received)
+                self._hand_on(frame, self._meter)
             if frame.number + 1 == self._frame_limit:
                 self.finished.set()
 
-    def _hand_on(self, frame: LiveFrame, round_: int) -> None:
+    def _hand_on(self, frame: LiveFrame, meter: Meter) -> None:
         if self._paused:
-            self._meter.skip(WHILE_PAUSED, round_)
+            meter.skip(WHILE_PAUSED)
         elif frame.number % (self.settings.skip or 1):
-            self._meter.skip(LEFT_OUT, round_)
+            meter.skip(LEFT_OUT)
         elif self._phase in (SCOUTING, LOOKING):
-            self._scouted.add(frame, round_)
+            self._scouted.add(frame, meter)
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
                 self._begin(self._grid)
         else:
-            self._inserter.put(frame, round_)
+            self._inserter.put(frame, meter)
 
     def _begin(self, grid: VoxelGrid) -> None:
-        """Reconstruct from now on, what was kept first."""
-        kept, self._scouted = self._scouted, ScoutedFrames()
-        self._inserter.begin(grid, lambda: self._find_imaging(kept))
-        for frame, round_ in kept:
-            self._inserter.put(frame, round_, live=False)
+        """Reconstruct from now on, what was scouted first."""
+        scouted, self._scouted = self._scouted, ScoutedFrames()
+        frames = list(scouted)
+
+        def imaging() -> Imaging:
+            found = self._find_imaging(scouted)
+            scouted.clear()
+            return found
+
+        self._inserter.begin(grid, imaging)
+        for frame, meter in frames:
+            self._inserter.put(frame, meter, live=False)
         self._phase = RECONSTRUCTING
 
     def _close_scouting(self) -> None:
@@ -384,13 +389,13 @@ class LiveSession:
         with self._lock:
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable:
                 self._begin(self._grid)
-            for frame, round_ in self._scouted:
-                self._meter.skip(SCOUTED if frame.status == "OK" else frame.status, round_)
+            for frame, meter in self._scouted:
+                meter.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()
 
-    def _find_imaging(self, kept: ScoutedFrames) -> Imaging:
-        """How the images are to be read: as given and configured, else recognized in the frames that were kept."""
+    def _find_imaging(self, scouted: ScoutedFrames) -> Imaging:
+        """How the images are to be read: as given and configured, else recognized in the frames that were scouted."""
         if self._imaging is None:
-            sequence, poses = kept.sequence()
-            self._imaging = recognized_imaging(sequence.images, poses, self._configuration, self._needs_probe, self._region, self._probe)
-        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *kept.notes))
+            sequence, poses = scouted.sequence()
+            self._imaging = self._recognized(sequence.images, poses, need_probe=self._needs_probe)
+        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *scouted.notes))

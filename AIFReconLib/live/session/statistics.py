@@ -8,13 +8,16 @@ import threading
 import time
 from collections import Counter, deque
 from dataclasses import dataclass, field
-from typing import TypedDict
+from typing import Any
 
 import numpy as np
 
-from ...message import listed
+from ...message import listed, said
 from ..pairing.placement import stream_name
+from ..pairing.synchronizer import LiveFrame, Synchronizer
 from ..wire.messages import StreamEvent, StreamMessage, TransformMessage
+from ..wire.sources import CONNECTED, MessageSource
+from .recording import Recorder
 
 RATE_WINDOW = 2.0
 """s over which the frame rate is counted."""
@@ -105,16 +108,36 @@ class LiveStatistics:
         return sum(self.skipped.values())
 
 
-class Counts(TypedDict):
-    """The fields of `LiveStatistics` that a `Meter` counts."""
-
-    frames_received: int
-    inserted: int
-    waiting: int
-    skipped: dict[str, int]
-    frame_rate: float
-    latency_p50: float
-    latency_p99: float
+def statistics_of(
+    phase: str,
+    source: MessageSource,
+    pairing: Synchronizer,
+    meter: Meter,
+    heard: Heard,
+    latest: LiveFrame | None,
+    recorder: Recorder | None,
+    error: Exception | None,
+) -> LiveStatistics:
+    """What a session tells now, of its parts."""
+    now, counted, state = time.monotonic(), source.statistics, source.state
+    images_stopped, poses_stopped = heard.stopped(now, None if latest is None else latest.received)
+    troubles = (heard.trouble(now, lasts=state != CONNECTED), pairing.problem, pairing.note)
+    return LiveStatistics(
+        phase=phase,
+        connection=state,
+        tracking=NO_IMAGES if latest is None or images_stopped else tracking_words(latest.status, pairing.reference),
+        dropped=counted.dropped,
+        dropped_images=counted.dropped_images,
+        repeated=pairing.repeated,
+        other_images=pairing.other_images,
+        recorded=0 if recorder is None else recorder.frames,
+        recording_failure=None if recorder is None else recorder.failure,
+        trouble=said(error) if error is not None else next(filter(None, troubles), None),
+        note=pairing.note,
+        images_stopped=images_stopped,
+        poses_stopped=poses_stopped,
+        **meter.counts(now),
+    )
 
 
 class Rhythm:
@@ -138,60 +161,49 @@ class Rhythm:
 
 
 class Meter:
-    """Counts frames; every method may be called from any thread."""
+    """Counts frames since the start or a reset; every method may be called from any thread."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._round = 0
+        self._received = self._inserted = 0
+        self._skipped: Counter[str] = Counter()
         self._arrivals: deque[float] = deque(maxlen=1024)
-        self.restart()
+        self._latencies: deque[float] = deque(maxlen=LATENCIES)
 
-    def restart(self) -> int:
-        """Begin at zero; the answer is the number of the new count, which later calls name."""
-        with self._lock:
-            self._round += 1
-            self._received = self._inserted = 0
-            self._skipped: Counter[str] = Counter()
-            self._latencies: deque[float] = deque(maxlen=LATENCIES)
-            return self._round
-
-    def receive(self, received: float) -> int:
-        """Count a frame that arrived at `received`, s of `time.monotonic`; the answer is the number of the count it belongs to."""
+    def receive(self, received: float) -> None:
+        """Count a frame that arrived at `received`, s of `time.monotonic`."""
         with self._lock:
             self._received += 1
             self._arrivals.append(received)
-            return self._round
 
-    def insert(self, latency: float | None, round_: int) -> None:
+    def insert(self, latency: float | None) -> None:
         """Count an inserted frame; `latency` in s, None where it tells nothing."""
         with self._lock:
-            if round_ == self._round:
-                self._inserted += 1
-                if latency is not None:
-                    self._latencies.append(latency)
+            self._inserted += 1
+            if latency is not None:
+                self._latencies.append(latency)
 
-    def skip(self, reason: str, round_: int) -> None:
+    def skip(self, reason: str) -> None:
         """Count a frame that was not inserted."""
         with self._lock:
-            if round_ == self._round:
-                known = reason in self._skipped or len(self._skipped) < _REASONS_KEPT
-                self._skipped[reason if known else OTHER_REASONS] += 1
+            known = reason in self._skipped or len(self._skipped) < _REASONS_KEPT
+            self._skipped[reason if known else OTHER_REASONS] += 1
 
-    def counts(self, now: float) -> Counts:
+    def counts(self, now: float) -> dict[str, Any]:
         """The fields of `LiveStatistics` that are counted here, at the time `now`, s of `time.monotonic`."""
         with self._lock:
             recent = [time for time in self._arrivals if now - time <= RATE_WINDOW]
             span = recent[-1] - recent[0] if len(recent) > 1 else 0.0
             p50, p99 = np.percentile(self._latencies, (50, 99)) if self._latencies else (np.nan, np.nan)
-            return Counts(
-                frames_received=self._received,
-                inserted=self._inserted,
-                skipped=dict(self._skipped.most_common()),
-                waiting=self._received - self._inserted - self._skipped.total(),
-                frame_rate=(len(recent) - 1) / span if span > 0 else 0.0,
-                latency_p50=float(p50),
-                latency_p99=float(p99),
-            )
+            return {
+                "frames_received": self._received,
+                "inserted": self._inserted,
+                "skipped": dict(self._skipped.most_common()),
+                "waiting": self._received - self._inserted - self._skipped.total(),
+                "frame_rate": (len(recent) - 1) / span if span > 0 else 0.0,
+                "latency_p50": float(p50),
+                "latency_p99": float(p99),
+            }
 
 
 def tracking_words(status: str, reference: str) -> str:

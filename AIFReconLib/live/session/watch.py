@@ -6,16 +6,12 @@ import logging
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
-from ...imaging.beams import ProbeGeometry
-from ...imaging.region import ImageRegion
 from ...machine.threads import give_way
 from ...message import said
-from ...resolve import Imaging, known_imaging, recognized_imaging
-from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..pairing.synchronizer import LiveFrame
-from .scouting import ScoutedFrames
-from .session import FRAMES_LOOKED_AT, LiveSession
+from .session import LiveSession
 
 logger = logging.getLogger(__name__)
 
@@ -35,40 +31,28 @@ REST = 1.0
 
 
 class Watch(ABC):
-    """Looks at the newest frame of a session, again and again.
+    """Follows a session: looks at its newest frame, again and again.
 
     Parameters
     ----------
     session : LiveSession
-        Of which `latest` and `wait_for_rest` are used.
+        Of which `latest`, `imaging` and `wait_for_rest` are used.
     name : str
         Of the thread.
     period : float, s
         Between two looks at least.
-    configuration : PlusConfiguration or None
-    region, probe : ImageRegion, ProbeGeometry or None
-        As for the session; what they and the configuration leave open is recognized in the first frames.
 
     Notes
     -----
     Work begins when a frame was just inserted and none waits: until the next one comes, cores, memory and interpreter are free. Work that
     takes longer than some 10 ms should be parted: by `_make_way` into pieces of `PIECE`, as many as there is time for between two frames,
-    or by `_breathe`, one step for each frame. What goes wrong is told and kept; the scan goes on.
+    or by `_breathe`, one step for each frame. What goes wrong is told and kept; the scan goes on. Everything but what others ask happens
+    on the thread: what they want changed is handed to it by `_ask`. `stop` waits for the step under way, all else returns at once.
     """
 
-    def __init__(
-        self,
-        session: LiveSession,
-        name: str,
-        period: float,
-        configuration: PlusConfiguration | None = None,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
-    ):
+    def __init__(self, session: LiveSession, name: str, period: float = 0.0):
         self._session, self._period = session, period
-        self._configuration, self._region, self._probe = configuration or NO_CONFIGURATION, region, probe
-        self._known: Imaging | None = known_imaging(self._configuration, True, region, probe)
-        self._first = ScoutedFrames()
+        self._asked: dict[str, Callable[[], None]] = {}
         self._last: LiveFrame | None = None
         self._closing = threading.Event()
         self._resumed = time.monotonic()
@@ -88,6 +72,10 @@ class Watch(ABC):
     @abstractmethod
     def _tell_problem(self, problem: str) -> None:
         """Say why nothing can be told."""
+
+    def _ask(self, what: str, change: Callable[[], None]) -> None:
+        """Have something done before the next look, in the place of what was asked under the same name."""
+        self._asked[what] = change
 
     def _run(self) -> None:
         give_way()
@@ -113,8 +101,10 @@ class Watch(ABC):
         return not self._closing.is_set()
 
     def _attempt(self) -> None:
-        """One look, whatever comes of it."""
+        """What was asked, and one look, whatever comes of it."""
         try:
+            while self._asked:
+                self._asked.pop(next(iter(self._asked)))()
             self._look(self._next_frame())
         except Exception as error:  # kept and told: the scan goes on
             problem = said(error)
@@ -129,19 +119,3 @@ class Watch(ABC):
             return None
         self._last = frame
         return frame
-
-    def _imaging(self, frame: LiveFrame) -> Imaging | None:
-        """Region and probe, where need be as the first frames show them, with this one among them; None while they are too few.
-
-        Raises
-        ------
-        BeamGeometryError
-            When they cannot be told from these; it begins anew with the next.
-        """
-        if self._known is None:
-            self._first.add(frame, 0)
-            if self._first.usable >= FRAMES_LOOKED_AT:
-                kept, self._first = self._first, ScoutedFrames()
-                sequence, poses = kept.sequence()
-                self._known = recognized_imaging(sequence.images, poses, self._configuration, True, self._region, self._probe)
-        return self._known

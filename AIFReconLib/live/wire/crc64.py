@@ -62,8 +62,8 @@ def _add_multiplied(target: Words, words: Words, tables: Words) -> None:
     for start in range(0, len(words), BLOCK):
         octets = words[start : start + BLOCK].view(np.uint8).reshape(-1, 8).astype(np.intp)
         block = target[start : start + BLOCK]
-        for place in range(8):
-            block ^= tables[place][octets[:, place]]
+        for octet in range(8):
+            block ^= tables[octet][octets[:, octet]]
 
 
 @lru_cache(maxsize=64)
@@ -76,10 +76,10 @@ def _tables(power: int) -> Words:
     for _ in range(WORD_BITS - 1):
         bits.append(_times_x(bits[-1]))
     tables = np.zeros((8, 256), dtype=np.uint64)
-    for place in range(8):
+    for octet in range(8):
         for bit in range(8):
             block = 1 << bit
-            tables[place, block : 2 * block] = tables[place, :block] ^ np.uint64(bits[8 * (7 - place) + bit])
+            tables[octet, block : 2 * block] = tables[octet, :block] ^ np.uint64(bits[8 * (7 - octet) + bit])
     return tables.astype(">u8").view(np.uint64)
 
 

@@ -1,7 +1,7 @@
-"""Whole messages -> images, transforms and statuses.
+"""Whole messages -> images and transforms.
 
-pyigtl's message classes decode IMAGE and TRANSFORM; the other poses (POSITION, TDATA, QTDATA) and STATUS are small enough to be decoded
-here. A message that is whole and still makes no sense is the sender's mistake, and is refused with the reason.
+pyigtl's message classes decode IMAGE and TRANSFORM; the other poses (POSITION, TDATA, QTDATA) are small enough to be decoded here. A
+message that is whole and still makes no sense is the sender's mistake, and is refused with the reason.
 """
 
 from __future__ import annotations
@@ -19,18 +19,14 @@ from ...errors import LiveConnectionError, LiveMessageError
 from ...geometry.transform_graph import TransformStatus
 from ...geometry.transforms import LPS_FROM_RAS
 from ...imaging.images import luminance
-from .framing import Frame, Header
-from .messages import ImageMessage, StatusMessage, TransformMessage
+from .framing import RawMessage
+from .messages import ImageMessage, TransformMessage
 
 MOST_TOOLS = 1000
 """Tools in one message of tracking data; each of them becomes a message of its own, far larger than its bytes."""
 
-_TRACKED_TOOL, _TURNED_TOOL = struct.Struct(">20sBB12f"), struct.Struct(">20sBB7f")
-_STATUS = struct.Struct(">Hq20s")
-Decoded = ImageMessage | TransformMessage | StatusMessage
-
-_COLOR_CHANNELS = (3, 4)
-_LPS = "lps"
+_MATRIX_TOOL, _QUATERNION_TOOL = struct.Struct(">20sBB12f"), struct.Struct(">20sBB7f")
+Decoded = ImageMessage | TransformMessage
 
 
 def codec() -> ModuleType:
@@ -49,39 +45,41 @@ def codec() -> ModuleType:
     return known
 
 
-def decode(frame: Frame, received: float = 0.0) -> tuple[Decoded, ...]:
-    """The messages in a frame: one; none if its type is not used; several for TDATA and QTDATA, which hold a transform for each tool.
+def decode(raw: RawMessage, received: float = 0.0) -> tuple[Decoded, ...]:
+    """What a message holds: one image or transform; nothing if its type is not used; for TDATA and QTDATA a transform for each tool.
 
     Parameters
     ----------
-    frame : Frame
+    raw : RawMessage
     received : float, s of `time.monotonic`
         When its last byte arrived.
 
     Raises
     ------
     LiveMessageError
-        When the body does not make sense, or is an image that is not 2D, gray or color.
+        When the body is damaged or does not make sense, or is an image that is not 2D, gray or color.
     """
-    decoder = _DECODERS.get(frame.header.kind)
+    if raw.problem is not None:
+        raise LiveMessageError(raw.problem)
+    decoder = _DECODERS.get(raw.header.kind)
     if decoder is None:
         return ()
     try:
-        return decoder(frame, received)
+        return decoder(raw, received)
     except LiveMessageError:
         raise
     except Exception as error:  # pyigtl judges no input: any error of Python's may come out of a body that does not make sense
         reason = str(error) or type(error).__name__
-        raise LiveMessageError(f"{_describe(frame.header)} cannot be understood ({reason}); it is left out.") from None
+        raise LiveMessageError(f"{_describe(raw)} cannot be understood ({reason}); it is left out.") from None
 
 
-def _describe(header: Header) -> str:
-    return f"{header.kind} message of {header.device!r}"
+def _describe(raw: RawMessage) -> str:
+    return f"{raw.header.kind} message of {raw.header.device!r}"
 
 
-def _unpack(frame: Frame) -> Any:
+def _unpack(raw: RawMessage) -> Any:
     """The message as pyigtl decodes it; of a type that it does not know, the metadata alone."""
-    header = frame.header
+    header = raw.header
     message = codec().MessageBase.create_message(header.kind) or codec().MessageBase()
     fields = {
         "header_version": header.version,
@@ -90,52 +88,70 @@ def _unpack(frame: Frame) -> Any:
         "timestamp": header.timestamp,
         "body_size": header.size,
     }
-    message.unpack(fields, frame.body)
+    message.unpack(fields, raw.body)
     return message
 
 
-def _image(frame: Frame, received: float) -> tuple[ImageMessage]:
-    header = frame.header
-    message = _unpack(frame)
+def _image(raw: RawMessage, received: float) -> tuple[ImageMessage]:
+    message = _unpack(raw)
     slices, rows, columns, *channels = message.image.shape
-    what = f"{_describe(header)} holds {columns} x {rows} x {slices} pixels"
+    what = f"{_describe(raw)} holds {columns} x {rows} x {slices} pixels"
     if slices != 1:
         raise LiveMessageError(f"{what}: frames must be 2D, of one slice. It is left out; send the 2D image of the scanner.")
     if rows == 0 or columns == 0:
         raise LiveMessageError(f"{what}: it is empty, and left out.")
-    if channels and channels[0] not in _COLOR_CHANNELS:
+    if channels and channels[0] not in (3, 4):
         raise LiveMessageError(f"{what} of {channels[0]} channels: there must be 1, or 3 or 4 (color). It is left out; send gray images.")
     image = message.image[0]
     image = luminance(image) if channels else image.astype(image.dtype.newbyteorder("="), copy=False)
     image.flags.writeable = False
     matrix = np.array(message.ijk_to_world_matrix, dtype=np.float64)
-    if message.world_coordinate_system == _LPS:
+    if message.world_coordinate_system == "lps":
         matrix = LPS_FROM_RAS @ matrix
+    header = raw.header
     return (ImageMessage(header.device, header.timestamp, image, matrix, message.metadata, received, header.version),)
 
 
-def _transform(frame: Frame, received: float) -> tuple[TransformMessage]:
-    header = frame.header
-    message = _unpack(frame)
-    matrix = np.array(message.matrix, dtype=np.float64)
-    status = _status_of(matrix, message.metadata.get("TransformStatus"), message.metadata.get("TransformValid"))
-    return (TransformMessage(header.device, header.timestamp, matrix, status, message.metadata, received, header.version),)
+def _transform(raw: RawMessage, received: float) -> tuple[TransformMessage]:
+    message = _unpack(raw)
+    return (_pose(raw, received, np.array(message.matrix, dtype=np.float64), message.metadata),)
 
 
-def _position(frame: Frame, received: float) -> tuple[TransformMessage]:
-    header = frame.header
-    content, metadata = _content(frame)
+def _position(raw: RawMessage, received: float) -> tuple[TransformMessage]:
+    content, metadata = _content(raw)
     if len(content) not in (24, 28):
         raise LiveMessageError(
-            f"{_describe(header)} holds {len(content)} bytes, not a position and a quaternion (28, or 24). It is left out; send TRANSFORM."
+            f"{_describe(raw)} holds {len(content)} bytes, not a position and a quaternion (28, or 24). It is left out; send TRANSFORM."
         )
-    numbers = struct.unpack(f">{len(content) // 4}f", content)
-    matrix = _turned(*numbers) if len(numbers) == 7 else _turned(*numbers, max(0.0, 1.0 - sum(q * q for q in numbers[3:])) ** 0.5)
-    status = _status_of(matrix, metadata.get("TransformStatus"), metadata.get("TransformValid"))
-    return (TransformMessage(header.device, header.timestamp, matrix, status, metadata, received, header.version, turned=True),)
+    x, y, z, *quaternion = struct.unpack(f">{len(content) // 4}f", content)
+    if len(quaternion) == 3:
+        quaternion.append(max(0.0, 1.0 - sum(q * q for q in quaternion)) ** 0.5)
+    return (_pose(raw, received, _matrix_of(x, y, z, *quaternion), metadata, from_quaternion=True),)
 
 
-def _turned(x: float, y: float, z: float, *quaternion: float) -> Matrix:
+def _tracking_data(raw: RawMessage, received: float) -> tuple[TransformMessage, ...]:
+    has_quaternions = raw.header.kind == "QTDATA"
+    tool = _QUATERNION_TOOL if has_quaternions else _MATRIX_TOOL
+    content, metadata = _content(raw)
+    if len(content) % tool.size:
+        raise LiveMessageError(f"{_describe(raw)} holds {len(content)} bytes, not {tool.size} for each tool. It is left out.")
+    if len(content) > MOST_TOOLS * tool.size:
+        raise LiveMessageError(f"{_describe(raw)} holds {len(content) // tool.size} tools, more than {MOST_TOOLS}. It is left out.")
+    # The 20 bytes of a name may cut it; Plus tells the whole one by the number of the tool in the message
+    full_names = {value.strip(): key.removesuffix("Index") for key, value in metadata.items() if key.endswith("Index")}
+    messages = []
+    for index, (name, _, _, *numbers) in enumerate(tool.iter_unpack(content)):
+        device = full_names.get(str(index)) or name.partition(b"\0")[0].decode("utf-8", "replace").strip()
+        if has_quaternions:
+            matrix = _matrix_of(*numbers)
+        else:
+            matrix = np.eye(4)
+            matrix[:3] = np.reshape(numbers, (4, 3)).T
+        messages.append(_pose(raw, received, matrix, metadata, device, has_quaternions))
+    return tuple(messages)
+
+
+def _matrix_of(x: float, y: float, z: float, *quaternion: float) -> Matrix:
     """The (4, 4) pose of a position in mm and a quaternion, its real part last; NaN where that is none."""
     matrix = np.eye(4)
     matrix[:3, 3] = x, y, z
@@ -146,65 +162,36 @@ def _turned(x: float, y: float, z: float, *quaternion: float) -> Matrix:
     return matrix
 
 
-def _tracking_data(frame: Frame, received: float) -> tuple[TransformMessage, ...]:
-    header = frame.header
-    tool = _TRACKED_TOOL if header.kind == "TDATA" else _TURNED_TOOL
-    content, metadata = _content(frame)
-    if len(content) % tool.size:
-        raise LiveMessageError(f"{_describe(header)} holds {len(content)} bytes, not {tool.size} for each tool. It is left out.")
-    if len(content) > MOST_TOOLS * tool.size:
-        raise LiveMessageError(f"{_describe(header)} holds {len(content) // tool.size} tools, more than {MOST_TOOLS}. It is left out.")
-    # The 20 bytes of a name may cut it; Plus tells the whole one by the place of the tool in the message
-    full_names = {value.strip(): key.removesuffix("Index") for key, value in metadata.items() if key.endswith("Index")}
-    messages = []
-    for index, (name, _, _, *numbers) in enumerate(tool.iter_unpack(content)):
-        turned = tool is _TURNED_TOOL
-        if turned:
-            matrix = _turned(*numbers)
-        else:
-            matrix = np.eye(4)
-            matrix[:3] = np.reshape(numbers, (4, 3)).T
-        device = full_names.get(str(index)) or name.partition(b"\0")[0].decode("utf-8", "replace").strip()
-        status = _status_of(matrix, metadata.get(f"{device}Status"))
-        messages.append(TransformMessage(device, header.timestamp, matrix, status, metadata, received, header.version, turned))
-    return tuple(messages)
-
-
-def _status(frame: Frame, received: float) -> tuple[StatusMessage]:
-    header = frame.header
-    content, _ = _content(frame)
-    code, _, name = _STATUS.unpack_from(content)
-    text = content[_STATUS.size :].partition(b"\0")[0].decode("utf-8", "replace").strip()
-    label = name.partition(b"\0")[0].decode("utf-8", "replace").strip()
-    return (StatusMessage(header.device, header.timestamp, code, text or label, received),)
-
-
-def _content(frame: Frame) -> tuple[bytes, dict[str, str]]:
+def _content(raw: RawMessage) -> tuple[bytes, dict[str, str]]:
     """The body without its extended header and metadata, and the metadata."""
-    message = _unpack(frame)
-    if frame.header.version == 1:
-        return frame.body, {}
-    start, metadata_header, metadata_body = struct.unpack_from(">HHI", frame.body)
-    return frame.body[start : len(frame.body) - metadata_header - metadata_body], message.metadata
+    message = _unpack(raw)
+    if raw.header.version == 1:
+        return raw.body, {}
+    start, metadata_header, metadata_body = struct.unpack_from(">HHI", raw.body)
+    return raw.body[start : len(raw.body) - metadata_header - metadata_body], message.metadata
 
 
-def _status_of(matrix: Matrix, status: str | None, valid: str | None = None) -> TransformStatus:
-    """What the sender says of a transform; a matrix that holds no numbers is invalid, whatever it says."""
-    if not np.isfinite(matrix).all():
-        return TransformStatus.INVALID
-    if status is not None:
-        return TransformStatus.parse(status)
-    return TransformStatus.INVALID if valid is not None and valid.strip().upper() in ("0", "FALSE") else TransformStatus.OK
+def _pose(
+    raw: RawMessage, received: float, matrix: Matrix, metadata: dict[str, str], tool: str | None = None, from_quaternion: bool = False
+) -> TransformMessage:
+    """A transform and what the sender says of it; a matrix that holds no numbers is invalid, whatever it says."""
+    word = metadata.get("TransformStatus" if tool is None else f"{tool}Status")
+    valid = metadata.get("TransformValid", "") if tool is None else ""
+    if not np.isfinite(matrix).all() or (word is None and valid.strip().upper() in ("0", "FALSE")):
+        status = TransformStatus.INVALID
+    else:
+        status = TransformStatus.OK if word is None else TransformStatus.parse(word)
+    device = raw.header.device if tool is None else tool
+    return TransformMessage(device, raw.header.timestamp, matrix, status, metadata, received, raw.header.version, from_quaternion)
 
 
-_DECODERS: dict[str, Callable[[Frame, float], tuple[Decoded, ...]]] = {
+_DECODERS: dict[str, Callable[[RawMessage, float], tuple[Decoded, ...]]] = {
     "IMAGE": _image,
     "TRANSFORM": _transform,
     "POSITION": _position,
     "QTRANS": _position,
     "TDATA": _tracking_data,
     "QTDATA": _tracking_data,
-    "STATUS": _status,
 }
 
 USED_TYPES = frozenset(_DECODERS)

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...arrays import Matrix, Numbers, NumberType
 from .crc64 import crc64
-from .messages import STATUS_OK
 
 NAME_BYTES = 20
 LONGEST_SIDE = 2**16 - 1
@@ -106,7 +105,7 @@ def encode_transform(device: str, timestamp: float, matrix: Matrix, *, version: 
     return encode_message("TRANSFORM", device, timestamp, content, version=version, metadata=metadata)
 
 
-def encode_status(device: str, timestamp: float, code: int = STATUS_OK, text: str = "", *, version: int = 1) -> bytes:
+def encode_status(device: str, timestamp: float, code: int = 1, text: str = "", *, version: int = 1) -> bytes:
     """A STATUS message; code 1 is OK."""
     content = struct.pack(">Hq20s", code, 0, b"") + text.encode("utf-8") + b"\0"
     return encode_message("STATUS", device, timestamp, content, version=version)

@@ -1,4 +1,4 @@
-"""What a live stream hands on: images, transforms and statuses as plain values, and events of the connection itself.
+"""What a live stream hands on: images and transforms as plain values, and events of the connection itself.
 
 Nothing here knows the wire. `decoding` makes messages from bytes, the client hands them out in order of arrival, and whoever takes them
 needs no codec.
@@ -12,10 +12,7 @@ from typing import Literal
 from ...arrays import Matrix, Numbers
 from ...geometry.transform_graph import TransformStatus
 
-EventKind = Literal["connected", "disconnected", "stalled", "resynchronized", "dropped", "refused"]
-
-STATUS_OK = 1
-"""The code of a STATUS message that reports no trouble."""
+EventKind = Literal["connected", "disconnected", "stalled", "dropped", "refused"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +62,7 @@ class TransformMessage:
     metadata : dict of str to str
     received : float, s of `time.monotonic`
     header_version : int
-    turned : bool
+    from_quaternion : bool
         It came as a position and a quaternion, which hold no scale.
     """
 
@@ -76,35 +73,7 @@ class TransformMessage:
     metadata: dict[str, str] = field(default_factory=dict)
     received: float = 0.0
     header_version: int = 1
-    turned: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class StatusMessage:
-    """What a device says of itself.
-
-    Parameters
-    ----------
-    device : str
-        Empty for the server as a whole.
-    timestamp : float, s since 1970 (UTC), or 0
-        Plus sends statuses of time 0 once a recording that does not repeat is over.
-    code : int
-        1 is OK; see the OpenIGTLink protocol for the others.
-    text : str
-    received : float, s of `time.monotonic`
-    """
-
-    device: str
-    timestamp: float
-    code: int
-    text: str = ""
-    received: float = 0.0
-
-    @property
-    def is_ok(self) -> bool:
-        """Whether the device reports no trouble."""
-        return self.code == STATUS_OK
+    from_quaternion: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +84,7 @@ class StreamEvent:
     ----------
     kind : str
         ``connected``, ``disconnected`` (also: an attempt to connect failed), ``stalled`` (connected, but nothing arrives),
-        ``resynchronized`` (damaged bytes were skipped), ``dropped`` (the reader of the queue was too slow), ``refused`` (a message cannot
-        be used).
+        ``dropped`` (the reader of the queue was too slow), ``refused`` (a message cannot be used).
     detail : str
         One sentence for the user: what was seen and what is done about it.
     received : float, s of `time.monotonic`
@@ -127,4 +95,4 @@ class StreamEvent:
     received: float = 0.0
 
 
-StreamMessage = ImageMessage | TransformMessage | StatusMessage | StreamEvent
+StreamMessage = ImageMessage | TransformMessage | StreamEvent

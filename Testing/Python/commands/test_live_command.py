@@ -183,7 +183,6 @@ def test_ctrl_c_saves_what_there_is(serve, live, results):
         [sys.executable, "-m", "AIFReconLib", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
     )
     with child:
-        # The header of the recording is renewed every second
         while not (results / "scan.recording.mhd").exists() or len(read_sequence(results / "scan.recording.mhd")) < 5:
             assert child.poll() is None
             time.sleep(0.05)

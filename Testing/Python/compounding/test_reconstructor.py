@@ -16,6 +16,7 @@ from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.reconstructor import FrameCounts, Reconstructor
+from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.errors import GeometryError, InsufficientMemoryError, OperationCanceled
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -28,6 +29,10 @@ SECTOR = ProbeGeometry("sector", (16.0, -6.0))
 LINEAR = ProbeGeometry("linear")
 FAN = ImageRegion(ClipRectangle((2, 1), (28, 22)), Fan((16.0, -6.0), (-40.0, 35.0), (7.0, 29.0)))
 EVERYTHING = ImageRegion()
+
+
+def bone_for(method):
+    return sphere_bone() if method in BONE_METHODS else None
 
 
 def reconstruct_both(method, frames, grid, bone=None, probe=SECTOR, region=EVERYTHING, double=False, **options):
@@ -79,8 +84,7 @@ def evidence_images(frames, region, probe, maximum, bone, grid):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("engine", ["numpy", "auto"])
 def test_the_engine_gives_the_voxels_of_the_plain_loop_to_the_last_bit(method, probe, region, engine):
-    bone = sphere_bone() if method in BONE_METHODS else None
-    ours, theirs = reconstruct_both(method, oblique_frames(), turned_grid(), bone, probe, region, engine=engine)
+    ours, theirs = reconstruct_both(method, oblique_frames(), turned_grid(), bone_for(method), probe, region, engine=engine)
     np.testing.assert_array_equal(ours.hits.array, theirs.hits)
     np.testing.assert_array_equal(ours.intensity.array, theirs.intensity)
     np.testing.assert_array_equal(ours.score.array, theirs.score)
@@ -104,16 +108,14 @@ def test_the_best_cosine_is_that_of_the_plain_loop_to_three_digits(method):
 def test_any_sweep_into_any_grid_gives_the_gray_levels_of_the_plain_loop(method, seed, spacing, turn, pixel):
     frames = oblique_frames(seed, count=3, shape=(15, 17), spacing=pixel)
     grid = turned_grid(spacing, (9, 8, 7), turn)
-    bone = sphere_bone() if method in BONE_METHODS else None
-    ours, theirs = reconstruct_both(method, frames, grid, bone)
+    ours, theirs = reconstruct_both(method, frames, grid, bone_for(method))
     np.testing.assert_array_equal(ours.hits.array, theirs.hits)
     np.testing.assert_array_equal(gray(ours.intensity.array), gray(theirs.intensity))
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_single_precision_costs_less_than_a_hundredth_of_a_gray_level(method):
-    bone = sphere_bone() if method in BONE_METHODS else None
-    ours, theirs = reconstruct_both(method, oblique_frames(count=12), turned_grid(), bone, double=True)
+    ours, theirs = reconstruct_both(method, oblique_frames(count=12), turned_grid(), bone_for(method), double=True)
     np.testing.assert_allclose(ours.intensity.array, theirs.intensity, atol=0.01)
 
 
@@ -128,12 +130,25 @@ def test_other_pixel_types_give_the_plain_loops_voxels(method, dtype):
 @pytest.mark.parametrize("chunk", [1, 2, 5])
 def test_chunks_of_any_size_give_the_same_volume(method, chunk):
     frames, grid = oblique_frames(count=6), turned_grid()
-    bone = sphere_bone() if method in BONE_METHODS else None
+    bone = bone_for(method)
     whole, pieces = (Reconstructor(grid, ReconstructionSettings(method=method), bone, probe=SECTOR) for _ in range(2))
     whole.insert(frames)
     for start in range(0, len(frames), chunk):
         pieces.insert(frames[start : start + chunk])
     np.testing.assert_array_equal(whole.finish().intensity.array, pieces.finish().intensity.array)
+
+
+@pytest.mark.parametrize("method", ["average", "maximum", "weighted"])
+def test_order_free_methods_do_not_depend_on_the_order_of_frames(method):
+    frames, grid = oblique_frames(count=8), turned_grid()
+    bone = bone_for(method)
+    forward, backward = (
+        Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"), bone, probe=SECTOR)
+        for _ in range(2)
+    )
+    forward.insert(frames)
+    backward.insert(frames[::-1])
+    np.testing.assert_allclose(forward.finish().intensity.array, backward.finish().intensity.array, rtol=2e-6)
 
 
 def test_where_no_good_beam_passes_the_paper_rule_keeps_the_last_frame():
@@ -147,17 +162,13 @@ def test_where_no_good_beam_passes_the_paper_rule_keeps_the_last_frame():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_moving_poses_bone_and_grid_together_changes_nothing(method):
-    frames, grid, bone = oblique_frames(), turned_grid(), sphere_bone() if method in BONE_METHODS else None
+    frames, grid, bone = oblique_frames(), turned_grid(), bone_for(method)
     move = rigid((0.0, 0.0, 90.0), (64.0, -32.0, 16.0))
     moved_frames = [TrackedFrame(f.image, move @ f.image_to_reference) for f in frames]
     moved_bone = None if bone is None else type(bone)(bone.probability.placed_by(move), bone.inside.placed_by(move))
-    here = Reconstructor(grid, ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"), bone, probe=SECTOR)
-    there = Reconstructor(
-        VoxelGrid(grid.size, move @ grid.ijk_to_reference),
-        ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32"),
-        moved_bone,
-        probe=SECTOR,
-    )
+    wanted = ReconstructionSettings(hole_limit=0.0, method=method, output_type="float32")
+    here = Reconstructor(grid, wanted, bone, probe=SECTOR)
+    there = Reconstructor(VoxelGrid(grid.size, move @ grid.ijk_to_reference), wanted, moved_bone, probe=SECTOR)
     here.insert(frames)
     there.insert(moved_frames)
     np.testing.assert_allclose(here.finish().intensity.array, there.finish().intensity.array, atol=2e-2)
@@ -252,21 +263,11 @@ def test_a_volume_that_does_not_fit_is_refused_before_anything_is_allocated():
         Reconstructor(grid, ReconstructionSettings(method="aif"), sphere_bone(), probe=LINEAR)
 
 
-def test_a_reconstruction_may_be_looked_at_while_frames_go_on_coming():
-    frames, grid = oblique_frames(count=4), turned_grid()
-    looked_at, straight = (Reconstructor(grid, ReconstructionSettings(hole_limit=2.0)) for _ in range(2))
-    for frame in frames:
-        looked_at.insert(frame)
-        looked_at.reconstruction()
-    straight.insert(frames)
-    np.testing.assert_array_equal(looked_at.finish().intensity.array, straight.finish().intensity.array)
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_what_was_captured_does_not_change_while_frames_go_on_coming(method):
     frames = oblique_frames(count=6)
     frames[2:] = [TrackedFrame(f.image, f.image_to_reference, status="ProbeToTracker OUT_OF_VIEW") for f in frames[2:4]] + frames[4:]
-    bone = sphere_bone() if method in BONE_METHODS else None
+    bone = bone_for(method)
     ours, then = (Reconstructor(turned_grid(), ReconstructionSettings(method=method), bone, probe=SECTOR) for _ in range(2))
     ours.insert(frames[:3])
     make = ours.capture()
@@ -280,13 +281,18 @@ def test_what_was_captured_does_not_change_while_frames_go_on_coming(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_volume_made_of_what_was_captured_leaves_the_rest_as_it_was(method):
-    frames, bone = oblique_frames(count=4), sphere_bone() if method in BONE_METHODS else None
+    frames, bone = oblique_frames(count=4), bone_for(method)
     looked_at, straight = (Reconstructor(turned_grid(), ReconstructionSettings(method=method), bone, probe=SECTOR) for _ in range(2))
     for frame in frames:
         looked_at.insert(frame)
         looked_at.reconstruction()
     straight.insert(frames)
     np.testing.assert_array_equal(looked_at.finish().intensity.array, straight.finish().intensity.array)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_memory_per_voxel_stays_within_the_promised_32_bytes(method):
+    assert bytes_per_voxel(method, map_on_grid=True, best_cosine=True) <= 32
 
 
 def test_frames_that_are_skipped_for_hours_take_little_memory():

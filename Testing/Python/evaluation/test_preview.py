@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from AIFReconLib.evaluation import preview as room
+from AIFReconLib.evaluation.figures import BONE_COLOR, NOT_SCANNED
 from AIFReconLib.evaluation.preview import AXIAL, CORONAL, SAGITTAL, preview
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
@@ -105,16 +106,16 @@ def has_color(pixels, color, tolerance=0.05) -> bool:
 def test_what_was_not_scanned_is_tinted_and_what_was_is_not():
     scanned, partly = volume_with(), volume_with()
     partly.array[:, :10] = 0
-    assert has_color(pixels_of(preview(partly)), room.NOT_SCANNED)
+    assert has_color(pixels_of(preview(partly)), NOT_SCANNED)
     mask = Volume(np.ones(GRID.shape, np.uint8), GRID.ijk_to_reference)
-    assert not has_color(pixels_of(preview(partly, mask)), room.NOT_SCANNED)
-    assert not has_color(pixels_of(preview(scanned)), room.NOT_SCANNED)
+    assert not has_color(pixels_of(preview(partly, mask)), NOT_SCANNED)
+    assert not has_color(pixels_of(preview(scanned)), NOT_SCANNED)
 
 
 def test_the_outline_of_bone_is_drawn():
     labels = np.zeros(GRID.shape, np.uint8)
     labels[5:16, 8:20, 8:20] = 1
-    assert has_color(pixels_of(preview(volume_with(), labels=Volume(labels, GRID.ijk_to_reference))), room.BONE_COLOR, tolerance=0.35)
+    assert has_color(pixels_of(preview(volume_with(), labels=Volume(labels, GRID.ijk_to_reference))), BONE_COLOR, tolerance=0.35)
 
 
 @pytest.mark.parametrize("array", [np.zeros(GRID.shape, np.uint8), np.full(GRID.shape, np.nan, np.float32), np.ones((1, 1, 1), np.float32)])
@@ -134,6 +135,7 @@ DRAWS = """
 import sys
 import numpy as np
 from AIFReconLib.errors import OutputError
+from AIFReconLib.evaluation.figures import BONE_COLOR, NOT_SCANNED
 from AIFReconLib.evaluation.preview import preview
 from AIFReconLib.geometry.volume import Volume
 try:

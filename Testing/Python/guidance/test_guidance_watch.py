@@ -11,14 +11,16 @@ import pytest
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
+from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.guidance import NOT_IN_BOX, Advisor
+from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
+from AIFReconLib.resolve import Imaging
 
 IMAGES = ProbeImages.simulated()
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
@@ -28,6 +30,9 @@ class Session:
     """What a watch asks of a session: the newest frame, and when to work."""
 
     latest = grid = None
+
+    def imaging(self):
+        return Imaging(IMAGES.region, IMAGES.geometry)
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
@@ -50,10 +55,9 @@ def watching(monkeypatch):
         monkeypatch.setattr(guidance_watch, name, 0)
     watches = []
 
-    def watch(labels=None, **options):
-        options = options or {"region": IMAGES.region, "probe": IMAGES.geometry}
+    def watch():
         session = Session()
-        watches.append(GuidanceWatch(session, two_vertebrae() if labels is None else labels, np.eye(4), **options))
+        watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4)))
         return session, watches[-1]
 
     yield watch
@@ -139,6 +143,24 @@ def test_labels_that_lose_their_bone_in_mid_scan_are_a_sentence_and_come_back(wa
     assert until(lambda: watch._bone is not None)
     session.latest = frames[3]
     assert until(lambda: watch.state.problem is None and watch.state.coverage is not None)
+
+
+def test_an_unknown_probe_is_a_sentence(watching, frames):
+    def unknown():
+        raise BeamGeometryError("The probe cannot be told.")
+
+    session, watch = watching()
+    session.imaging = unknown
+    show(session, watch, frames[:1])
+    assert until(lambda: watch.state.problem == "The probe cannot be told.")
+
+
+def test_frames_that_pass_far_from_the_bone_are_a_sentence(watching, frames, monkeypatch):
+    monkeypatch.setattr(guidance_watch, "FAR_AFTER", 3)
+    session, watch = watching()
+    far = [replace(frame, image_to_reference=rigid(translation=(300.0, 0.0, 0.0)) @ frame.image_to_reference) for frame in frames]
+    show(session, watch, far)
+    assert until(lambda: watch.state.problem == FAR)
 
 
 def test_a_box_without_bone_is_a_sentence_and_another_one_brings_the_colors(watching, frames):

@@ -228,7 +228,7 @@ def test_an_importance_mask_that_cannot_be_used_is_named(read, tmp_path, attribu
             "RecomputeOutputSpacing=TRUE has no effect with OutputExtent",
         ),
         ('OutputOrigin="1 2 3"', "OutputOrigin=1 2 3 is not honored without OutputExtent"),
-        ('FillHoles="ON"', "FillHoles=ON is not honored: it has no HoleFillingElement. Give --hole-limit"),
+        ('FillHoles="ON"', "FillHoles=ON is not honored: it has no HoleFillingElement"),
     ],
 )
 def test_what_is_not_honored_is_said(read, attributes, named):

@@ -20,10 +20,9 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.live.pairing.predictions import MOST_WAITING, PredictionSource
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.bone_watch import BoneWatch
-from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.session import MOST_PREDICTIONS, LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -117,20 +116,20 @@ def scan(tmp_path):
     """Starts a session over the plane with what looks for bone; the answer is session, bone, watch and queue."""
     open_ = []
 
-    def start(source_of=None, device="Bone", record=None, grid=GRID):
+    def start(estimator=None, record=None, grid=GRID):
         queue, bone = QueueSource(), GrowingBone()
-        source = PredictionSource(queue, device) if source_of is None else queue
         session = LiveSession(
-            source,
+            queue,
             ReconstructionSettings(method="weighted", engine="numpy"),
             bone,
             grid,
             region=IMAGING.region,
             probe=IMAGING.probe,
             synchronizer=SynchronizerSettings(trust_image_pose=True),
+            predictions_device="Bone",
             longest_delay=None,
         )
-        watch = BoneWatch(session, bone, source_of or source, region=IMAGING.region, probe=IMAGING.probe, record=record)
+        watch = BoneWatch(session, bone, estimator, record)
         open_.append((session, watch))
         session.start()
         return session, bone, watch, queue
@@ -182,7 +181,7 @@ def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
 def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
     """The estimator itself brings the next frame; who waits after that waits for ever."""
     over, looked = threading.Event(), []
-    session = SimpleNamespace(latest=None, recent=(), grid=None, statistics=SimpleNamespace(waiting=0))
+    session = SimpleNamespace(latest=None, imaging=lambda: IMAGING, grid=None, statistics=SimpleNamespace(waiting=0))
     session.wait_for_rest = lambda timeout: looked and over.wait(LONG)
     frames = [LiveFrame(SWEEP.images[number], SWEEP.poses[number], timestamp=1.0 + 0.1 * number, number=number) for number in range(4)]
 
@@ -192,7 +191,7 @@ def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
             session.latest = frames[min(frame.number + 1, 3)]
             return super().estimate(frame)
 
-    watch = BoneWatch(session, GrowingBone(), lambda imaging: Bringing(), region=IMAGING.region, probe=IMAGING.probe)
+    watch = BoneWatch(session, GrowingBone(), lambda imaging: Bringing())
     session.latest = frames[0]
     wait_for(lambda: watch.state.frames == 4)
     over.set()
@@ -218,7 +217,7 @@ def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, 
 def test_no_more_is_kept_than_there_is_room_for():
     bone = GrowingBone()
     learn(bone, [0], grid=None)
-    for _ in range(2 * MOST_WAITING):
+    for _ in range(2 * MOST_PENDING):
         bone.learn(*bone._pending[0], None)
     assert 0 < len(bone._pending) <= MOST_PENDING
 
@@ -275,20 +274,15 @@ def test_recorded_predictions_can_be_compounded_again(scan, tmp_path):
 # The stream
 
 
-def test_predictions_are_taken_out_of_the_stream():
+def test_predictions_are_taken_out_of_the_stream_and_do_not_fill_the_memory():
     queue = QueueSource()
-    source = PredictionSource(queue, "Bone")
-    queue.put(predicted(0))
+    for number in range(MOST_PREDICTIONS + 3):
+        queue.put(predicted(0, np.full((2, 2), number, np.uint8)))
     queue.put(shown(0))
-    assert source.get(0.1).device == "Image_Reference"
-    assert [message.device for message in source.predictions()] == ["Bone"]
-    assert source.devices() == {"Image_Reference": ("IMAGE",)}
-
-
-def test_predictions_that_nobody_takes_do_not_fill_the_memory():
-    queue = QueueSource()
-    source = PredictionSource(queue, "Bone")
-    for _ in range(MOST_WAITING + 3):
-        queue.put(predicted(0))
-        source.get(0.0)
-    assert (len(source.predictions()), source.let_go) == (MOST_WAITING, 3)
+    queue.stop()
+    session = LiveSession(queue, grid=GRID, region=IMAGING.region, synchronizer=SynchronizerSettings(), predictions_device="Bone")
+    session.start()
+    session.stop()
+    assert [int(message.image[0, 0]) for message in session.predictions] == list(range(3, MOST_PREDICTIONS + 3))
+    assert session.devices() == {"Image_Reference": ("IMAGE",)}
+    assert session.statistics.frames_received == 1

@@ -12,6 +12,7 @@ from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.resolve import Imaging
@@ -25,7 +26,7 @@ def box(places: list[float], times: list[float] | None = None) -> tuple[VoxelGri
     scouted = ScoutedFrames()
     for number, z in enumerate(places):
         time = number / 20 if times is None else times[number]
-        scouted.add(LiveFrame(PIXELS, image_pose(translation=(0.0, 0.0, z)), time, number=number, received=number / 20), 1)
+        scouted.add(LiveFrame(PIXELS, image_pose(translation=(0.0, 0.0, z)), time, number=number, received=number / 20), Meter())
     return scouted.grid(Imaging(WHOLE, None), ReconstructionSettings(spacing=1.0), 16), scouted
 
 

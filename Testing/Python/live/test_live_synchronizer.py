@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -18,6 +17,7 @@ from AIFReconLib.geometry.pose_interpolation import interpolate_pose
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.live.pairing.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
 from AIFReconLib.live.wire.messages import StreamEvent
+from AIFReconLib.remedies import Remedy
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.sweep.time_offset import with_time_offset
@@ -55,12 +55,6 @@ def test_an_image_in_reference_gets_the_matrix_that_came_with_it():
     np.testing.assert_array_equal(frame.image_to_reference, image_pose(translation=(1, 2, 3)))
 
 
-@pytest.mark.parametrize("order", list(itertools.permutations(range(4))))
-def test_image_and_transforms_may_come_in_any_order(order):
-    messages = [tracked(t)[place] for t in (1.0, 2.0) for place in order]
-    assert statuses(messages) == ["OK", "OK"]
-
-
 def test_a_frame_comes_out_as_soon_as_its_last_transform_is_there():
     synchronizer = Synchronizer()
     for message in tracked(1.0) + tracked(2.0):
@@ -83,15 +77,6 @@ def test_a_frame_keeps_every_transform_of_its_time():
 
 def test_in_version_1_a_missing_transform_of_the_same_time_tells_that_the_tool_was_not_seen():
     assert statuses(tracked(1.0) + tracked(2.0, probe=False) + tracked(3.0)) == ["OK", "ProbeToTracker MISSING", "OK"]
-
-
-def test_an_image_before_any_transform_is_not_inserted():
-    assert statuses([image(1.0), image(2.0), *tracked(3.0)])[-1] == "OK"
-    assert "OK" not in statuses([image(1.0), image(2.0), *tracked(3.0)])[:2]
-
-
-def test_a_tool_that_was_never_seen_leaves_no_frame_usable():
-    assert "OK" not in statuses([message for t in (1.0, 2.0, 3.0) for message in tracked(t, probe=False)])
 
 
 def test_without_any_transform_the_pose_of_an_image_is_not_confirmed():
@@ -188,7 +173,7 @@ def test_a_whole_name_goes_before_a_tool_s_name_alone(first):
 def test_a_whole_matrix_goes_before_a_quaternion():
     messages = []
     for t in (1.0, 2.0):
-        turned = replace(transform(t, "ProbeToTracker", rigid((0, 0, 0), (99, 0, 0))), turned=True)
+        turned = replace(transform(t, "ProbeToTracker", rigid((0, 0, 0), (99, 0, 0))), from_quaternion=True)
         messages += [image(t, "Image"), transform(t, "ProbeToTracker"), turned]
     frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
     np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
@@ -196,13 +181,8 @@ def test_a_whole_matrix_goes_before_a_quaternion():
 
 @pytest.mark.parametrize("name", ["ImageToReference", "ReferenceToImage"])
 def test_a_quaternion_does_not_place_an_image_for_it_holds_no_size_of_a_pixel(name):
-    synchronizer = Synchronizer()
-    messages = [[image(t, "Image"), replace(transform(t, name), turned=True)] for t in (1.0, 2.0)]
-    for group in messages:
-        for message in group:
-            synchronizer.feed(message)
-    assert {frame.status for frame in synchronizer.flush()} == {"no transform leads from Image to Reference"}
-    assert f"{name} (does not hold the size of a pixel" in synchronizer.problem
+    messages = [[image(t, "Image"), replace(transform(t, name), from_quaternion=True)] for t in (1.0, 2.0)]
+    assert set(statuses([m for group in messages for m in group])) == {"no transform leads from Image to Reference"}
 
 
 def test_a_transform_that_is_called_as_the_image_is_no_tool():
@@ -258,7 +238,7 @@ def test_without_calibration_the_missing_link_is_named():
     for message in chained(1.0):
         synchronizer.feed(message)
     assert [frame.status for frame in synchronizer.flush()] == ["no transform leads from Image to Reference"]
-    assert "--config" in synchronizer.problem
+    assert synchronizer.problem.remedy is Remedy.CALIBRATION
 
 
 def repeated(time, moved=0.0, **options):
@@ -336,7 +316,7 @@ def test_a_frame_that_moves_is_advised_for_one_that_is_not_sent():
         for message in (image(time, "Image"), transform(time, "ProbeToTracker"), transform(time, "ImageToProbe", IMAGE_TO_PROBE)):
             synchronizer.feed(message)
     synchronizer.flush()
-    assert "--reference, one of: Tracker." in synchronizer.problem
+    assert (synchronizer.problem.remedy, synchronizer.problem.details) == (Remedy.OTHER_REFERENCE, {"frames": "Tracker"})
 
 
 def test_metadata_alone_can_place_a_bare_image():
@@ -497,18 +477,11 @@ def test_the_image_device_can_be_chosen():
     assert [frame.timestamp for frame in frames] == [1.5]
 
 
-def test_transforms_without_a_proper_name_are_counted_and_do_no_harm():
-    synchronizer = Synchronizer()
-    synchronizer.feed(transform(1.0, "Needle = Tip"))
-    assert synchronizer.unused_transforms == 1
-
-
 def test_transforms_of_ever_new_names_do_not_fill_the_memory():
     synchronizer = Synchronizer()
     for number in range(3 * MOST_TRANSFORMS):
         synchronizer.feed(transform(1.0, f"Tool{number}ToTracker"))
     assert len(synchronizer._histories) == MOST_TRANSFORMS
-    assert synchronizer.unused_transforms == 2 * MOST_TRANSFORMS
 
 
 @pytest.mark.parametrize("name", ["longest_gap", "patience", "time_offset"])

@@ -39,6 +39,7 @@ def session():
 def test_whoever_waits_for_a_rest_wakes_when_no_frame_waits_any_more(session, monkeypatch):
     opened, insert, seen = threading.Event(), Reconstructor.insert, []
     session.prepare(LONG)
+    assert session.wait_for_rest(0.001) == math.inf  # nothing has come yet
     monkeypatch.setattr(Reconstructor, "insert", lambda self, frame: (opened.wait(LONG), insert(self, frame)))
 
     def wait() -> None:
@@ -59,14 +60,6 @@ def test_whoever_waits_for_a_rest_wakes_when_no_frame_waits_any_more(session, mo
     waiting.join(LONG)
     assert seen[0].waiting == 0
     assert seen[0].inserted >= 5
-
-
-def test_without_an_insertion_the_wait_for_a_rest_ends_all_the_same(session):
-    session.wait_for_rest(0.001)
-
-
-def test_where_nothing_has_come_nobody_knows_when_a_rest_ends(session):
-    assert session.wait_for_rest(0.0) == math.inf
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ def advice(size, spacing, bytes_per_voxel, available) -> tuple[str, float | None
 
 
 def test_one_voxel_more_does_not_fit():
-    with pytest.raises(InsufficientMemoryError):
+    with pytest.raises(MemoryError):
         require_memory((100, 100, 91), HALF, 10, available=10_000_000)
 
 

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from seen_planes import IMAGING, PlaneSweep, as_sequence
 
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.resolve import imaging_fields
+
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 
 from AIFReconLib.bone.predicted_bone import bone_from_frames  # noqa: E402
@@ -37,7 +40,7 @@ def test_predictions_in_the_scene_are_those_of_a_file(browsers):
 
     sweep, predictions = browsers
     sequence = sequenceFromBrowser(sweep)
-    found = predictedBone(sequence, predictions.GetMasterSequenceNode(), region=IMAGING.region, probe=IMAGING.probe)
+    found = predictedBone(sequence, predictions.GetMasterSequenceNode(), recipe=Recipe(**imaging_fields(IMAGING.region, IMAGING.probe)))
     times = [record.timestamp for record in sequence.records][:4]
     expected = bone_from_frames(sequence, RecordedPredictions(sequence, as_sequence(SAID[:4], times)), imaging=IMAGING)
     np.testing.assert_allclose(found.probability.array, expected.probability.array, atol=1e-6)
@@ -51,4 +54,4 @@ def test_predictions_that_do_not_fit_are_refused(browsers):
 
     small = browserFromSequence(as_sequence(SAID[:3, ::2]), "Small").GetMasterSequenceNode()
     with pytest.raises(GeometryError, match="do not fit frames"):
-        predictedBone(sequenceFromBrowser(browsers[0]), small, probe=IMAGING.probe)
+        predictedBone(sequenceFromBrowser(browsers[0]), small, recipe=Recipe(**imaging_fields(probe=IMAGING.probe)))

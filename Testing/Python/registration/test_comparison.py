@@ -86,14 +86,14 @@ def test_only_weighted_leaves_its_width_to_the_sweep(sequence, labels):
 @pytest.mark.parametrize(
     ("given", "kept"),
     [
-        ({"sigma_mm": 2.5}, {"bone_sigma_mm": 2.5}),
-        ({"sigma_voxels": 3.0}, {"bone_sigma_voxels": 3.0}),
-        ({"sigma_mm": "auto"}, {"bone_sigma_mm": UNKNOWN_WIDTH}),
+        ({"bone_sigma_mm": 2.5}, {"bone_sigma_mm": 2.5}),
+        ({"bone_sigma_voxels": 3.0}, {"bone_sigma_voxels": 3.0}),
+        ({"bone_sigma_mm": "auto"}, {"bone_sigma_mm": UNKNOWN_WIDTH}),
     ],
 )
 @pytest.mark.parametrize("method", ["aif", "weighted"])
 def test_a_width_that_is_given_holds_for_every_method(given, kept, method, labels):
-    assert LabeledBone(labels, **given).settings(method) == kept
+    assert LabeledBone(labels, recipe=Recipe(**given)).settings(method) == kept
 
 
 def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):

@@ -3,10 +3,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.simulation.anatomy import DISTANCE_LIMIT, LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
-from AIFReconLib.simulation.implicit_shapes import swept_ellipsoid
+from AIFReconLib.simulation.implicit_shapes import ellipse, rounded_box, smooth_union, swept_ellipsoid
 from AIFReconLib.simulation.vertebra import LAMINA_THICKNESS
 
 COARSE = 2.0
@@ -65,20 +66,17 @@ def test_lamina_lies_as_deep_under_the_skin_as_asked(regular):
     assert canal_wall - LAMINA_THICKNESS - skin == pytest.approx(regular.anatomy.skin_to_lamina, abs=1.8)
 
 
-def test_vertebral_body_is_as_wide_as_asked(regular):
-    center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
-    widths = []
-    for z in np.arange(-12.0, 13.0):
-        left, right = np.add(center, (-33.0, 0.0, z)), np.add(center, (33.0, 0.0, z))
-        widths += [b - a for a, b in bone_runs(regular.labels, left, right)]
-    assert max(widths) == pytest.approx(regular.anatomy.body_width, abs=2.0)
+def test_a_vertebral_body_is_as_large_as_asked(regular):
+    center, anatomy = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center, regular.anatomy
 
+    def longest(axis, before, beyond, offsets):
+        ends = np.zeros((2, 3))
+        ends[:, axis] = before, beyond
+        return max(b - a for offset in offsets for a, b in bone_runs(regular.labels, *(center + ends + offset)))
 
-def test_vertebral_body_is_as_high_as_asked(regular):
-    center = regular.vertebrae[1].vertebra_to_reference[:3, 3] + regular.vertebrae[1].body_center
-    rim = np.add(center, (0.0, 12.5, 0.0))
-    a, b = bone_runs(regular.labels, np.add(rim, (0, 0, -16.0)), np.add(rim, (0, 0, 16.0)))[0]
-    assert b - a == pytest.approx(regular.anatomy.body_height, abs=2.5)
+    assert longest(0, -33.0, 33.0, [(0, 0, z) for z in np.arange(-12.0, 13.0)]) == pytest.approx(anatomy.body_width, abs=2.0)
+    assert longest(1, -18.0, 22.0, [(0, 0, z) for z in np.arange(-11.0, 12.0)]) == pytest.approx(anatomy.body_depth, abs=2.0)
+    assert longest(2, -16.0, 16.0, [(0, 12.5, 0)]) == pytest.approx(anatomy.body_height, abs=2.5)
 
 
 def test_spinal_canal_holds_no_bone(regular):
@@ -86,9 +84,23 @@ def test_spinal_canal_holds_no_bone(regular):
     assert bone_runs(regular.labels, np.add(middle, (0, 0, -35.0)), np.add(middle, (0, 0, 35.0))) == []
 
 
+def test_each_vertebra_has_its_own_label_and_touches_no_other(regular):
+    assert np.unique(regular.labels.array).tolist() == [0, 1, 2, 3]
+    labels = regular.labels.array.astype(int)
+    for axis in range(3):
+        a, b = np.moveaxis(labels, axis, 0)[:-1], np.moveaxis(labels, axis, 0)[1:]
+        assert not ((a != b) & (a > 0) & (b > 0)).any()
+
+
 def test_vertebrae_are_whole_within_the_scan(regular):
     inner = regular.labels.array[1:-1, 1:-1, 1:-1]
     assert np.count_nonzero(inner) == np.count_nonzero(regular.labels.array)
+
+
+@pytest.mark.parametrize("vertebrae", [2, 4])
+def test_as_many_vertebrae_as_asked(vertebrae):
+    phantom = make_lumbar_phantom(LumbarAnatomy(vertebrae=vertebrae), spacing=3.0)
+    assert phantom.labels.array.max() == len(phantom.vertebrae) == vertebrae
 
 
 def test_ct_shows_air_fat_muscle_and_cortical_bone(regular):
@@ -100,6 +112,10 @@ def test_ct_shows_air_fat_muscle_and_cortical_bone(regular):
     assert 700 < shell < 1100
 
 
+def test_bone_distance_is_negative_exactly_in_labeled_bone(regular):
+    assert np.array_equal(regular.bone_distance.array <= 0, regular.labels.array > 0)
+
+
 def test_bone_distance_grows_by_one_mm_per_mm_near_the_surface(regular):
     distance = regular.bone_distance.array.astype(float)
     slope = np.sqrt(sum(g**2 for g in np.gradient(distance, 1.0)))
@@ -107,6 +123,18 @@ def test_bone_distance_grows_by_one_mm_per_mm_near_the_surface(regular):
     assert np.median(slope[near]) == pytest.approx(1.0, abs=0.08)
     assert np.abs(distance).max() <= 30
     assert distance.max() == DISTANCE_LIMIT
+
+
+def test_the_same_seed_gives_the_same_phantom(person):
+    again = make_lumbar_phantom(LumbarAnatomy.from_seed(3), spacing=COARSE)
+    assert np.array_equal(person.ct.array, again.ct.array)
+    assert np.array_equal(person.labels.array, again.labels.array)
+
+
+def test_another_seed_gives_another_person(person):
+    other = make_lumbar_phantom(LumbarAnatomy.from_seed(4), spacing=COARSE)
+    assert other.anatomy.skin_to_lamina != person.anatomy.skin_to_lamina
+    assert not np.allclose(other.spinous_tips(), person.spinous_tips(), atol=0.2)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -143,6 +171,10 @@ def test_a_ct_in_its_own_frame_shows_the_same_bone(person):
     assert np.allclose(invert(turned.ct_to_reference) @ placed.ijk_to_reference, turned.labels.ijk_to_reference)
 
 
+def test_skin_passes_through_the_origin(person):
+    assert person.skin_y(0.0, 0.0) == pytest.approx(0.0, abs=1e-9)
+
+
 def test_ct_changes_from_air_to_body_at_the_skin(person):
     _, outside = values_along(person.ct, (20.0, person.skin_y(20, 10) - 6, 10.0), (20.0, person.skin_y(20, 10) - 2, 10.0))
     _, inside = values_along(person.ct, (20.0, person.skin_y(20, 10) + 2, 10.0), (20.0, person.skin_y(20, 10) + 6, 10.0))
@@ -150,7 +182,38 @@ def test_ct_changes_from_air_to_body_at_the_skin(person):
     assert inside.min() > -250
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"vertebrae": 5}, {"interspinous_gap": 30.0}, {"spinous_length": 34.0, "skin_to_lamina": 36.0}, {"irregularity": 9.0}]
+)
+def test_sizes_beyond_anatomy_are_refused(wrong):
+    with pytest.raises(SettingsError, match=f"{next(iter(wrong))} must"):
+        LumbarAnatomy(**wrong)
+
+
+def test_spacing_beyond_its_range_is_refused():
+    with pytest.raises(SettingsError, match="spacing"):
+        make_lumbar_phantom(spacing=0.01)
+
+
+def test_making_a_phantom_can_be_canceled():
+    with pytest.raises(OperationCanceled):
+        make_lumbar_phantom(spacing=3.0, progress=lambda fraction, message: False)
+
+
 def test_a_swept_sphere_is_a_capsule():
     x = np.array([0.0, 5.0, 10.0, 13.0], dtype=np.float32)
     distance = swept_ellipsoid(x, x * 0 + 4.0, x * 0, (0, 0, 0), (10, 0, 0), (2, 2, 2), (2, 2, 2))
     assert distance == pytest.approx([2.0, 2.0, 2.0, 3.0], abs=1e-4)
+
+
+def test_a_box_keeps_its_outer_size_when_rounded():
+    at_face = rounded_box(np.float32([3.0]), np.float32([0.0]), np.float32([0.0]), 3.0, 4.0, 5.0, 1.0)
+    assert at_face == pytest.approx([0.0], abs=1e-6)
+
+
+def test_a_circle_is_an_ellipse_with_exact_distance():
+    assert ellipse(np.float32([7.0]), np.float32([0.0]), 4.0, 4.0) == pytest.approx([3.0], abs=1e-5)
+
+
+def test_a_union_far_from_both_solids_is_the_nearer_one():
+    assert smooth_union(np.float32([1.0]), np.float32([9.0]), 2.0) == pytest.approx([1.0])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
+from AIFReconLib.errors import OperationCanceled, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import invert, transform_points, why_not_rigid
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
@@ -13,16 +14,17 @@ from AIFReconLib.simulation.scan import (
     ProbePath,
     TrackingErrors,
     contact_pose,
-    ct_misregistration,
     freehand_sweep,
     multi_angle_sweep,
     plus_configuration_xml,
+    random_rigid,
     simulate_sweep,
     single_angle_sweep,
 )
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 
 PROBE = PhasedArray(columns=320, rows=240, lines=96, samples=300)
+TINY = PhasedArray(columns=16, rows=16, lines=16, samples=16)
 SILENT = UltrasoundEffects(tissue=False, reverberation=False, noise=False)
 
 
@@ -76,8 +78,10 @@ def test_every_frame_of_a_sweep_shows_bone(sequence):
 
 
 @pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
-def test_the_face_stays_on_the_skin(phantom, make):
-    faces = make(phantom, 20).transducer_to_reference[:, :3, 3]
+def test_poses_are_rigid_and_the_face_stays_on_the_skin(phantom, make):
+    poses = make(phantom, 20).transducer_to_reference
+    assert [why_not_rigid(pose) for pose in poses] == [None] * 20
+    faces = poses[:, :3, 3]
     assert faces[:, 1] == pytest.approx(phantom.skin_y(faces[:, 0], faces[:, 2]), abs=0.05)
 
 
@@ -94,14 +98,15 @@ def test_an_in_plane_tilt_turns_the_beam_within_the_image_plane(phantom):
     assert pose[:3, 1] == pytest.approx([0.5, np.sqrt(0.75), 0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
-def test_poses_of_a_path_are_rigid(phantom, make):
-    assert [why_not_rigid(pose) for pose in make(phantom, 20).transducer_to_reference] == [None] * 20
+def test_a_sagittal_image_runs_along_the_spine(phantom):
+    pose = contact_pose(phantom, 0.0, 0.0, orientation="sagittal")
+    assert pose[:3, 0] == pytest.approx([0.0, 0.0, 1.0])
 
 
-def test_multi_angle_sweep_visits_every_pair_of_tilts(path):
-    beams = {tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}
-    assert len(beams) == 9
+def test_a_multi_angle_sweep_visits_every_pair_of_tilts_in_as_many_frames_as_asked(phantom, path):
+    assert len({tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}) == 9
+    assert len(multi_angle_sweep(phantom, 31)) == 31
+    assert np.diff(path.timestamps).min() == pytest.approx(1 / 20)
 
 
 def test_a_sweep_covers_all_spinous_processes(phantom, path):
@@ -111,15 +116,43 @@ def test_a_sweep_covers_all_spinous_processes(phantom, path):
     assert z.max() > tips.max() + 5
 
 
+def test_a_freehand_sweep_is_decided_by_its_seed(phantom):
+    one, same, other = (freehand_sweep(phantom, 12, seed=s).transducer_to_reference for s in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.allclose(one, other)
+
+
+def test_a_sagittal_sweep_moves_across_the_spine(phantom):
+    x = single_angle_sweep(phantom, 12, orientation="sagittal").transducer_to_reference[:, 0, 3]
+    assert x.min() < -20
+    assert x.max() > 20
+
+
 def test_a_sequence_records_both_tracked_transforms_as_ok(sequence):
     names = {str(name): dict(sequence.status_counts(name)) for name in sequence.transform_names()}
     assert names == {name: {TransformStatus.OK: 36} for name in ("ProbeToTracker", "ReferenceToTracker")}
 
 
+def test_the_reference_marker_does_not_coincide_with_the_tracker(sequence):
+    sample = next(s for name, s in sequence.records[0].transforms.items() if name.source == "Reference")
+    assert np.linalg.norm(sample.matrix[:3, 3]) > 500
+
+
+def test_the_same_seed_gives_the_same_sequence(phantom):
+    short = single_angle_sweep(phantom, 3)
+    one, same = (simulate_sweep(phantom, PROBE, short, seed=9, errors=TrackingErrors(noise=1.0)) for _ in range(2))
+    assert np.array_equal(one.images, same.images)
+    assert np.array_equal(image_to_reference(one.records[2]), image_to_reference(same.records[2]))
+
+
+def test_tracker_noise_leaves_the_images_as_they_are(phantom, sequence, path):
+    noisy = simulate_sweep(phantom, PROBE, path, effects=SILENT, seed=4, errors=TrackingErrors(noise=0.5, noise_deg=1.0))
+    assert np.array_equal(noisy.images, sequence.images)
+
+
 def test_tracker_noise_moves_the_probe_by_its_standard_deviation(phantom):
     still = ProbePath(np.tile(contact_pose(phantom, 0, 0), (300, 1, 1)), np.arange(300) / 20)
-    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-    noisy = simulate_sweep(phantom, tiny, still, effects=SILENT, errors=TrackingErrors(noise=0.5))
+    noisy = simulate_sweep(phantom, TINY, still, effects=SILENT, errors=TrackingErrors(noise=0.5))
     positions = np.array([image_to_reference(r, np.eye(4))[:3, 3] for r in noisy.records])
     assert positions.std(axis=0) == pytest.approx([0.5] * 3, rel=0.15)
 
@@ -138,23 +171,22 @@ def test_late_poses_lag_behind_the_images(phantom):
 
 def test_a_time_offset_records_late_poses(phantom):
     sweep = single_angle_sweep(phantom, 8)
-    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-    late = simulate_sweep(phantom, tiny, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
-    recorded = image_to_reference(late.records[5], tiny.transducer_to_probe)
+    late = simulate_sweep(phantom, TINY, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
+    recorded = image_to_reference(late.records[5], TINY.transducer_to_probe)
     assert recorded == pytest.approx(sweep.transducer_to_reference[4], abs=1e-6)
 
 
 def test_dropout_takes_its_share_of_frames_out_of_view(phantom):
-    tiny = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-    lossy = simulate_sweep(phantom, tiny, single_angle_sweep(phantom, 50), effects=SILENT, errors=TrackingErrors(dropout=0.2))
+    lossy = simulate_sweep(phantom, TINY, single_angle_sweep(phantom, 50), effects=SILENT, errors=TrackingErrors(dropout=0.2))
     name = next(n for n in lossy.transform_names() if n.source == "Probe")
     assert lossy.status_counts(name) == {TransformStatus.OK: 40, TransformStatus.OUT_OF_VIEW: 10}
 
 
-def test_misregistration_moves_its_point_by_exactly_that_much():
+def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
     point = np.array([3.0, 40.0, -8.0])
-    error = ct_misregistration(2.0, 5.0, seed=7, about=point)
-    assert np.linalg.norm(transform_points(error, point) - point) == pytest.approx(2.0)
+    motion = random_rigid(2.0, 5.0, np.random.default_rng(7), about=point)
+    assert np.linalg.norm(transform_points(motion, point) - point) == pytest.approx(2.0)
+    assert np.rad2deg(np.arccos((np.trace(motion[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
 
 
 def test_configuration_holds_the_calibration():
@@ -172,6 +204,36 @@ def test_configuration_holds_the_apex_by_the_rule_of_plus():
     assert (column, row - float(scan_conversion.get("RadiusStartMm")) / spacing) == pytest.approx(PROBE.apex_px)
 
 
+def test_configuration_holds_the_fan_in_pixels():
+    fan = ElementTree.fromstring(plus_configuration_xml(PROBE)).find("VolumeReconstruction")
+    assert tuple(map(float, fan.get("FanOriginPixel").split())) == pytest.approx(PROBE.fan.apex_px)
+    assert float(fan.get("FanRadiusStopPixel")) == pytest.approx(PROBE.fan.radii[1])
+    assert tuple(map(float, fan.get("FanAnglesDeg").split())) == PROBE.fan.angles_deg
+
+
+def test_a_sweep_can_be_canceled(phantom, path):
+    with pytest.raises(OperationCanceled):
+        simulate_sweep(phantom, PROBE, path, progress=lambda fraction, message: fraction < 0.05)
+
+
 def test_probe_poses_come_from_the_true_transducer(phantom, path, sequence):
     found = image_to_reference(sequence.records[3]) @ invert(PROBE.image_to_transducer)
     assert found == pytest.approx(path.transducer_to_reference[3], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda phantom: TrackingErrors(dropout=1.0), "dropout must"),
+        (lambda phantom: TrackingErrors(noise=-1.0), "errors must"),
+        (lambda phantom: TrackingErrors(time_offset=float("nan")), "errors must"),
+        (lambda phantom: contact_pose(phantom, 0.0, 0.0, orientation="coronal"), "orientation must"),
+        (lambda phantom: contact_pose(phantom, 0.0, 0.0, in_plane_tilt_deg=80.0), "tilts must"),
+        (lambda phantom: single_angle_sweep(phantom, 0), "frames must"),
+        (lambda phantom: multi_angle_sweep(phantom, 5), "frames must"),
+        (lambda phantom: freehand_sweep(phantom, 1), "frames must"),
+    ],
+)
+def test_what_cannot_be_is_refused(phantom, make, said):
+    with pytest.raises(SettingsError, match=said):
+        make(phantom)

