@@ -13,8 +13,6 @@ from sweeps import sphere_bone
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 
@@ -36,14 +34,13 @@ def sequence():
 @pytest.mark.parametrize("method", METHODS)
 def test_a_reconstruction_stays_within_its_promised_memory(method, hole_limit, sequence):
     bone = sphere_bone() if method in BONE_METHODS else None
-    settings = ReconstructionSettings(method=method, best_cosine=bone is not None, hole_limit=hole_limit)
-    how = {"probe": ProbeGeometry("linear"), "region": ImageRegion(), "beside": ()}
+    settings = ReconstructionSettings(method=method, best_cosine=bone is not None, hole_limit=hole_limit, probe="linear", clip_px=(0,) * 4)
     # Compiling is done once and for all, and takes memory of its own
     small = VoxelGrid.from_spacing((-24, -24, -24), (8, 8, 8), 6.0)
-    reconstruct(sequence, settings, bone, small, **how)
+    reconstruct(sequence, settings, bone, small, beside=())
     tracemalloc.start()
     try:
-        reconstruct(sequence, settings, bone, GRID, **how)
+        reconstruct(sequence, settings, bone, GRID, beside=())
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -54,13 +51,12 @@ def test_a_reconstruction_stays_within_its_promised_memory(method, hole_limit, s
 
 
 def test_weighted_takes_10_bytes_a_voxel_whatever_its_bone_map(sequence):
-    settings = ReconstructionSettings(method="weighted", holes="off")
-    how = {"probe": ProbeGeometry("linear"), "region": ImageRegion(), "beside": ()}
+    settings = ReconstructionSettings(method="weighted", holes="off", probe="linear", clip_px=(0,) * 4)
     small = VoxelGrid.from_spacing((-24, -24, -24), (8, 8, 8), 6.0)
-    reconstruct(sequence, settings, sphere_bone(), small, **how)
+    reconstruct(sequence, settings, sphere_bone(), small, beside=())
     tracemalloc.start()
     try:
-        reconstruct(sequence, settings, sphere_bone(), GRID, **how)
+        reconstruct(sequence, settings, sphere_bone(), GRID, beside=())
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()

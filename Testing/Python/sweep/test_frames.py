@@ -110,7 +110,7 @@ def test_poses_in_mm_and_the_size_of_a_pixel_are_poses_of_pixels():
 def test_a_frame_without_a_pose_is_skipped_with_its_reason():
     poses = POSES.copy()
     poses[2] = np.nan
-    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), ReconstructionSettings(clip_px=(0,) * 4), turned_grid())
+    result = reconstruct(TrackedSequence.from_arrays(IMAGES, poses), ReconstructionSettings(clip_px=(0,) * 4), grid=turned_grid())
     assert result.skipped == {"ImageToReference not finite": [2]}
 
 
