@@ -289,7 +289,7 @@ def test_white_noise_is_refused():
 
 
 def test_the_refusal_says_what_to_give_instead():
-    with pytest.raises(BeamGeometryError, match='probe="linear".*probe="sector" with apex_px'):
+    with pytest.raises(BeamGeometryError, match=r'probe="linear".*probe="sector" with apex_px'):
         detect_imaging(NOTHING["black"])
 
 
