@@ -11,9 +11,9 @@ from pathlib import Path
 from ...arrays import Matrix
 from ...errors import SequenceFormatError
 from ...imaging.images import ImageStack
+from ...recipe.recipe import LONGEST_GAP
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
-from ...sweep.pose_tracks import LONGEST_GAP
 from ..metafile.metafile import Metafile
 from ..metafile.opening import read_metafile
 from ..metafile.text_values import parse_numbers
