@@ -37,7 +37,7 @@ from AIFReconScene.sweep.sweepStatus import SweepStatus
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.message import listed
 from AIFReconLib.progress import part
-from AIFReconLib.sweep.pose_tracks import LONGEST_GAP
+from AIFReconLib.recipe.recipe import LONGEST_GAP
 
 
 class AIFRecon(ScriptedLoadableModule):

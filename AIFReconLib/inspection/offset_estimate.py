@@ -13,8 +13,8 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Matrix, Reals
 from ..progress import Progress, report
+from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
-from ..sweep.pose_tracks import LONGEST_GAP
 from ..sweep.poses import SweepPoses
 
 LARGEST = 0.5

@@ -10,8 +10,8 @@ import numpy as np
 from ..arrays import Floats, Integers
 from ..holes.nearest import FILLED, MEASURED
 from ..message import listed
+from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
-from ..sweep.pose_tracks import LONGEST_GAP
 from ..sweep.poses import SweepPoses, describe_frames, time_order
 from .offset_estimate import corner_track
 from .summary import describe_coverage

@@ -30,7 +30,7 @@ HOLE_FILLINGS = ("off", "nearest", "cube", "gaussian", "stick")
 DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
 LONGEST_GAP = 0.5
-"""s between two poses of a recording, between which a pose may be interpolated."""
+"""s. Poses of a recording that are farther apart are not interpolated between. Plus's own limit."""
 
 _speed = partial(setting, unit="m/s", minimum=800.0, maximum=2500.0, decimals=0)
 

@@ -11,9 +11,7 @@ from ..errors import GeometryError
 from ..geometry.pose_interpolation import interpolate_pose
 from ..geometry.transform_graph import TransformSample, TransformStatus
 from ..geometry.transforms import why_not_affine
-
-LONGEST_GAP = 0.5
-"""s. Poses farther apart are not interpolated between. Plus's own limit."""
+from ..recipe.recipe import LONGEST_GAP
 
 SAME_TIME = 1e-6
 """s. A pose this near in time is taken as it is."""

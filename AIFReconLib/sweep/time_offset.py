@@ -13,9 +13,10 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..recipe.recipe import LONGEST_GAP
 from ..remedies import Remedy
 from .frames import TrackedSequence
-from .pose_tracks import LONGEST_GAP, PoseTrack
+from .pose_tracks import PoseTrack
 
 LARGEST_OFFSET = 10.0
 """s. More is a mistake in the unit."""

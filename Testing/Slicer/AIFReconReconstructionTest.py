@@ -132,8 +132,8 @@ class AIFReconReconstructionTest(unittest.TestCase):
             saveSettings(volume, settings)
             for path in (header, settings):
                 kept = read_settings(path)
-                np.testing.assert_array_equal(kept.grid.ijk_to_reference, np.array(json.loads(text)["grid_to_reference"]))
-                self.assertEqual((kept.options["method"], kept.options["bone_sigma_mm"], kept.probe.kind), ("weighted", 3.0, "linear"))
+                np.testing.assert_array_equal(kept.recipe.grid.ijk_to_reference, np.array(json.loads(text)["grid_to_reference"]))
+                self.assertEqual((kept.options["method"], kept.options["bone_sigma_mm"], kept.recipe.probe), ("weighted", 3.0, "linear"))
             self.assertTrue(slicer.mrmlScene.WriteToMRB(str(scene)))
             slicer.mrmlScene.Clear()
             self.assertTrue(slicer.mrmlScene.ReadFromMRB(str(scene), True))

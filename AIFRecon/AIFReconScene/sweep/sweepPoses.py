@@ -12,8 +12,9 @@ import numpy as np
 from AIFReconLib.errors import AIFReconError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import why_not_an_image_pose
+from AIFReconLib.recipe.recipe import LONGEST_GAP
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
-from AIFReconLib.sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
+from AIFReconLib.sweep.pose_tracks import SLICERS_TIME, PoseTrack
 from AIFReconLib.sweep.poses import sweep_poses
 
 from ..sceneNodes import nodesOfClass

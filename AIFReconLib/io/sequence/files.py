@@ -7,10 +7,10 @@ from pathlib import Path
 
 from ...arrays import Matrix
 from ...errors import SequenceFormatError
+from ...recipe.recipe import LONGEST_GAP
 from ...remedies import Remedy
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
-from ...sweep.pose_tracks import LONGEST_GAP
 from ..plus.configuration import read_plus_configuration
 from .kinds import RecordingKind
 from .metafiles import METAFILES

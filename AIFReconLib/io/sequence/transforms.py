@@ -15,9 +15,10 @@ import numpy as np
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ...message import said
+from ...recipe.recipe import LONGEST_GAP
 from ...remedies import Remedy
 from ...sweep.frames import FrameRecord
-from ...sweep.pose_tracks import LONGEST_GAP, SLICERS_TIME, PoseTrack
+from ...sweep.pose_tracks import SLICERS_TIME, PoseTrack
 from ..disk.regular_files import require_regular_file
 from ..metafile.header import HeaderLines
 from ..metafile.metaimage import read_entries

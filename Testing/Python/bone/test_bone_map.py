@@ -136,6 +136,16 @@ def test_a_ready_probability_is_placed_by_its_registration():
 
 
 @pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
+def test_directions_equal_the_recipe_on_the_same_voxels(matrix):
+    bone_map = BoneMap.from_labels(Volume(block((14, 15, 16), (5, 5, 6), (3, 4, 5)), matrix), sigma_voxels=1.5)
+    placed = bone_map.on_grid(bone_map.probability.grid)
+    expected = directions_by_recipe(bone_map.probability.array, bone_map.probability.ijk_to_reference)
+    slope = np.linalg.norm([ndimage.sobel(bone_map.probability.array.astype(float), axis=a, mode="nearest") for a in range(3)], axis=0)
+    clear = slope > 1e-3
+    np.testing.assert_allclose(placed.directions_reference[clear], expected[clear], atol=2e-3)
+
+
+@pytest.mark.parametrize("matrix", CT_MATRICES.values(), ids=CT_MATRICES)
 def test_directions_lead_to_the_surface_of_a_ball_whatever_the_voxels_of_the_ct(matrix):
     labels, center = ball(6.0, matrix)
     bone_map = BoneMap.from_labels(labels, sigma_mm=1.5)

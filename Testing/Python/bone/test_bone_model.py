@@ -266,3 +266,13 @@ def test_the_command_takes_a_model_and_refuses_what_is_none(tmp_path, capsys):
     (tmp_path / "results" / "v.nrrd").unlink()
     words(path)
     assert "no ONNX model" in refused(command, capsys, tmp_path / "results")
+
+
+def test_data_in_another_file_is_not_opened(tmp_path):
+    opened = []
+    external(tmp_path / "model.onnx")
+    sys.addaudithook(lambda event, arguments: opened.append(str(arguments[0])) if event == "open" and opened is not None else None)
+    with pytest.raises(ModelError):
+        OnnxModel(tmp_path / "model.onnx")
+    assert [Path(name).name for name in opened if str(tmp_path) in name] == ["model.onnx"]
+    opened.clear()

@@ -21,6 +21,7 @@ from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.poses import sweep_poses
 
 SPINE = "SpinePhantomFreehand.igs.mha"
@@ -61,11 +62,11 @@ def spine(real_data):
     return load(real_data, "SpinePhantom_NN_MEAN.xml", "Reference_NNMEAN.mha")
 
 
-def ours(case, method, **arguments):
+def ours(case, method, **asked):
     """A volume of the case, in double precision."""
-    settings = ReconstructionSettings(method=method, output_type="float32", holes="off")
+    settings = ReconstructionSettings(method=method, output_type="float32", holes="off", **asked)
     sequence = replace(case.sequence, configuration=replace(case.sequence.configuration, fixed_point=False))
-    return reconstruct(sequence, settings, grid=case.grid, **arguments)
+    return reconstruct(sequence, settings, grid=case.grid)
 
 
 @pytest.mark.parametrize("name", ["trus", "spine"])
@@ -242,7 +243,7 @@ def test_an_importance_mask_weights_as_igsio_does_before_it_rounds(linear_mean, 
 
 
 def test_the_clip_of_the_configuration_is_honored(trus):
-    clipped = ours(trus, "average", region=ImageRegion(trus.region.clip))
+    clipped = ours(trus, "average", **imaging_fields(ImageRegion(trus.region.clip)))
     assert clipped.hits.array.sum() == 421 * 581 * len(trus.images)
 
 

@@ -188,8 +188,8 @@ def test_a_reconstruction_keeps_within_the_memory_that_it_is_given(monkeypatch):
     found = reconstruction.cut_into_parts
     monkeypatch.setattr(reconstruction, "cut_into_parts", lambda *given: asked.append(found(*given)) or asked[-1])
     sweep, grid = sequence(8), turned_grid(size=(12, 11, PLANES))
-    wanted = ReconstructionSettings(method="weighted")
-    bone = {"bone": sphere_bone(), "grid": grid, "region": REGION, "probe": ProbeGeometry("linear")}
+    wanted = ReconstructionSettings(method="weighted", **imaging_fields(REGION, ProbeGeometry("linear")))
+    bone = {"bone": sphere_bone(), "grid": grid}
     little = reconstruction.reconstruct(sweep, wanted, **bone, beside=(), memory=2 * grid.voxels + 3 * 8 * 12 * 11)
     plenty = reconstruction.reconstruct(sweep, wanted, **bone)
     assert [len(parts) for parts in asked] == [3, 1]

@@ -10,6 +10,8 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, guidance_of_sweep
 from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 
 IMAGES = ProbeImages.simulated()
@@ -24,8 +26,8 @@ def told(place=None, moved=None, **options):
     poses = np.stack([place @ on.pose(Placement(x, 0.0, 90.0, -30.0)) for x in (-6.0, 0.0, 6.0)])
     images = np.full((len(poses), *IMAGES.frame_size[::-1]), 120, np.uint8)
     sweep = TrackedSequence.from_arrays(images, poses, np.arange(len(poses)) * 0.1)
-    known = {"region": IMAGES.region, "probe": IMAGES.geometry}
-    return guidance_of_sweep(sweep, two_vertebrae(), place if moved is None else moved @ place, **known, **options)
+    recipe = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
+    return guidance_of_sweep(sweep, two_vertebrae(), place if moved is None else moved @ place, recipe, **options)
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -253,20 +253,20 @@ def test_a_ct_that_was_placed_anew_weights_the_next_volume_and_not_the_one_that_
     sequence = replace(tracked_sequence(), configuration=configuration)
     settings = ReconstructionSettings(method="aif", output_type="float32")
     earlier, placed = sphere_bone(center=(0.0, 0.0, 0.0)), sphere_bone(center=(2.0, 1.0, -1.0))
-    imaging = {"region": WHOLE, "probe": ProbeGeometry(LINEAR)}
-    session = session_of(streamed(sequence), settings, earlier, **imaging)
+    recipe = replace(settings, clip_px=(0,) * 4, probe=LINEAR)
+    session = session_of(streamed(sequence), recipe, earlier)
     session.prepare(LONG)
     session.use_bone(placed)
     session.start()
     session.queue.put(image(9.0, "Image"))
     wait_for(lambda: session.statistics.inserted == 6)
-    np.testing.assert_array_equal(session.snapshot().score.array, reconstruct(sequence, settings, earlier, GRID, **imaging).score.array)
+    np.testing.assert_array_equal(session.snapshot().score.array, reconstruct(sequence, recipe, earlier, GRID).score.array)
     session.reset()
     session.queue.put(StreamEvent("connected", "Connected.", 0.0))
     later = replace(sequence, records=[replace(record, timestamp=record.timestamp + 50) for record in sequence.records])
     for message in streamed(later):
         session.queue.put(message)
-    expected = reconstruct(sequence, settings, placed, GRID, **imaging).score.array
+    expected = reconstruct(sequence, recipe, placed, GRID).score.array
     np.testing.assert_array_equal(session.finish().score.array, expected)
     assert expected.any()
 

@@ -13,8 +13,6 @@ from sweeps import sphere_bone
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.state import bytes_per_voxel
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 
@@ -34,12 +32,12 @@ def sequence():
 
 def per_voxel(sequence, settings, bone):
     """Bytes a voxel at the peak of a reconstruction, beside the frames and tables of one chunk, a few MB here."""
-    how = {"probe": ProbeGeometry("linear"), "region": ImageRegion(), "beside": ()}
+    settings = replace(settings, probe="linear", clip_px=(0,) * 4)
     # Compiling is done once and for all, and takes memory of its own
-    reconstruct(sequence, settings, bone, VoxelGrid.from_spacing((-24, -24, -24), (8, 8, 8), 6.0), **how)
+    reconstruct(sequence, settings, bone, VoxelGrid.from_spacing((-24, -24, -24), (8, 8, 8), 6.0), beside=())
     tracemalloc.start()
     try:
-        reconstruct(sequence, settings, bone, GRID, **how)
+        reconstruct(sequence, settings, bone, GRID, beside=())
         return (tracemalloc.get_traced_memory()[1] - 8e6) / GRID.voxels
     finally:
         tracemalloc.stop()

@@ -184,6 +184,16 @@ def test_a_shaft_comes_back_across_its_axis():
 # Without a start
 
 
+def test_a_ct_finds_its_place_without_a_start():
+    phantom = spine(1)
+    motion = random_rigid(300.0, 170.0, np.random.default_rng(1))
+    seen = ray_echoes(phantom.bone_distance, noise=0.2)
+    seen = SweepEchoes(transform_points(motion, seen.points), seen.beams @ motion[:3, :3].T, seen.scores, seen.frames)
+    found = register_echoes(seen, BoneField.from_labels(phantom.labels))
+    assert found.accepted
+    assert off_by(found.transform, motion, phantom.bone_distance.grid.corners()) < 1.0
+
+
 def test_levels_that_fit_equally_well_are_ambiguous():
     """A spine of equal vertebrae of which the sweep shows a part in the middle."""
     same = spine(0, 4, irregularity=0.0)
