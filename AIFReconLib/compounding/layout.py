@@ -82,11 +82,7 @@ class PixelLayout:
         return self.pieces_within(self.mask)
 
     def pieces_within(self, mask: Mask) -> Integers:
-        """The pixels of a part of the layout as unbroken pieces of rows, in row-major order.
-
-        Parameters
-        ----------
-        mask : (rows, columns) bool array over the window, True within the layout's pixels only
+        """Pixels `mask` of the layout, (rows, columns) bool over the window, as unbroken pieces of rows, in row-major order.
 
         Returns
         -------
@@ -169,18 +165,9 @@ class PixelLayout:
         return float(left), float(right), float(top), float(bottom)
 
     def places(self, image_to_ijk: Matrix, pixels: Integers) -> Floats:
-        """Where pixels lie between voxels.
+        """Where pixels, (m,) numbers of the n that count, lie between voxels, (3, m) float64, i, j, k.
 
-        Parameters
-        ----------
-        image_to_ijk : (4, 4) float64 array
-        pixels : (m,) int64 array
-            Numbers of the n that count.
-
-        Returns
-        -------
-        ijk : (3, m) float64 array, voxels
-            Places that a rounding error keeps off a voxel's center are on it.
+        Places that a rounding error keeps off a voxel's center are on it.
         """
         column, row = (self.coordinates if self.moved is None else self.moved)[:, pixels]
         # Not a matrix product, whose rounding is the machine's own

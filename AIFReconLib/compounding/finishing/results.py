@@ -52,15 +52,9 @@ class Results:
         self._made: dict[str, Numbers] = {"mask": self._mask}
 
     def put(self, state: VoxelState, planes: Planes, release: bool = False) -> None:
-        """Take the values of some planes.
+        """Take the values of some planes, (first, stop), of which the state is.
 
-        Parameters
-        ----------
-        state : VoxelState
-            Of these planes.
-        planes : (first, stop)
-        release : bool
-            No frame follows: the state hands over what it can and forgets what it held, which saves the memory of both.
+        With `release` no frame follows: the state hands over what it can and forgets what it held, which saves the memory of both.
         """
         first, stop = planes
         whole = release and stop - first == self.grid.size[2]
