@@ -226,12 +226,8 @@ class ScanLines:
     def expected(self, probability: Singles, image_to_map: Matrix) -> Singles:
         """Where the CT expects bone in a frame, at a few samples of a few lines, (n, m) float32; 0 outside of the CT.
 
-        Parameters
-        ----------
-        probability : [k, j, i] float32 array, 0 to 1
-            In the CT's own voxels: what a frame shows of bone does not depend on what is reconstructed of it.
-        image_to_map : (4, 4) float64 array
-            To these voxels.
+        `probability` [k, j, i], 0 to 1, is in the CT's own voxels, to which `image_to_map` leads: what a frame shows of bone does not
+        depend on what is reconstructed of it.
         """
         column, row = self.expected_at.astype(np.float64)
         flat, inside = np.zeros(column.shape), np.ones(column.shape, dtype=bool)

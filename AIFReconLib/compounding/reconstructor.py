@@ -31,8 +31,8 @@ from .finishing.parts import Planes
 from .finishing.results import Results
 from .image_format import ImageKind
 from .intake import OUTSIDE, Intake, require_kinds, why_not
+from .layout import MostHits, most_in_a_voxel
 from .methods.table import method_named
-from .most_hits import MostHits, most_in_a_voxel
 from .needs import bone_on_grid, needs_beams, require_bone
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
@@ -247,12 +247,15 @@ class Reconstructor:
         """The volume of results of the whole grid, its holes filled."""
         shown = self._region.mask(*self._images.shape[::-1]) if self._images else np.ones((1, 1), dtype=bool)
         hole_limit, said = results.fill(np.reshape(counts.poses, (-1, 3, 4)), shown, progress)
+        intensity, mask = results.volume("intensity"), results.volume("mask")
+        if intensity is None or mask is None:
+            raise ValueError("Input results must have been filled; got none.")
         return Reconstruction(
-            intensity=results.intensity,
-            score=results.wanted("score"),
-            hits=results.wanted("hits"),
-            mask=results.mask,
-            cosine=results.wanted("cosine"),
+            intensity=intensity,
+            score=results.volume("score"),
+            hits=results.volume("hits"),
+            mask=mask,
+            cosine=results.volume("cosine"),
             method=self.method,
             frames_inserted=counts.inserted,
             skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},

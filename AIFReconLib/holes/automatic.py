@@ -41,12 +41,7 @@ def with_limit(
 ) -> tuple[Recipe, tuple[str, ...]]:
     """The settings with a hole limit that is a number, and what a user should know of how holes are filled.
 
-    Parameters
-    ----------
-    configured : tuple of HoleFilling
-        The configuration's ways, which stay where the settings name neither a way nor a limit.
-    poses, shown, grid
-        As in `automatic_limit`.
+    The configuration's ways stay where the settings name neither a way nor a limit. The other arguments are those of `automatic_limit`.
     """
     if settings.holes == "off":
         return replace(settings, hole_limit=0.0), ()
@@ -102,14 +97,8 @@ def automatic_limit(poses: Matrix, shown: Mask, grid: VoxelGrid) -> tuple[float,
 def distances_between_frames(poses: Matrix, shown: Mask, grid: VoxelGrid) -> Floats:
     """How far places between neighboring frames lie from the nearest frame, whichever that is, (places,) float64, mm.
 
-    Parameters
-    ----------
-    poses : (frames, 3, 4) array, pixels to mm
-    shown : (rows, columns) bool array
-
-    Notes
-    -----
-    The places are spread evenly over the space between frames, so a quantile of their distances is one of its voxels.
+    The arguments are those of `automatic_limit`. The places are spread evenly over the space between frames, so a quantile of their
+    distances is one of its voxels.
     """
     normals = np.cross(poses[:, :, 0], poses[:, :, 1])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

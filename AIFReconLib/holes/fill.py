@@ -21,21 +21,11 @@ def fill_as_asked(
     threads: int | None = None,
     score: Numbers | None = None,
 ) -> int:
-    """Fill holes in place as the settings ask for, else as a configuration does; returns how many were filled.
+    """Fill holes in place as the settings ask for, else in the `configured` ways; returns how many were filled.
 
     Eight parameters: volumes in memory, how to fill them, and what the machine may take.
-
-    Parameters
-    ----------
-    values, mask : [k, j, i] arrays
-        See `fill_holes_by_kind`.
-    spacing : (3,) array, mm along i, j, k
-    settings : Recipe
-        Of which `holes`, `hole_limit` (a number: see `with_limit`) and `engine` count.
-    configured : tuple of HoleFilling
-        What is done where the settings have neither a way nor a limit.
-    score : [k, j, i] array or None
-        See `fill_holes_by_kind`.
+    Of the settings `holes`, `hole_limit` (a number: see `with_limit`) and `engine` count. Spacing is in mm along i, j, k; for `values`,
+    `mask` and `score` see `fill_holes_by_kind`.
     """
     if settings.holes == "off":
         return 0

@@ -175,13 +175,7 @@ def limited_cosine(beam_x: np.float32, beam_y: np.float32, facing_x: np.float32,
 
 @compiled
 def insert_plain(rule: int, frames: Frames, slab: Slab, state: Voxels, entered: Integers) -> None:
-    """Average (sums in float64, or packed with the hits), latest and maximum.
-
-    Parameters
-    ----------
-    entered : (frames,) int64 array
-        Result: raised by the pixels that entered.
-    """
+    """Average (sums in float64, or packed with the hits), latest and maximum; raises `entered` (frames,) by the pixels that entered."""
     images, matrices, pieces, spans, bounds = frames
     value, hits, _ = state
     columns, voxels = columns_of(images), np.empty(images.shape[2] + 1, np.uint32)

@@ -47,12 +47,7 @@ def memory_to_use(asked: int | None) -> int | None:
 
 
 def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None) -> list[Planes]:
-    """The parts in which to work a box: one where it fits, else as few as do, alike in size.
-
-    Parameters
-    ----------
-    memory : int or None
-        Bytes to stay within; None: any number.
+    """The parts in which to work a box: one where it fits into `memory` bytes (None: any number), else as few as do, alike in size.
 
     Raises
     ------
@@ -82,13 +77,6 @@ def left_beside(grid: VoxelGrid, costs: Costs, cut: Sequence[Planes], memory: in
 
 
 def frames_of(planes: Planes, reached: Mapping[int, Planes]) -> frozenset[int]:
-    """Numbers of the frames that may have a pixel in these planes.
-
-    Parameters
-    ----------
-    planes : (first, stop)
-    reached : mapping of int to (lowest, highest)
-        Planes that each frame reaches, as a reconstruction of the first part notes them.
-    """
+    """Numbers of the frames that may have a pixel in planes [first, stop), by the lowest and highest plane that each has `reached`."""
     first, stop = planes
     return frozenset(number for number, (low, high) in reached.items() if low < stop and high >= first)

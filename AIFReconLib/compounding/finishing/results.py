@@ -49,18 +49,12 @@ class Results:
         self._wanted = set(beside) | ({"score"} if asks_for_hits(settings, configured) else set())
         self._beside = frozenset(beside)
         self._mask: Bytes = np.zeros(grid.shape, np.uint8)
-        self._made: dict[str, Numbers] = {}
+        self._made: dict[str, Numbers] = {"mask": self._mask}
 
     def put(self, state: VoxelState, planes: Planes, release: bool = False) -> None:
-        """Take the values of some planes.
+        """Take the values of some planes, (first, stop), of which the state is.
 
-        Parameters
-        ----------
-        state : VoxelState
-            Of these planes.
-        planes : (first, stop)
-        release : bool
-            No frame follows: the state hands over what it can and forgets what it held, which saves the memory of both.
+        With `release` no frame follows: the state hands over what it can and forgets what it held, which saves the memory of both.
         """
         first, stop = planes
         whole = release and stop - first == self.grid.size[2]
@@ -110,23 +104,10 @@ class Results:
             self._made["intensity"] = rounded(values, self._type)
         return float(settings.hole_limit), said
 
-    @property
-    def intensity(self) -> Volume:
-        """As it is so far; `fill` ends it."""
-        return self._placed(self._room("intensity", self._first_type))
-
-    @property
-    def mask(self) -> Volume:
-        """What is empty, measured and filled."""
-        return self._placed(self._mask)
-
-    def wanted(self, name: str) -> Volume | None:
-        """Score, hits or cosine; None where nobody asked for it."""
+    def volume(self, name: str) -> Volume | None:
+        """Intensity, mask, score, hits or cosine as they are so far, `fill` ends them; None for what nobody asked for."""
         array = None if name in BESIDE and name not in self._beside else self._made.get(name)
-        return None if array is None else self._placed(array)
-
-    def _placed(self, array: Numbers) -> Volume:
-        return Volume(array, self.grid.ijk_to_reference)
+        return None if array is None else Volume(array, self.grid.ijk_to_reference)
 
 
 def rounded(values: Numbers, dtype: NumberType) -> Numbers:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ PARTS = 64
 
 
 def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine: str = "auto", threads: int | None = None) -> None:
-    """Write the values of a state, and 1 where there is one, wherever a pixel entered.
+    """Write the values of a state, and 1 where there is one, wherever a pixel entered; whoever computes them, they are the same.
 
     Parameters
     ----------
@@ -29,28 +29,14 @@ def finish_values(state: VoxelState, intensity: Numbers, mask: Bytes, *, engine:
         0 elsewhere, or the state's own values. Gray levels of 8 bits are rounded, halves up.
     mask : (voxels,) uint8 array
         0 elsewhere.
-    engine : "auto", "numpy" or "numba"
-        Who does it; the values are the same.
-    threads : int or None
-        How many numba uses; by default every core.
     """
-    to_8_bit = intensity.dtype == np.uint8
-    method = method_named(state.method)
-    compiled = None if engine == "numpy" or method.finish is not None else optional_module("AIFReconLib.compounding.compiled.numba_finish")
-    voxels = len(intensity)
-    if compiled is None:
-        for start in range(0, voxels, AT_ONCE):
-            _finish(state, start, min(start + AT_ONCE, voxels), intensity, mask, to_8_bit, method.finish)
-    else:
-        _finish_compiled(compiled, state, intensity, mask, to_8_bit, threads or usable_cores())
-    overfull = state.whole_of_overfull()
-    if overfull is not None:
-        intensity[overfull.voxels] = _written((overfull.sums / overfull.hits).astype(np.float32), to_8_bit)
-        mask[overfull.voxels] = 1
-
-
-def _finish_compiled(compiled: ModuleType, state: VoxelState, intensity: Numbers, mask: Bytes, to_8_bit: bool, threads: int) -> None:
-    divisor, voxels = divisor_of(state), len(intensity)
+    method, voxels, to_8_bit = method_named(state.method), len(intensity), intensity.dtype == np.uint8
+    divisor: Numbers | None = None
+    if method.is_mean and not state.packed:
+        divisor = state.hits if state.weight is None else state.weight
+    compiled: Any = (
+        None if engine == "numpy" or method.finish is not None else optional_module("AIFReconLib.compounding.compiled.numba_finish")
+    )
 
     def finish(part: int) -> None:
         start, stop = part * voxels // PARTS, (part + 1) * voxels // PARTS
@@ -61,40 +47,38 @@ def _finish_compiled(compiled: ModuleType, state: VoxelState, intensity: Numbers
         else:
             compiled.finish_values(state.value, state.hits, start, stop, to_8_bit, intensity, mask)
 
-    in_parts(finish, PARTS, threads)
-
-
-def divisor_of(state: VoxelState) -> Numbers | None:
-    """What the values of a state are divided by; None where they stand as they are, or are packed with it."""
-    if state.packed or not method_named(state.method).is_mean:
-        return None
-    return state.hits if state.weight is None else state.weight
+    if compiled is not None:
+        in_parts(finish, PARTS, threads or usable_cores())
+    else:
+        for start in range(0, voxels, AT_ONCE):
+            part = slice(start, start + AT_ONCE)
+            _finish(state, part, divisor if divisor is None else divisor[part], method.finish, intensity[part], mask[part])
+    overfull = state.whole_of_overfull()
+    if overfull is not None:
+        intensity[overfull.voxels] = _written((overfull.sums / overfull.hits).astype(np.float32), to_8_bit)
+        mask[overfull.voxels] = 1
 
 
 def _finish(
-    state: VoxelState, start: int, stop: int, intensity: Numbers, mask: Bytes, to_8_bit: bool, finish: Callable[[Numbers], Numbers] | None
+    state: VoxelState, part: slice, divisor: Numbers | None, finish: Callable[[Numbers], Numbers] | None, intensity: Numbers, mask: Bytes
 ) -> None:
-    part = slice(start, stop)
+    """The values of a part in numpy; `divisor`, `intensity` and `mask` are of that part alone."""
     sums: Numbers
     hits: NDArray[np.unsignedinteger]
     sums, hits = state.value[part], state.met[part]
-    divisor = divisor_of(state)
     if state.packed:
-        sums, hits = unpacked(state.value[part])
+        sums, hits = unpacked(sums)
         divisor = hits
-    elif divisor is not None:
-        divisor = divisor[part]
     met = np.flatnonzero(hits)
     if not met.size:
         return
     # Where next to nothing is empty, numpy is faster with all
-    at = slice(None) if met.size == stop - start else met
+    at = slice(None) if met.size == len(mask) else met
     values = sums[at] if divisor is None else np.true_divide(sums[at], divisor[at])
     if finish is not None:
         values = finish(values)
-    values = values.astype(np.float32)
-    intensity[part][at] = _written(values, to_8_bit)
-    mask[part][at] = 1
+    intensity[at] = _written(values.astype(np.float32), intensity.dtype == np.uint8)
+    mask[at] = 1
 
 
 def _written(values: Singles, to_8_bit: bool) -> Singles:

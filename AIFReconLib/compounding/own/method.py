@@ -53,7 +53,7 @@ class Method(AnyMethod):
         return load_method, (self.name,)
 
     def weigh(self, arrays: Mapping[str, Singles], frame: int) -> tuple[Singles, Singles]:
-        """What each pixel of a frame weighs, and its value.
+        """Weight and value of each pixel of a frame, (rows, columns) float32, not looked at yet: see `check`.
 
         Parameters
         ----------
@@ -61,11 +61,6 @@ class Method(AnyMethod):
             Those that it takes.
         frame : int
             The frame's number, for errors.
-
-        Returns
-        -------
-        weight, value : (rows, columns) float32 arrays
-            Not looked at yet: see `check`.
 
         Raises
         ------

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.compounding.most_hits import MostHits
+from AIFReconLib.compounding.layout import MostHits, PixelLayout
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import MOST_IN_SINGLE
 from AIFReconLib.geometry.volume import VoxelGrid

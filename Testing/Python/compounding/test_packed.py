@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sweeps import turned_grid
 
-from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.compounding.most_hits import most_in_a_voxel
+from AIFReconLib.compounding.layout import PixelLayout, most_in_a_voxel
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import MOST_HITS, VoxelState
 from AIFReconLib.geometry.volume import VoxelGrid
