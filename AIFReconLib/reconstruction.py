@@ -13,8 +13,7 @@ from .arrays import Integers, NumberType
 from .bone.map import BoneMap
 from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from .compounding.finishing.results import Results, bytes_of_results
-from .compounding.image_format import ImageKind
-from .compounding.intake import require_kinds
+from .compounding.intake import ImageKind, require_kinds
 from .compounding.methods.table import method_named
 from .compounding.needs import bone_on_grid, needs_beams, needs_bone
 from .compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor

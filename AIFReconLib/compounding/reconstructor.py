@@ -29,8 +29,7 @@ from .engine import Engine, Job
 from .engines import choose_engine
 from .finishing.parts import Planes
 from .finishing.results import Results
-from .image_format import ImageKind
-from .intake import OUTSIDE, Intake, require_kinds, why_not
+from .intake import OUTSIDE, ImageKind, Intake, require_kinds, why_not
 from .layout import MostHits, most_in_a_voxel
 from .methods.table import method_named
 from .needs import bone_on_grid, needs_beams, require_bone

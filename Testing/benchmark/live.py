@@ -40,6 +40,7 @@ from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.registration.bone_field import BoneField
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
@@ -110,7 +111,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     region = ImageRegion(ClipRectangle((0.0, 0.0), (columns - 1.0, rows - 1.0)))
     probe = ProbeGeometry(LINEAR)
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
-    settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine)
+    settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine, **imaging_fields(region, probe))
     model = arguments.bone_model and OnnxModel(arguments.bone_model)
     seen, growing = bool(model or arguments.bone_from_sweep), GrowingBone()
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
@@ -123,8 +124,6 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
             settings,
             growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0),
             grid,
-            region=region,
-            probe=probe,
             record=arguments.record and Path(arguments.record),
         )
         preparing = time.monotonic()

@@ -38,6 +38,7 @@ from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import StreamStatistics
 from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 
 from . import stream
 from .accounts import Equation, equations
@@ -223,13 +224,11 @@ def imaging(engine: str = "auto") -> dict:
     poses = np.stack([stream.image_to_reference(number) for number in range(len(stream.scan()))])
     region = ImageRegion(ClipRectangle((0.0, 0.0), (stream.COLUMNS - 1.0, stream.ROWS - 1.0)))
     grid = grid_around_sweep(poses, (stream.COLUMNS, stream.ROWS), region, (1.0,) * 3)
-    settings = ReconstructionSettings(method="aif-compensated", engine=engine)
+    settings = ReconstructionSettings(method="aif-compensated", engine=engine, **imaging_fields(region, ProbeGeometry(LINEAR)))
     return {
         "settings": settings,
         "bone": BoneMap.from_labels(plate(), sigma_mm=4.0),
         "grid": grid,
-        "region": region,
-        "probe": ProbeGeometry(LINEAR),
     }
 
 

@@ -10,13 +10,10 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from ...arrays import Reals
 from ...bone.map import BoneMap
 from ...compounding.needs import needs_beams, require_bone
 from ...compounding.state import Reconstruction, bytes_per_voxel
 from ...geometry.volume import VoxelGrid
-from ...imaging.beams import ProbeGeometry
-from ...imaging.region import ImageRegion
 from ...imaging.sound_speed import depth_factor
 from ...progress import Progress, part
 from ...provenance.record import with_origin
@@ -56,8 +53,6 @@ class LiveSession:
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
         Where to reconstruct. None: in the configuration's box, else it begins by scouting; see `grid_from_scout` and `use_grid`.
-    region, probe, importance : ImageRegion, ProbeGeometry, (rows, columns) array of 0 to 1, or None
-        Override the configuration and what the images show; `importance` is the weight of each pixel in an average.
     configuration : PlusConfiguration or None
         Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
@@ -94,9 +89,6 @@ class LiveSession:
         bone: BoneMap | None = None,
         grid: VoxelGrid | None = None,
         *,
-        region: ImageRegion | None = None,
-        probe: ProbeGeometry | None = None,
-        importance: Reals | None = None,
         configuration: PlusConfiguration | None = None,
         synchronizer: SynchronizerSettings | None = None,
         record: str | Path | None = None,
@@ -107,12 +99,9 @@ class LiveSession:
         self._source = source
         self._configuration = configuration = configuration or NO_CONFIGURATION
         asked = settings or Recipe()
-        if importance is not None:
-            asked = replace(asked, importance_mask=importance)
         self.settings = resolve_settings(asked, configuration, bone is not None)
         parts = reconstructor_parts(asked, self.settings, configuration)
-        own_region, own_probe = asked_imaging(asked, configuration)
-        region, probe = region or own_region, probe or own_probe
+        region, probe = asked_imaging(asked, configuration)
         self._fits_spacing = parts.fits_spacing
         self._method = self.settings.method_for(bone is not None)
         require_bone(self._method, self.settings, bone is not None)

@@ -26,8 +26,10 @@ from AIFReconLib.live.session.session import MOST_PREDICTIONS, LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedFrame
 
+LOOKED = imaging_fields(IMAGING.region, IMAGING.probe)
 LONG = 60.0
 SWEEP = PlaneSweep(count=6)
 SAID = SWEEP.predictions()
@@ -120,11 +122,9 @@ def scan(tmp_path):
         queue, bone = QueueSource(), GrowingBone()
         session = LiveSession(
             queue,
-            ReconstructionSettings(method="weighted", engine="numpy"),
+            ReconstructionSettings(method="weighted", engine="numpy", **LOOKED),
             bone,
             grid,
-            region=IMAGING.region,
-            probe=IMAGING.probe,
             synchronizer=SynchronizerSettings(trust_image_pose=True),
             predictions_device="Bone",
             longest_delay=None,
@@ -280,7 +280,9 @@ def test_predictions_are_taken_out_of_the_stream_and_do_not_fill_the_memory():
         queue.put(predicted(0, np.full((2, 2), number, np.uint8)))
     queue.put(shown(0))
     queue.stop()
-    session = LiveSession(queue, grid=GRID, region=IMAGING.region, synchronizer=SynchronizerSettings(), predictions_device="Bone")
+    session = LiveSession(
+        queue, ReconstructionSettings(**LOOKED), grid=GRID, synchronizer=SynchronizerSettings(), predictions_device="Bone"
+    )
     session.start()
     session.stop()
     assert [int(message.image[0, 0]) for message in session.predictions] == list(range(3, MOST_PREDICTIONS + 3))

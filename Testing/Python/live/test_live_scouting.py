@@ -61,7 +61,7 @@ def test_a_probe_that_was_away_and_comes_back_elsewhere_counts():
 def scanned(places: list[float], **options) -> LiveSession:
     """A session that has scouted at these places, and seen one more frame since."""
     source = QueueSource(limit=1000)
-    session = LiveSession(source, ReconstructionSettings(spacing=1.0), region=WHOLE, longest_delay=None, **options)
+    session = LiveSession(source, ReconstructionSettings(spacing=1.0, clip_px=(0,) * 4), longest_delay=None, **options)
     for number, z in enumerate(places):
         pose = image_pose(translation=(0.0, 0.0, z))
         source.put(image(1.0 + number / 20, pixels=PIXELS, pose=pose))

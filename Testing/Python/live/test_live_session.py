@@ -41,6 +41,7 @@ from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -66,7 +67,9 @@ def session_of(configuration):
         source = QueueSource(limit=100_000)
         for message in messages:
             source.put(message)
+        looked = imaging_fields(options.pop("region", None), options.pop("probe", None))
         options = {"configuration": configuration, "longest_delay": None, **options}
+        settings = replace(settings or ReconstructionSettings(), **looked)
         made.append(LiveSession(source, settings, bone, grid, **options))
         made[-1].queue = source
         return made[-1]
@@ -126,7 +129,7 @@ def test_an_importance_mask_weights_a_live_average_as_offline(session_of, config
     settings = ReconstructionSettings(method="average", output_type="float32")
     importance = np.linspace(0.0, 1.0, 40, dtype=np.float32)[None].repeat(30, axis=0)
     offline = reconstruct(sequence, replace(settings, importance_mask=importance), None, GRID)
-    live = run(session_of(streamed(sequence), settings, importance=importance))
+    live = run(session_of(streamed(sequence), replace(settings, importance_mask=importance)))
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
 
@@ -587,7 +590,9 @@ def test_over_a_socket_the_volume_is_that_of_the_file(configuration):
     with ReplayServer(sequence, port=0, rate=100.0) as server:
         client = OpenIGTLinkClient(server.host, server.port)
         settings = SynchronizerSettings(image_to_reference="ImageToReference")
-        session = LiveSession(client, grid=GRID, region=WHOLE, synchronizer=settings, frame_limit=7, longest_delay=None)
+        session = LiveSession(
+            client, ReconstructionSettings(clip_px=(0,) * 4), grid=GRID, synchronizer=settings, frame_limit=7, longest_delay=None
+        )
         with session:
             assert session.finished.wait(LONG), session.statistics
             live = session.finish()
@@ -628,8 +633,8 @@ def test_a_server_that_goes_away_leaves_the_volume(configuration):
 
 @pytest.mark.parametrize(("letter", "images", "usable"), [("A", 36, 36), ("B", 108, 108), ("C", 81, 81), ("J", 54, 42)])
 def test_of_a_real_stream_exactly_the_frames_with_a_tracked_tool_are_inserted(letter, images, usable, data_dir):
-    everything = ImageRegion(ClipRectangle((0, 0), (0, 0)))
-    session = LiveSession(captured(recorded(data_dir, letter)), grid=EVERYWHERE, region=everything, longest_delay=None)
+    everything = ReconstructionSettings(clip_px=(0,) * 4)
+    session = LiveSession(captured(recorded(data_dir, letter)), everything, grid=EVERYWHERE, longest_delay=None)
     result = run(session)
     assert (session.statistics.frames_received, result.frames_inserted) == (images, usable)
 
@@ -638,7 +643,7 @@ def test_no_wrong_image_of_a_corrupt_stream_enters_the_volume(data_dir, real_dat
     """Its server begins an image anew in the middle of itself; every image that comes through is one of the recording it shows."""
     originals = {picture.tobytes() for picture in read_sequence(real_data("SpinePhantomFreehand.igs.mha")).images}
     source = captured(recorded(data_dir, "H"))
-    run(LiveSession(source, grid=EVERYWHERE, region=WHOLE, record=tmp_path / "scan.mhd"))
+    run(LiveSession(source, ReconstructionSettings(clip_px=(0,) * 4), grid=EVERYWHERE, record=tmp_path / "scan.mhd"))
     received = read_sequence(tmp_path / "scan.mhd").images
     assert len(received) >= 3
     assert all(picture.tobytes() in originals for picture in received)

@@ -14,8 +14,6 @@ import pytest
 
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.volume import VoxelGrid
-from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
-from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.statistics import REMEMBERED, Rhythm
@@ -23,6 +21,7 @@ from AIFReconLib.live.session.watch import PIECE, Watch
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.machine.threads import NICE
+from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 LONG = 60.0
 
@@ -31,7 +30,9 @@ LONG = 60.0
 def session():
     grid = VoxelGrid.from_spacing((-500.0, -500.0, -500.0), (50, 50, 50), 20.0)
     trusted = SynchronizerSettings(trust_image_pose=True)
-    one = LiveSession(QueueSource(), grid=grid, region=ImageRegion(), probe=ProbeGeometry(LINEAR), synchronizer=trusted, longest_delay=None)
+    one = LiveSession(
+        QueueSource(), ReconstructionSettings(probe="linear", clip_px=(0,) * 4), grid=grid, synchronizer=trusted, longest_delay=None
+    )
     yield one
     one.stop()
 
