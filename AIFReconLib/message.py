@@ -32,7 +32,7 @@ class Sentence(str):
     details: dict[str, object]
 
     def __new__(cls, text: str, /, remedy: Remedy | str | BaseException | None = None, **details: object) -> Sentence:
-        sentence = super().__new__(cls, one_line(shorten(text, LONGEST_SENTENCE)))
+        sentence = super().__new__(cls, one_line(shorten(text.strip(), LONGEST_SENTENCE)))
         if remedy is not None and not isinstance(remedy, Remedy):
             other = said(remedy) if isinstance(remedy, BaseException) else remedy
             remedy, details = (other.remedy, other.details) if isinstance(other, Sentence) else (None, {})
@@ -46,7 +46,7 @@ def advised(sentence: object, words: Mapping[Remedy, str] = IN_PYTHON) -> str:
         sentence = said(sentence)
     if not isinstance(sentence, Sentence) or sentence.remedy is None:
         return str(sentence)
-    return f"{sentence} {words[sentence.remedy].format(**sentence.details)}"
+    return f"{sentence} {words[sentence.remedy].format(**sentence.details)}".strip()
 
 
 def said(error: BaseException) -> Sentence:

@@ -115,6 +115,6 @@ IN_PYTHON = {
         "Give euler_order with the axes in the order in which the turns are applied: xyz about fixed axes, ZYX about axes that turn along."
     ),
     Remedy.COLUMN_MAJOR: "Where matrices are written column by column, give column_major=True.",
-    Remedy.UNITS: "If they are in {unit}, give units.",
+    Remedy.UNITS: "If they are in {unit}, give units{choice}.",
 }
 """What to do for who calls the library from Python."""

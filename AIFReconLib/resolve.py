@@ -118,9 +118,7 @@ def reconstructor_parts(asked: Recipe, resolved: Recipe, configuration: PlusConf
     if asked.interpolation is None and configuration.interpolation == "linear" and resolved.interpolation != "linear":
         this = f"{method.name} with cosines" if resolved.best_cosine else method.name
         notes.append(
-            "The configuration's Interpolation=LINEAR is not used: it is for methods {methods}, and this is {method}.".format(
-                methods=", ".join(LINEAR_METHODS), method=this
-            )
+            f"The configuration's Interpolation=LINEAR is not used: it is for methods {', '.join(LINEAR_METHODS)}, and this is {this}."
         )
     return ReconstructorParts(
         importance,

@@ -22,6 +22,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.remedies import in_options
 
 EXAMPLE = """examples:
   aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
@@ -82,7 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
     sequence, understood = import_sequence(open_images(arguments.images), read_poses(arguments.poses, settings.form), settings)
     with ProgressBar() as progress:
         write_sequence(sequence, arguments.output, arguments.compress, progress)
-    lines = [*understood, *_check(sequence, settings.transform, drawing, arguments.output.name)]
+    lines = [*map(in_options, understood), *_check(sequence, settings.transform, drawing, arguments.output.name)]
     print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {arguments.output}"]))
 
 

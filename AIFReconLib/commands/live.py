@@ -128,7 +128,7 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("frames", "seconds", "scout_seconds"):
         value = getattr(arguments, name)
         if value is not None and not value > 0:
-            raise SettingsError("Input --{option} must be above 0; got {value!r}.".format(option=name.replace("_", "-"), value=value))
+            raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
     inputs += seen_bone_inputs(arguments)
@@ -247,9 +247,7 @@ def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, arguments:
     while arguments.image is None and time.monotonic() < settled and not pause(POLL, unless=session.finished):
         images = [device for device, types in session.devices().items() if "IMAGE" in types]
         if len(images) > 1:
-            raise LiveConnectionError(
-                "The server sends images of several devices: {devices}. Choose one with --image.".format(devices=", ".join(images))
-            )
+            raise LiveConnectionError(f"The server sends images of several devices: {', '.join(images)}. Choose one with --image.")
 
 
 def _no_images(session: LiveSession, stream: StreamStatistics, arguments: argparse.Namespace) -> LiveConnectionError:
@@ -317,7 +315,8 @@ def _why_nothing(statistics: LiveStatistics, stream: StreamStatistics, error: Ex
             *filter(None, advice[:-1]),
             "Let the server send the transforms of its tools, or give --trust-image-pose if it sends no image without a valid pose.",
         ]
-    return " ".join(filter(None, [f"Not one of {statistics.frames_received} frames entered a volume ({reasons}).", *advice]))
+    nothing = f"Not one of {statistics.frames_received} frames entered a volume ({reasons})."
+    return " ".join(map(in_options, filter(None, [nothing, *advice])))
 
 
 def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Reconstruction) -> list[str]:

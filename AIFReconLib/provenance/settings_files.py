@@ -59,9 +59,8 @@ def read_settings(path: str | Path) -> KeptSettings:
         table = _from_toml(path, _text(path, MOST_TOML_BYTES))
     else:
         raise SettingsFileError(
-            "{path}: settings are read from .json, .toml, {suffixes}. Give such a file; others have no room for settings.".format(
-                path=path, suffixes=", ".join(VOLUME_SUFFIXES)
-            )
+            f"{path}: settings are read from .json, .toml, {', '.join(VOLUME_SUFFIXES)}. Give such a file; others have no room for "
+            "settings."
         )
     version = table.pop(WRITTEN_BY, "")
     return understood(path, {key.replace("-", "_"): value for key, value in table.items()}, str(version), inputs)

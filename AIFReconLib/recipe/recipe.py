@@ -172,7 +172,7 @@ class BoneSettings(Branch):
         preset=True,
     )
     bone_belief: float | None = setting(
-        None, "how far labels are believed, above 0 to 1 (default: 1; less where --bone-sigma-mm auto chooses a wide map)"
+        None, "how far labels are believed, above 0 to 1 (default: 1; less where a width that is found turns out wide)"
     )
     bone_direction: str = setting(
         "gradient",

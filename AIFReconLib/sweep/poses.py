@@ -277,16 +277,16 @@ def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: 
     """What is missing of a chain, and what to do; of all known `names`, those `moving` are not the same in every frame."""
     frames = {frame for name in names for frame in (name.source, name.target)}
     if wanted.source not in frames:
-        return Sentence("Its calibration is missing.", Remedy.CALIBRATION, example=f"{wanted.source}ToProbe")
+        return Sentence("", Remedy.CALIBRATION, example=f"{wanted.source}ToProbe")
     near = connected(names, wanted.source)
     if wanted.target in frames - near:
-        return Sentence("A link is missing.", Remedy.MISSING_LINK)
+        return Sentence("", Remedy.MISSING_LINK)
     # In a frame that the image is fixed to, all images would lie in one plane
     fixed = connected([name for name in names if name not in moving], wanted.source)
     others = ", ".join(sorted(near - fixed))
     if not others:
         return Sentence("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
-    return Sentence("Other frames can be reached.", Remedy.OTHER_REFERENCE, frames=others)
+    return Sentence("", Remedy.OTHER_REFERENCE, frames=others)
 
 
 def _moves(sequence: TrackedSequence, name: TransformName) -> bool:

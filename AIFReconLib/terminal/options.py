@@ -50,11 +50,7 @@ def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -
         for name, file in {as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
             within = file.exists() and any(as_compared(parent) in folders for parent in file.parents)
             if name in seen or within:
-                raise OutputError(
-                    "{path} would overwrite {other} ({file}). Choose another name.".format(
-                        path=path, other=seen.get(name, "an input"), file=file.name
-                    )
-                )
+                raise OutputError(f"{path} would overwrite {seen.get(name, 'an input')} ({file.name}). Choose another name.")
             seen[name] = "another output"
 
 

@@ -34,7 +34,7 @@ IN_OPTIONS = {
     Remedy.IMPORT_THE_METHOD: "Name it with --method, or choose one of {methods}.",
     Remedy.SMALLER_SKIP: "Use a smaller --skip.",
     Remedy.CHECK_THE_BOX: "Check its box (--grid-like, or the configuration's OutputOrigin and OutputExtent) and --reference.",
-    Remedy.COARSER: "A --spacing of {spacing:g} mm would fit.",
+    Remedy.COARSER: "A spacing of {spacing:g} mm would fit.",
     Remedy.FREE_MEMORY: "No spacing would fit: free some memory.",
     Remedy.TRANSFORM_SEQUENCES: ("Slicer saves transforms as sequences of their own; give them with --transform-sequence NAME=FILE."),
     Remedy.CALIBRATION: "Give the calibration (for example {example}) with --config PlusDeviceSet.xml.",
@@ -64,7 +64,7 @@ IN_OPTIONS = {
         "xyz about fixed axes, ZYX about the axes that turn along."
     ),
     Remedy.COLUMN_MAJOR: "Where matrices are written column by column, give --column-major.",
-    Remedy.UNITS: "If they are in {unit}, give --units.",
+    Remedy.UNITS: "If they are in {unit}, give --units{choice}.",
 }
 """A command's options, as they are typed."""
 

@@ -271,7 +271,7 @@ def _doubts(matrices: Matrix, good: Mask, settings: ImportSettings) -> list[str]
     extent = float(np.ptp(matrices[good][:, :3, 3], axis=0).max())
     doubts: list[str] = []
     if 0 < extent < 1.0 and settings.form.length_unit == "mm" and good.sum() > 5:
-        doubts.append(Sentence(f"doubt: the poses move by {extent:.3g} mm in all.", Remedy.UNITS, unit="meters"))
+        doubts.append(Sentence(f"doubt: the poses move by {extent:.3g} mm in all.", Remedy.UNITS, unit="meters", choice=" m"))
     if extent > 2000.0:
-        doubts.append(Sentence(f"doubt: the poses move by {extent / 1000:.3g} m.", Remedy.UNITS, unit="another unit"))
+        doubts.append(Sentence(f"doubt: the poses move by {extent / 1000:.3g} m.", Remedy.UNITS, unit="another unit", choice=""))
     return doubts

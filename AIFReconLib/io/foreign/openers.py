@@ -39,10 +39,8 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     if kind is None:
         known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
         raise FileFormatError(
-            (
-                "{path}: images must all be pictures, DICOM files, one video or one .npy array ({known}); got {suffixes}. Give files of "
-                "one kind."
-            ).format(path=files[0], known=known, suffixes=", ".join(sorted(suffixes)) or "no suffix")
+            f"{files[0]}: images must all be pictures, DICOM files, one video or one .npy array ({known}); got "
+            f"{', '.join(sorted(suffixes)) or 'no suffix'}. Give files of one kind."
         )
     return kind[1](files)
 

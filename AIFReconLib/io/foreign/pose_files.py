@@ -93,11 +93,7 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     matrices = np.full((len(rows), 4, 4), np.nan)
     for number, (place, row) in enumerate(rows):
         if set(row) != set(rows[0][1]):
-            raise FileFormatError(
-                "{path}: {place} must hold {expected} as the first; got {found}. Export it again.".format(
-                    path=path, place=place, expected=", ".join(rows[0][1]), found=", ".join(row)
-                )
-            )
+            raise FileFormatError(f"{path}: {place} must hold {', '.join(rows[0][1])} as the first; got {', '.join(row)}. Export it again.")
         try:
             pose = pose_of({name: value for name, value in row.items() if not isinstance(value, str)}, form)
         except PoseValueError as error:
@@ -247,9 +243,7 @@ def _json_rows(path: Path, text: str) -> tuple[list[tuple[str, Row]], tuple[str,
     if isinstance(document, dict):
         key = next((key for key in _JSON_LISTS if isinstance(document.get(key), list)), None)
         if key is None:
-            raise FileFormatError(
-                "{path}: it must hold a list of poses, or an object with one under {names}.".format(path=path, names=", ".join(_JSON_LISTS))
-            )
+            raise FileFormatError(f"{path}: it must hold a list of poses, or an object with one under {', '.join(_JSON_LISTS)}.")
         document = document[key]
     if not isinstance(document, list):
         raise FileFormatError(f"{path}: it must hold a list of poses; got {type(document).__name__}. Export it again.")

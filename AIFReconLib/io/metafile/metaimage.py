@@ -38,7 +38,7 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     """The header and where its payload lies."""
     entries = read_entries(lines)
     if entries.get("ObjectType", "Image") != "Image":
-        raise lines.failure("ObjectType must be Image; got {kind!r}. Give an image file.".format(kind=entries["ObjectType"]))
+        raise lines.failure(f"ObjectType must be Image; got {entries['ObjectType']!r}. Give an image file.")
     dimensions = parse_count(lines, "NDims", require(lines, entries, "NDims"), 2, 4)
     size = parse_sizes(lines, "DimSize", require(lines, entries, "DimSize"), dimensions)
     if not _is_true(lines, entries, "BinaryData", default=True):
@@ -46,19 +46,13 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
     element_type = require(lines, entries, "ElementType")
     if element_type not in ELEMENT_TYPES:
         raise lines.failure(
-            "ElementType must be one of {kinds}; got {kind!r}. Convert the file to one of them.".format(
-                kinds=", ".join(ELEMENT_TYPES), kind=element_type
-            )
+            f"ElementType must be one of {', '.join(ELEMENT_TYPES)}; got {element_type!r}. Convert the file to one of them."
         )
     byte_order_key = "ElementByteOrderMSB" if "ElementByteOrderMSB" in entries else "BinaryDataByteOrderMSB"
     byte_order = ">" if _is_true(lines, entries, byte_order_key, default=False) else "<"
     kinds = tuple(entries.get("Kinds", "").lower().split())
     if kinds and len(kinds) != dimensions:
-        raise lines.failure(
-            "Kinds must have {dimensions} words, one for each of NDims; got {kinds!r}. Correct the header.".format(
-                dimensions=dimensions, kinds=entries["Kinds"]
-            )
-        )
+        raise lines.failure(f"Kinds must have {dimensions} words, one for each of NDims; got {entries['Kinds']!r}. Correct the header.")
     compressed = _is_true(lines, entries, "CompressedData", default=False)
     data_file = _data_file(lines, entries[LAST_KEY])
     return build_metafile(

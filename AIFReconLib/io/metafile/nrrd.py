@@ -54,11 +54,7 @@ def parse_nrrd(lines: HeaderLines) -> Metafile:
         raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
     kinds = tuple(entries.get("kinds", "").lower().split())
     if kinds and len(kinds) != dimensions:
-        raise lines.failure(
-            "kinds must have {dimensions} words, one for each dimension; got {kinds!r}. Correct the header.".format(
-                dimensions=dimensions, kinds=entries["kinds"]
-            )
-        )
+        raise lines.failure(f"kinds must have {dimensions} words, one for each dimension; got {entries['kinds']!r}. Correct the header.")
     channels = 1
     if kinds and kinds[0] in CHANNEL_KINDS:
         channels, size, kinds = size[0], size[1:], kinds[1:]

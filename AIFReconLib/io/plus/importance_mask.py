@@ -46,9 +46,7 @@ def read_importance_mask(path: str | Path) -> Singles:
     if not path.is_file():
         raise FileFormatError(f"{path}: there is no such file. Name an 8-bit gray image as importance mask.")
     if path.suffix.lower() not in _READERS:
-        raise FileFormatError(
-            "{path}: an importance mask must be one of {suffixes}. Save it as a PNG image.".format(path=path, suffixes=", ".join(_READERS))
-        )
+        raise FileFormatError(f"{path}: an importance mask must be one of {', '.join(_READERS)}. Save it as a PNG image.")
     if path.suffix.lower() == ".png":
         _check_chunks(path)
     reader = sitk.ImageFileReader()

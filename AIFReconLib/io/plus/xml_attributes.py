@@ -93,13 +93,9 @@ class Attributes:
         if numbers is None:
             return None
         if any(number != int(number) for number in numbers):
-            raise self.failure(
-                self._present(names), "must be whole; got {text!r}. Correct it.".format(text=shorten(self.text(*names) or ""))
-            )
+            raise self.failure(self._present(names), f"must be whole; got {shorten(self.text(*names) or '')!r}. Correct it.")
         if max(map(abs, numbers)) > LARGEST_INTEGER:
-            raise self.failure(
-                self._present(names), "must be of 32 bits; got {text!r}. Correct it.".format(text=shorten(self.text(*names) or ""))
-            )
+            raise self.failure(self._present(names), f"must be of 32 bits; got {shorten(self.text(*names) or '')!r}. Correct it.")
         return tuple(int(number) for number in numbers)
 
     def positive(self, numbers: Given, name: str) -> Given:
@@ -116,9 +112,7 @@ class Attributes:
         if text is None:
             return None
         if text.upper() not in choices:
-            raise self.failure(
-                name, "must be {choices}; got {text!r}. Correct it.".format(choices=" or ".join(choices), text=shorten(text))
-            )
+            raise self.failure(name, f"must be {' or '.join(choices)}; got {shorten(text)!r}. Correct it.")
         return text.upper()
 
     def required_word(self, name: str, choices: Sequence[str]) -> str:

@@ -132,9 +132,7 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
     kinds = metafile.kinds
     if kinds and not set(kinds[:2]) <= _SPACE_KINDS:
         raise metafile.failure(
-            "its axes must be columns, rows and time; got the kinds {kinds}. Export the sequence from Plus or Slicer.".format(
-                kinds=" ".join(kinds)
-            )
+            f"its axes must be columns, rows and time; got the kinds {' '.join(kinds)}. Export the sequence from Plus or Slicer."
         )
     if kinds and kinds[-1] not in _TIME_KINDS:
         others.append(1)  # no time axis: one frame

@@ -76,9 +76,7 @@ def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool,
         )
     if image_type not in _DISPLAYABLE_TYPES:
         raise metafile.failure(
-            "UltrasoundImageType must be {kinds}; got {kind!r}. Export B-mode frames from Plus.".format(
-                kinds=" or ".join(_DISPLAYABLE_TYPES), kind=shorten(image_type)
-            )
+            f"UltrasoundImageType must be {' or '.join(_DISPLAYABLE_TYPES)}; got {shorten(image_type)!r}. Export B-mode frames from Plus."
         )
     if code in _UNKNOWN_CODES:
         raise metafile.failure(

@@ -100,11 +100,7 @@ def check_sequence_name(path: Path) -> None:
     OutputError
     """
     if path.suffix.lower() not in SUFFIXES:
-        raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.".format(
-                path=path, suffixes=", ".join(SUFFIXES)
-            )
-        )
+        raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
     if path.suffix.lower() == ".mhd":
         check_pair_name(path)
 

@@ -84,9 +84,7 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
     path = Path(path)
     if path.suffix.lower() not in TEXT_SUFFIXES + HDF5_SUFFIXES:
         raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.".format(
-                path=path, suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES)
-            )
+            f"Cannot write {path}: its suffix must be one of {', '.join(TEXT_SUFFIXES + HDF5_SUFFIXES)}. Choose another name."
         )
     itk = ras_to_lps(invert(as_matrix(node_to_parent, "node_to_parent")))
     transform = sitk.AffineTransform(3)
@@ -116,9 +114,7 @@ def _read(path: Path) -> bytes:
     suffix = path.suffix.lower()
     if suffix not in TEXT_SUFFIXES + HDF5_SUFFIXES:
         raise TransformFileError(
-            "{path}: its suffix must be one of {suffixes}. Save the transform from Slicer as one.".format(
-                path=path, suffixes=", ".join(TEXT_SUFFIXES + HDF5_SUFFIXES)
-            )
+            f"{path}: its suffix must be one of {', '.join(TEXT_SUFFIXES + HDF5_SUFFIXES)}. Save the transform from Slicer as one."
         )
     data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
     if not data.startswith(TEXT_MAGIC.encode() if suffix in TEXT_SUFFIXES else HDF5_MAGIC):

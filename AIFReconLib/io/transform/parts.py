@@ -122,11 +122,7 @@ def _checked(part: TransformPart) -> tuple[str, ...]:
     count, fixed_counts = _KINDS[name]
     if len(part.parameters) != count or len(part.fixed) not in fixed_counts or not np.isfinite([*part.parameters, *part.fixed]).all():
         raise TransformPartError(
-            (
-                "of kind {kind} must have {count} finite parameters and {fixed} fixed ones; got {parameters} and {others}. Save the "
-                "transform from Slicer again."
-            ).format(
-                kind=name, count=count, fixed=" or ".join(map(str, fixed_counts)), parameters=len(part.parameters), others=len(part.fixed)
-            )
+            f"of kind {name} must have {count} finite parameters and {' or '.join(map(str, fixed_counts))} fixed ones; got "
+            f"{len(part.parameters)} and {len(part.fixed)}. Save the transform from Slicer again."
         )
     return _lines(replace(part, kind=name))

@@ -170,11 +170,7 @@ def check_volume_path(path: str | Path) -> None:
 def _writable_suffix(path: Path) -> str:
     suffix = _suffix(path)
     if suffix not in WRITABLE_SUFFIXES:
-        raise OutputError(
-            "Cannot write {path}: its suffix must be one of {suffixes}. Choose another name.".format(
-                path=path, suffixes=", ".join(WRITABLE_SUFFIXES)
-            )
-        )
+        raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(WRITABLE_SUFFIXES)}. Choose another name.")
     if suffix == ".mhd":
         check_pair_name(path)
     return suffix
@@ -198,9 +194,7 @@ def _read_stored(path: Path) -> StoredVolume:
     suffix = _suffix(path)
     if suffix not in READABLE_SUFFIXES:
         raise VolumeFormatError(
-            "{path}: its suffix must be one of {suffixes}. Export the volume in one of these formats.".format(
-                path=path, suffixes=", ".join(READABLE_SUFFIXES)
-            )
+            f"{path}: its suffix must be one of {', '.join(READABLE_SUFFIXES)}. Export the volume in one of these formats."
         )
     return read_nifti(path) if suffix in NIFTI_SUFFIXES else read_metafile_volume(path)
 

@@ -86,9 +86,7 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     kinds = metafile.kinds or ("domain",) * len(metafile.size)
     if sum(kind in _IN_SPACE for kind in kinds) != 3 or "time" in kinds or len(kinds) > 4:
         raise metafile.failure(
-            "it must be one 3D volume; got axes of the kinds {kinds}. If it is a sequence of frames, give it as a sequence.".format(
-                kinds=" ".join(kinds)
-            )
+            f"it must be one 3D volume; got axes of the kinds {' '.join(kinds)}. If it is a sequence of frames, give it as a sequence."
         )
     require_bytes(path, ITK_COPIES * metafile.pixel_bytes, available_memory())
     if is_metaimage:
@@ -155,9 +153,8 @@ def _check_nrrd(metafile: Metafile) -> None:
             key, _, value = line.partition(b":")
             if len(key if value.startswith(b"=") else line) > LONGEST_FIELD and not line.startswith(b"#"):
                 raise metafile.failure(
-                    "{line!r} is longer than {maximum} bytes. The header is damaged: copy the file again.".format(
-                        line=shorten(line.decode("utf-8", "replace")), maximum=LONGEST_FIELD
-                    )
+                    f"{shorten(line.decode('utf-8', 'replace'))!r} is longer than {LONGEST_FIELD} bytes. The header is damaged: "
+                    "copy the file again."
                 )
 
 

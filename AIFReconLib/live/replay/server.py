@@ -47,6 +47,8 @@ GREETING = 0.25
 class ReplayServer:
     """Serves a recording over OpenIGTLink.
 
+    Ten parameters: a recording, an address, and what servers do differently, each of which `aifrecon replay` has an option for.
+
     Parameters
     ----------
     sequence : TrackedSequence

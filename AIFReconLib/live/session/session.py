@@ -44,6 +44,8 @@ POLL = 0.25
 class LiveSession:
     """Reconstructs while scanning. Use it in a `with` block, or call `stop`.
 
+    Ten parameters: what is reconstructed as in `reconstruct`, and what only a stream has.
+
     Parameters
     ----------
     source : MessageSource

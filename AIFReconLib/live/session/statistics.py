@@ -221,7 +221,7 @@ def tracking_words(status: str, reference: str) -> str:
     tools = [frame for frame in (name.source, name.target) if frame not in _NO_TOOLS]
     if name.source == "Image" and tools == [reference]:
         tools = ["Probe", reference]
-    return "{tools} not seen by tracker".format(tools=listed(tools, " or ") or name)
+    return f"{listed(tools, ' or ') or name} not seen by tracker"
 
 
 class Heard:

@@ -41,6 +41,8 @@ RESOLVING_TIMEOUT = 10.0
 class OpenIGTLinkClient:
     """Receives from a server, in a thread of its own, until it is stopped.
 
+    Eight parameters: an address, and limits that a test or a slow network may want otherwise.
+
     Parameters
     ----------
     host : str

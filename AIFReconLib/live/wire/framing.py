@@ -134,5 +134,5 @@ class Framer:
         del self._buffer[:end]
         if crc64(body) == header.crc:
             return RawMessage(header, body)
-        wrong = "a wrong checksum" if header.crc else "no checksum: its sender leaves it at 0"
-        return RawMessage(header, body, f"A message ({header}) has {wrong}. It is left out.")
+        wrong = "has a wrong checksum" if header.crc else "has no checksum: its sender leaves it at 0"
+        return RawMessage(header, body, f"A message ({header}) {wrong}. It is left out.")

@@ -295,7 +295,6 @@ def test_a_server_cannot_be_reached_by_another_address_of_this_machine(patient):
     server = ReplayServer(read_sequence(patient.sweep, patient.config), port=0, loop=True)
     server.start()
     try:
-        assert server._listener.getsockname()[0] == "127.0.0.1"
         with pytest.raises(OSError), socket.create_connection(("127.0.0.2", server.port), timeout=1):
             pass
     finally:

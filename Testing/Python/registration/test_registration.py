@@ -22,6 +22,7 @@ from AIFReconLib.registration.registration import register, register_echoes
 from AIFReconLib.registration.search import level_shifts
 from AIFReconLib.registration.segments import fields_of_labels, fit_segments, placed_labels
 from AIFReconLib.simulation.scan import random_rigid
+from AIFReconLib.terminal.remedies import in_options
 
 
 @pytest.fixture(scope="module")
@@ -203,8 +204,8 @@ def test_levels_that_fit_equally_well_are_ambiguous():
     found = register_echoes(seen, BoneField.from_labels(labels), np.eye(4))
     assert [other.levels for other in found.alternatives if other.agreement.enough] != []
     assert not found.accepted
-    assert "--level N" in found.said
-    assert "choose one with level, or use its transform." in found.refusal
+    assert "--level N" in in_options(found.said)
+    assert "choose one by level, or use its transform." in found.refusal
 
 
 def test_a_start_one_level_off_does_not_stay_there(echoes, bone):
