@@ -14,7 +14,6 @@ import numpy as np
 from ...arrays import Floats, Numbers, NumberType
 from ...errors import AIFReconError, FileFormatError
 from ...imaging.images import ImageStack, luminance
-from ...message import one_line
 from ..sequence.file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..sequence.images_on_demand import ImagesOnDemand
 
@@ -153,7 +152,7 @@ def decoding(what: str, advice: str) -> Iterator[None]:
     except AIFReconError:
         raise
     except Exception as error:
-        raise FileFormatError(f"{what} ({one_line(str(error))[:200] or type(error).__name__}). {advice}") from error
+        raise FileFormatError(f"{what} ({str(error)[:200] or type(error).__name__}). {advice}") from error
 
 
 def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype: NumberType) -> str:

@@ -40,9 +40,7 @@ def open_video(path: Path) -> ImportedImages:
     try:
         program = library("imageio_ffmpeg", "Videos").get_ffmpeg_exe()
     except RuntimeError as error:
-        raise FileFormatError(
-            f"{path}: there is no ffmpeg program ({one_line(str(error))}). Install it: pip install imageio-ffmpeg."
-        ) from None
+        raise FileFormatError(f"{path}: there is no ffmpeg program ({error}). Install it: pip install imageio-ffmpeg.") from None
     video = _Video(program, path)
     times = video.times()
     stack = DecodedImages(len(times), video.frame, lambda n: f"{path}, frame {n}")

@@ -7,9 +7,9 @@ import math
 import re
 
 from ...errors import AIFReconError
-from ...message import one_line, shorten
+from ...message import shorten
 
-__all__ = ["NotANumberError", "format_number", "one_line", "parse_number", "parse_numbers", "shorten"]
+__all__ = ["NotANumberError", "format_number", "parse_number", "parse_numbers", "shorten"]
 
 
 # Written so that there is one way to match a run of digits: with two, a long run takes the square of its length

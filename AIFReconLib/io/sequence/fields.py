@@ -17,7 +17,7 @@ import numpy as np
 from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from ...message import one_line, shorten
+from ...message import shorten
 from ...sweep.frames import FrameRecord, RecordsOnDemand
 from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
@@ -217,12 +217,10 @@ def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str
         numbers = parse_numbers(text)
     except NotANumberError as error:
         raise metafile.failure(
-            f"{_where(number)}{one_line(key)} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
+            f"{_where(number)}{key} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
         ) from error
     if len(numbers) != 16:
-        raise metafile.failure(
-            f"{_where(number)}{one_line(key)} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry."
-        )
+        raise metafile.failure(f"{_where(number)}{key} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry.")
     return np.array(numbers).reshape(4, 4)
 
 
