@@ -113,6 +113,10 @@ class LiveMessageError(AIFReconError, ValueError):
     """A message of a live stream arrived whole and still cannot be used."""
 
 
+class WorkerDiedError(AIFReconError, RuntimeError):
+    """The process that computes has ended in the middle: killed, crashed, or out of memory. The next call begins a new one."""
+
+
 class OperationCanceled(AIFReconError):
     """The caller's progress function asked to stop. Inputs are untouched."""
 

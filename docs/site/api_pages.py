@@ -9,7 +9,7 @@ from pathlib import Path
 ROOMS = (
     *("reconstruction", "recipe", "errors", "message", "remedies", "progress", "arrays", "resolve"),
     *("sweep", "geometry", "imaging", "bone", "compounding", "holes", "io", "registration", "guidance", "inspection", "evaluation"),
-    *("provenance", "simulation", "live", "batch", "machine", "commands", "terminal"),
+    *("provenance", "simulation", "live", "batch", "machine", "commands", "worker", "terminal"),
 )
 """In the order in which somebody who writes Python meets them; a test of the site compares with what is there."""
 

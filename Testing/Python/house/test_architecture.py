@@ -21,6 +21,7 @@ ROOMS = (
     *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
     "AIFReconScene",
     *("commands", "batch", "terminal"),
+    "worker",
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     "guidance",
     *("evaluation", "simulation", "reconstruction", "inspection", "provenance", "compounding", "registration", "bone", "resolve"),

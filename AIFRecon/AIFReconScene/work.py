@@ -1,0 +1,30 @@
+"""The library's work is done by a process of its own: whatever it does there, this application's windows stay alive."""
+
+from AIFReconLib.worker.worker import Worker
+
+worker = Worker()
+"""That of this application. It starts when first asked, and anew when it has died."""
+
+
+def inWorker(function, *arguments, progress=None, **named):
+    """What ``function(*arguments, **named)`` of the library returns, called in the worker.
+
+    Parameters
+    ----------
+    function : callable
+        Of AIFReconLib: its name is what the worker is told. Given `progress` there, where it takes that.
+    *arguments, **named
+        Whatever can be pickled; arrays cross in shared memory.
+    progress : callable or None
+        As everywhere; hears of the call every 20 ms. None: nobody waits for events.
+
+    Raises
+    ------
+    OperationCanceled
+        When `progress` returns False.
+    WorkerDiedError
+        When the process has died.
+    Exception
+        Whatever the function raises.
+    """
+    return worker.call(function, *arguments, progress=progress, **named)
