@@ -41,6 +41,7 @@ PACKAGES = {
     "evaluation": {"matplotlib", "vtk"},
     "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},
     "live": {"pyigtl"},
+    "worker": {"vtkmodules"},
 }
 """What a folder of the library may import of others' besides that."""
 
