@@ -14,6 +14,7 @@ from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError
 from ..geometry.volume import Volume
+from ..guidance.guidance import Guidance
 from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.session.agreement_watch import AgreementWatch
 from ..live.session.bone_watch import BoneWatch, predictions_beside
@@ -81,7 +82,10 @@ class Scan:
         )
         self._spans: list[tuple[int, int | None]] = [(0, None)]
         self._snapshots = SnapshotMaker(self.session)
-        self._agreement = self._guidance = self._seen_bone = None
+        self._agreement: AgreementWatch | None = None
+        self._guidance: GuidanceWatch | None = None
+        self._told: Guidance | None = None
+        self._seen_bone: BoneWatch | None = None
         try:
             if request.labels is not None and self._place is not None:
                 self._agreement = AgreementWatch(self.session, BoneField.from_labels(request.labels), self._place)
@@ -104,13 +108,15 @@ class Scan:
 
     # ---- what the window asks for
 
-    def look(self, frame: int = -1) -> Seen:
+    def look(self, frame: int = -1, surface: int | None = None) -> Seen:
         """What is new.
 
         Parameters
         ----------
         frame : int
-            Number of the frame that is shown: a later one comes along.
+            Number of the frame that is shown: another comes along.
+        surface : int or None
+            Number of the mesh of bone that is shown: another comes along with guidance.
         """
         session, statistics = self.session, self.session.statistics
         self._snapshots.request()
@@ -120,13 +126,16 @@ class Scan:
         problems = [] if state is None else [state.problem]
         problems += [None if self._snapshots.error is None else said(self._snapshots.error), *self._recording_problems()]
         latest = session.latest
+        guidance = None if self._guidance is None else self._guidance.state
+        is_told, self._told = guidance is self._told, guidance
         return Seen(
             statistics=statistics,
             grid=session.grid,
             scouted=session.scouted,
             spans=tuple(self._spans),
-            frame=None if latest is None or latest.number <= frame else SeenFrame.of(latest),
+            frame=None if latest is None or latest.number == frame else SeenFrame.of(latest),
             result=None if result is None else self._shown(result),
+            guidance=None if guidance is None or is_told else guidance.seen(surface),
             has_fallen=state is not None and state.has_fallen,
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
             bone_lines=self._bone_lines(statistics.frames_received),
@@ -178,7 +187,9 @@ class Scan:
         self._place = bone_to_reference
         if self._growing is not None:
             return False
-        self.session.use_bone(self._bone_map(progress))
+        bone = self._bone_map(progress)
+        if bone is not None:
+            self.session.use_bone(bone)
         return self.session.grid is not None and self.session.statistics.phase != SCOUTING
 
     def use_scouted_box(self) -> None:
