@@ -51,6 +51,7 @@ class _Server:
         self._channel = channel
         self._canceled: dict[int, threading.Event] = {}
         self._kept: dict[int, Any] = {}
+        self._ending: list[threading.Thread] = []
 
     def run(self) -> None:
         while True:
@@ -61,7 +62,9 @@ class _Server:
             elif isinstance(message, Cancel) and message.number in self._canceled:
                 self._canceled[message.number].set()
             elif isinstance(message, Forget):
-                _close(self._kept.pop(message.number, None))
+                thread = threading.Thread(target=_close, args=[self._kept.pop(message.number, None)], name="aifrecon end", daemon=True)
+                thread.start()
+                self._ending.append(thread)
             del message  # and with it the arrays that came
 
     def close(self) -> None:
@@ -69,6 +72,8 @@ class _Server:
             canceled.set()
         for kept in tuple(self._kept.values()):
             _close(kept)
+        for thread in self._ending:
+            thread.join()
 
     def _answer(self, call: Call) -> None:
         number = call.number

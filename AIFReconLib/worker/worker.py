@@ -145,6 +145,8 @@ class Worker:
                     self._tasks.pop(message.number, None)
                 if task is not None:
                     task.take(message)
+                elif isinstance(message, Returned) and isinstance(message.value, Kept):
+                    self.forget(message.value)  # of a call that is wanted no more
         except (EOFError, OSError):
             self._died()
 
