@@ -33,6 +33,7 @@ from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
+from AIFReconScene.work import worker
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.message import listed
@@ -120,7 +121,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
         if not self._isSetUp:
-            return  # the .ui file could not be loaded
+            return  # the .ui file could not be loaded, or all is let go of already
+        self._isSetUp = False
         self._work.close()
         self._live.close(sceneStays=True)
         for each in (self._recorded, self._registration, self._guidance):
@@ -139,7 +141,9 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
 
     def onReload(self) -> None:
-        """Reload the library as well as this file."""
+        """Reload the library as well as this file; what goes on is ended first, while its classes are those that it was made of."""
+        self.cleanup()
+        worker.close()
         for name in [name for name in sys.modules if name.split(".")[0] in ("AIFReconLib", "AIFReconScene", "AIFReconGui")]:
             del sys.modules[name]
         super().onReload()

@@ -107,7 +107,7 @@ class _Server:
         if not isinstance(argument, Kept):
             return argument
         if argument.number not in self._kept:
-            raise WorkerDiedError("What was under way was lost with the process that computed it. Begin it again.")
+            raise WorkerDiedError("What was under way was lost with the process that computed it.")
         return self._kept[argument.number]
 
     def _progress_of(self, number: int) -> Any:
