@@ -25,7 +25,7 @@ from ..live.session.snapshots import SnapshotMaker
 from ..live.session.taken_up import TakenUp
 from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.messages import StreamMessage
-from ..live.wire.sources import QueueSource
+from ..live.wire.sources import QueueSource, StreamStatistics
 from ..machine.threads import usable_cores
 from ..message import said
 from ..progress import Progress, part, report
@@ -60,9 +60,9 @@ class Scan:
     """
 
     def __init__(self, request: ScanRequest, progress: Progress | None = None):
-        self._request, self._place = request, request.bone_to_reference
+        self._request, self._labels, self._place = request, request.labels, request.bone_to_reference
         recipe, configuration = request.recipe, request.configuration
-        self._queue = None if request.server is not None else QueueSource()
+        self._given = None if request.server is not None else _Given()
         self._labeled: LabeledBone | None = None
         self._growing = GrowingBone() if request.bone_from is not None else None
         # Refused before the scan, not in it
@@ -70,7 +70,7 @@ class Scan:
         self._method = recipe.method_for(True)
         earlier = TakenUp(request.record, configuration) if request.takes_up and request.record is not None else None
         self.session = LiveSession(
-            self._queue or OpenIGTLinkClient(*request.server or ("", 0)),
+            self._given or OpenIGTLinkClient(*request.server or ("", 0)),
             recipe,
             self._growing or self._bone_map(part(progress, 0.0, 0.5)),
             request.grid,
@@ -87,13 +87,13 @@ class Scan:
         self._told: Guidance | None = None
         self._seen_bone: BoneWatch | None = None
         try:
-            if request.labels is not None and self._place is not None:
-                self._agreement = AgreementWatch(self.session, BoneField.from_labels(request.labels), self._place)
+            if self._labels is not None and self._place is not None:
+                self._agreement = AgreementWatch(self.session, BoneField.from_labels(self._labels), self._place)
             if self._growing is not None:
                 # What a network says is recorded beside the scan
                 beside = None if request.record is None or request.bone_from == ECHOES else _free(predictions_beside(request.record))
                 self._seen_bone = BoneWatch(self.session, self._growing, None if request.bone_device else self._estimator, beside)
-            self.guide(request.guidance, request.labels)
+            self.guide(request.guidance)
             while self._guidance is not None and not self._guidance.prepared.wait(LOOK_EVERY):
                 report(progress, 0.6, "Finding the surface of bone")
             while not self.session.prepare(LOOK_EVERY):
@@ -142,10 +142,11 @@ class Scan:
             problems=tuple(problem for problem in problems if problem),
         )
 
-    def put(self, message: StreamMessage) -> None:
-        """Take an image that the window has from elsewhere."""
-        if self._queue is not None:
-            self._queue.put(message)
+    def put(self, message: StreamMessage, replaced: int = 0) -> None:
+        """Take an image that the window has from elsewhere; so many others were replaced before it could take them."""
+        if self._given is not None:
+            self._given.replaced = replaced
+            self._given.put(message)
 
     def pause(self, paused: bool) -> None:
         """Insert nothing for a while, or go on."""
@@ -161,23 +162,26 @@ class Scan:
         self.session.reset()
         self._spans = [(self._recorded(), self._spans[-1][1] and self._recorded())]
 
-    def guide(self, wanted: bool, labels: Volume | None = None) -> None:
-        """Tell from now on what is met of these labels, and where to look next, or do so no longer."""
-        if not wanted or labels is None or self._place is None:
+    def guide(self, wanted: bool) -> None:
+        """Tell from now on what is met of the labels, and where to look next, or do so no longer."""
+        if wanted and self._guidance is None and self._labels is not None and self._place is not None:
+            self._guidance = GuidanceWatch(self.session, self._labels, self._place)
+        elif not wanted and self._guidance is not None:
             ended, self._guidance = self._guidance, None
-            if ended is not None:
-                ended.stop(wait=False)
-        elif self._guidance is None:
-            self._guidance = GuidanceWatch(self.session, labels, self._place)
-        else:
-            self._guidance.place(self._place, labels)
+            ended.stop(wait=False)
 
-    def place(self, bone_to_reference: Matrix) -> None:
-        """The CT lies elsewhere now."""
-        self._place = bone_to_reference
-        for watch in (self._agreement, self._guidance):
-            if watch is not None:
-                watch.place(bone_to_reference)
+    def place(self, bone_to_reference: Matrix, labels: Volume | None = None) -> None:
+        """The CT lies elsewhere now, or has other labels."""
+        self._place, before = bone_to_reference, self._agreement
+        if labels is not None:
+            self._labels = labels
+            self._agreement = AgreementWatch(self.session, BoneField.from_labels(labels), bone_to_reference)
+            if before is not None:
+                before.stop(wait=False)
+        elif before is not None:
+            before.place(bone_to_reference)
+        if self._guidance is not None:
+            self._guidance.place(bone_to_reference, labels)
 
     def follow_bone(self, bone_to_reference: Matrix, progress: Progress | None = None) -> bool:
         """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with.
@@ -236,11 +240,11 @@ class Scan:
     # ---- parts
 
     def _bone_map(self, progress: Progress | None) -> BoneMap | None:
-        request = self._request
-        if request.labels is not None:
-            self._labeled = LabeledBone(request.labels, self._place, None, request.recipe)
+        if self._labels is not None:
+            self._labeled = LabeledBone(self._labels, self._place, None, self._request.recipe)
             return self._labeled.map(self._method, progress)
-        return None if request.probability is None else BoneMap.from_probability(request.probability, self._place)
+        probability = self._request.probability
+        return None if probability is None else BoneMap.from_probability(probability, self._place)
 
     def _estimator(self, imaging: Imaging) -> BoneEstimator:
         return self._model or EchoEstimator(imaging)
@@ -273,6 +277,17 @@ class Scan:
         for watch in (self._agreement, self._guidance, self._seen_bone):
             if watch is not None:
                 watch.stop()
+
+
+class _Given(QueueSource):
+    """Images that a window gives, with those that it has missed."""
+
+    replaced = 0
+
+    @property
+    def statistics(self) -> StreamStatistics:
+        queued = super().statistics
+        return replace(queued, dropped=queued.dropped + self.replaced, dropped_images=queued.dropped_images + self.replaced)
 
 
 def _free(path: Path) -> Path:
