@@ -55,3 +55,16 @@ class Returned:
     number: int
     value: Any = None
     error: BaseException | None = None
+
+
+@dataclass(frozen=True)
+class Logged:
+    """What the library notes for a log, of no call."""
+
+    name: str
+    level: int
+    text: str
+    number: int = -1
+
+
+Message = Call | Cancel | Forget | Report | Returned | Logged
