@@ -14,6 +14,7 @@ import traceback
 from multiprocessing.connection import Connection
 from typing import Any
 
+from ..errors import WorkerDiedError
 from .calls import Call, Cancel, Forget, Kept, Report, Returned
 from .channel import Channel
 
@@ -85,16 +86,23 @@ class _Server:
             self._channel.send(Returned(number, error=_that_crosses(error)))
 
     def _called(self, call: Call) -> Any:
-        known = self._kept
-        arguments = [known[each.number] if isinstance(each, Kept) else each for each in call.arguments]
-        named = {name: known[each.number] if isinstance(each, Kept) else each for name, each in call.named.items()}
+        arguments = [self._meant(each) for each in call.arguments]
+        named = {name: self._meant(each) for name, each in call.named.items()}
         if "progress" in inspect.signature(call.function).parameters:
             named["progress"] = self._progress_of(call.number)
         value = call.function(*arguments, **named)
         if not call.keep:
             return value
-        known[call.number] = value
+        self._kept[call.number] = value
         return Kept(call.number)
+
+    def _meant(self, argument: Any) -> Any:
+        """The argument, or what it stands for."""
+        if not isinstance(argument, Kept):
+            return argument
+        if argument.number not in self._kept:
+            raise WorkerDiedError("The process that computes was started anew, and what it knew is gone. Try again.")
+        return self._kept[argument.number]
 
     def _progress_of(self, number: int) -> Any:
         canceled, last = self._canceled[number], (-REPORT_EVERY, "")
