@@ -19,7 +19,7 @@ class Call:
     """``function(*arguments, **named)``, with `progress` where the function takes it."""
 
     number: int
-    function: Callable[..., Any]
+    function: Callable[..., Any] | str  #: The name of a method: of the first argument, which is kept
     arguments: tuple[Any, ...] = ()
     named: Mapping[str, Any] = field(default_factory=dict)
     keep: bool = False  #: What is returned stays in the worker, as `Kept` of this number

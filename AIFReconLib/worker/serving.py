@@ -51,6 +51,7 @@ class _Server:
         self._channel = channel
         self._canceled: dict[int, threading.Event] = {}
         self._kept: dict[int, Any] = {}
+        self._ending: list[threading.Thread] = []
 
     def run(self) -> None:
         while True:
@@ -61,7 +62,9 @@ class _Server:
             elif isinstance(message, Cancel) and message.number in self._canceled:
                 self._canceled[message.number].set()
             elif isinstance(message, Forget):
-                _close(self._kept.pop(message.number, None))
+                thread = threading.Thread(target=_close, args=[self._kept.pop(message.number, None)], name="aifrecon end", daemon=True)
+                thread.start()
+                self._ending.append(thread)
             del message  # and with it the arrays that came
 
     def close(self) -> None:
@@ -69,6 +72,8 @@ class _Server:
             canceled.set()
         for kept in tuple(self._kept.values()):
             _close(kept)
+        for thread in self._ending:
+            thread.join()
 
     def _answer(self, call: Call) -> None:
         number = call.number
@@ -88,20 +93,21 @@ class _Server:
     def _called(self, call: Call) -> Any:
         arguments = [self._meant(each) for each in call.arguments]
         named = {name: self._meant(each) for name, each in call.named.items()}
-        if "progress" in inspect.signature(call.function).parameters:
+        function = getattr(arguments.pop(0), call.function) if isinstance(call.function, str) else call.function
+        if "progress" in inspect.signature(function).parameters:
             named["progress"] = self._progress_of(call.number)
-        value = call.function(*arguments, **named)
+        value = function(*arguments, **named)
         if not call.keep:
             return value
         self._kept[call.number] = value
         return Kept(call.number)
 
     def _meant(self, argument: Any) -> Any:
-        """The argument, or what it stands for."""
+        """The argument, or the object that it stands for."""
         if not isinstance(argument, Kept):
             return argument
         if argument.number not in self._kept:
-            raise WorkerDiedError("The process that computes was started anew, and what it knew is gone. Try again.")
+            raise WorkerDiedError("What was under way was lost with the process that computed it. Begin it again.")
         return self._kept[argument.number]
 
     def _progress_of(self, number: int) -> Any:

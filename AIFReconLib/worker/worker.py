@@ -9,7 +9,7 @@ import types
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
-from typing import Any, TypeVar
+from typing import Any
 
 from ..errors import OperationCanceled, WorkerDiedError
 from ..machine.processes import python_program
@@ -17,8 +17,6 @@ from ..progress import Progress, report
 from .calls import Call, Cancel, Forget, Kept, Report, Returned
 from .channel import Channel
 from .serving import TracebackInWorker, serve
-
-T = TypeVar("T")
 
 LOOK_EVERY = 0.02
 """s between two reports to who waits."""
@@ -99,14 +97,21 @@ class Worker:
         self._tasks: dict[int, Task] = {}
         self._numbers = itertools.count()
 
-    def begin(self, function: Callable[..., Any], *arguments: Any, **named: Any) -> Task:
-        """Have ``function(*arguments, **named)`` called; returns at once. It is given `progress` where it takes that."""
-        return self._begin(function, arguments, named)
+    def begin(self, function: Callable[..., Any] | str, *arguments: Any, keep: bool = False, **named: Any) -> Task:
+        """Have ``function(*arguments, **named)`` called; returns at once.
 
-    def call(self, function: Callable[..., T], *arguments: Any, progress: Progress | None = None, **named: Any) -> T:
-        """What ``function(*arguments, **named)`` returns there; `progress` hears of it and may cancel it. Errors as of `Task.result`."""
-        result: T = self._begin(function, arguments, named).result(progress)
-        return result
+        Parameters
+        ----------
+        function : callable or str
+            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`.
+        keep : bool
+            What it returns stays in the worker; the task's result is `Kept`.
+        """
+        return self._begin(function, arguments, named, keep)
+
+    def call(self, function: Callable[..., Any] | str, *arguments: Any, progress: Progress | None = None, **named: Any) -> Any:
+        """What a function returns, as for `begin`; `progress` hears of it and may cancel it. Errors as of `Task.result`."""
+        return self._begin(function, arguments, named).result(progress)
 
     def keep(self, function: Callable[..., Any], *arguments: Any, progress: Progress | None = None, **named: Any) -> Kept:
         """As `call`, but what is returned stays in the worker. When that ends it is closed, where it has `close`."""
@@ -140,6 +145,8 @@ class Worker:
                     self._tasks.pop(message.number, None)
                 if task is not None:
                     task.take(message)
+                elif isinstance(message, Returned) and isinstance(message.value, Kept):
+                    self.forget(message.value)  # of a call that is wanted no more
         except (EOFError, OSError):
             self._died()
 
@@ -148,7 +155,7 @@ class Worker:
         if self._tasks.pop(number, None) is not None:
             self._send(Cancel(number))
 
-    def _begin(self, function: Callable[..., Any], arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:
+    def _begin(self, function: Callable[..., Any] | str, arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:
         if self._channel is None or self._process is None or not self._process.is_alive():
             self._start()
         task = Task(self, next(self._numbers))

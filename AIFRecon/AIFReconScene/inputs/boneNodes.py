@@ -74,6 +74,12 @@ def boneMapFromNode(
         return inBackground(lambda progress: BoneMap.from_labels(labels, sigma, sigmaMm, world, progress), progress)
 
 
+def probabilityFromNode(node) -> Volume:
+    """The bone probability of a scalar volume in its own coordinates; a GeometryError where it holds none."""
+    with named(node):
+        return _volumeOf(node)
+
+
 def isLabeled(node) -> bool:
     """Whether a node says of every voxel which bone it is, if any; a bone probability does not."""
     return node.IsA("vtkMRMLSegmentationNode") or node.IsA("vtkMRMLLabelMapVolumeNode")
