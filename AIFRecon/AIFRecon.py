@@ -26,7 +26,6 @@ except ImportError:
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
 from AIFReconScene.background import inBackground
-from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
@@ -317,7 +316,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             browser = self.readRecording(parameters.recordingPath, configuration, share, **readingFrom(parameters))
             parameters.sweep, parameters.imageSequence = browser, None
             takeConfigured(parameters, browser)
-            showInputs(browser, parameters.ctVolume, part(progress, 0.95, 1.0))
+            showInputs(browser, parameters.ctVolume)
         return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
@@ -329,7 +328,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
         computed, prepared, said = self._computed(inputs, settings, keep, part(progress, 0.0, 0.85), True)
         # Drawn once, when all of it is shown
-        with drawnViewByView(part(progress, 0.9, 0.9)):
+        with slicer.util.RenderBlocker():
             node = self._kept(computed, inputs, parameters.output, keep)["intensity"]
             if progress is not None:
                 progress(0.85, "Showing the volume")  # it is there: too late to cancel
@@ -337,7 +336,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
                 raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
             parameters.output = node
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
-        self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))
+        self.verdicts.judge(parameters, prepared.comparison(), self.trackingReport(parameters)[1])
         return said
 
     def openFiles(self, parameters, paths, progress=None) -> str:

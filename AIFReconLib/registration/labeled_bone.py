@@ -14,7 +14,8 @@ from ..geometry.volume import Volume
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
-from .comparison import Comparison, compared
+from .agreement import Comparison
+from .comparison import compared
 
 UNKNOWN_WIDTH = 4.0
 """mm. Where CT and sweep were not compared, as before a live scan: the paper's 10 voxels on a CT of 0.4 mm."""

@@ -64,6 +64,10 @@ class SweepImages:
             raise ValueError("Images in nodes cannot become an array without a copy.")
         return np.stack([self[index] for index in range(len(self))]).astype(self.dtype if dtype is None else dtype, copy=False)
 
+    def __reduce__(self):
+        # Another process has no nodes
+        return np.asarray, (np.asarray(self),)
+
     def _image(self, number: int):
         """The vtkImageData of an item that has one, checked."""
         image = self._nodes[number].GetImageData()
