@@ -25,13 +25,13 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
-from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
+from AIFReconScene.work import inWorker, worker
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.progress import part
@@ -92,9 +92,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.recordedPanel import RecordedPanel
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconScene.inputs.inputWatch import InputWatch
-        from AIFReconScene.work import worker
 
-        from AIFReconLib.worker.evaluating import warm_up
+        from AIFReconLib.worker.reconstructing import warm_up
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
@@ -123,7 +122,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
         if not self._isSetUp:
-            return  # the .ui file could not be loaded
+            return  # the .ui file could not be loaded, or all is let go of already
+        self._isSetUp = False
         self._work.close()
         self._live.close(sceneStays=True)
         for each in (self._recorded, self._registration, self._guidance):
@@ -142,9 +142,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
 
     def onReload(self) -> None:
-        """Reload the library as well as this file."""
-        from AIFReconScene.work import worker
-
+        """Reload the library as well as this file; what goes on is ended first, while its classes are those that it was made of."""
+        self.cleanup()
         worker.close()
         for name in [name for name in sys.modules if name.split(".")[0] in ("AIFReconLib", "AIFReconScene", "AIFReconGui")]:
             del sys.modules[name]
@@ -276,7 +275,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
         given = Inputs(sweep=sweep, bone=bone, recipe=Recipe(**{"best_cosine": "cosine" in keep, **settings}), **more)
         with progressOr(progress, _("Reconstruction")) as progress:
-            made, _prepared = self._made(given, keep, progress)
+            made = self._made(given, keep, progress)
         return self._kept(made, given, output, keep)["intensity"]
 
     # ---- for the panel
@@ -316,7 +315,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             browser = self.readRecording(parameters.recordingPath, configuration, share, **readingFrom(parameters))
             parameters.sweep, parameters.imageSequence = browser, None
             takeConfigured(parameters, browser)
-            showInputs(browser, parameters.ctVolume, part(progress, 0.95, 1.0))
+            showInputs(browser, parameters.ctVolume)
         return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
@@ -326,9 +325,9 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs = Inputs.fromParameters(parameters)
-        made, prepared = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
+        made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
         # Drawn once, when all of it is shown
-        with drawnViewByView(part(progress, 0.9, 0.9)):
+        with slicer.util.RenderBlocker():
             node = self._kept(made, inputs, parameters.output, keep)["intensity"]
             if progress is not None:
                 progress(0.85, "Showing the volume")  # it is there: too late to cancel
@@ -336,7 +335,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
                 raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
             parameters.output = node
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
-        self.verdicts.judge(parameters, prepared, made.tracking, part(progress, 0.9, 1.0))
+        self.verdicts.judge(parameters, made.comparison, made.tracking)
         return "\n".join(made.lines)
 
     def openFiles(self, parameters, paths, progress=None) -> str:
@@ -354,18 +353,16 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _made(self, inputs, keep, progress, forViews=False) -> tuple:
-        """What the worker has `Made` of the inputs, and the `PreparedInputs` by which that is judged."""
-        from AIFReconScene.inputs.inputs import PreparedInputs
+    def _made(self, inputs, keep, progress, forViews=False):
+        """What the worker has `Made` of the inputs."""
         from AIFReconScene.panelWords import remedies
-        from AIFReconScene.work import inWorker
 
         from AIFReconLib.worker.reconstructing import reconstructed
 
         asked = inputs.asked(part(progress, 0.0, 0.1))
         made = inWorker(reconstructed, asked, keep, forViews, remedies(), progress=part(progress, 0.1, 1.0))
         self._tracking.remember(inputs, made.result.method, made.tracking)
-        return made, PreparedInputs(asked, made.comparison)
+        return made
 
     def _kept(self, made, inputs, output, keep) -> dict:
         from AIFReconScene.picture.kept import keptNodes

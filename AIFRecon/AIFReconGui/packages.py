@@ -17,7 +17,7 @@ from AIFReconScene.work import worker
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.worker.evaluating import warm_up
+from AIFReconLib.worker.reconstructing import warm_up
 
 from .errorsShown import errorsShown
 

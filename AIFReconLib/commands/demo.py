@@ -16,7 +16,8 @@ from ..evaluation.quantities import BoneMetrics, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
-from ..guidance.coverage import Coverage, Share, coverage
+from ..guidance.coverage import Coverage, coverage
+from ..guidance.seen import Share
 from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform

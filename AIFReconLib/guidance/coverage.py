@@ -19,27 +19,12 @@ from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order, tracked_frames
 from .bone import GuidedBone, guided_bone
 from .met import BoneMet, FrameGeometry
+from .seen import Share
 
 BELOW_60, BELOW_45 = np.cos(np.radians((60.0, 45.0)))
 
 AWRY_DEG = 60.0
 """A sweep whose middle beams run farther than this from the front of the labels, on the mean, says itself where the front is."""
-
-
-@dataclass(frozen=True)
-class Share:
-    """How much of one part of the bone was met; shares are of the reachable area, and NaN where nothing is reachable."""
-
-    reachable_cm2: float  #: Area that some beam from the back could reach
-    met: float  #: 0 to 1. Met by a lit frame past all other bone, within 85 degrees.
-    below_60_deg: float
-    below_45_deg: float
-    """0 to 1. Met with a best angle of incidence below this."""
-    expected_visibility: float  #: 0 to 1. Share that `weighted` is expected to show; see `BoneMet.expected`.
-
-    def to_dict(self) -> dict[str, float | None]:
-        """All numbers by name, rounded to what they can mean; None where a share is of nothing."""
-        return {name: None if value != value else round(float(value), 4) for name, value in vars(self).items()}
 
 
 @dataclass(frozen=True, eq=False)

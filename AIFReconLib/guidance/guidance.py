@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,9 +20,10 @@ from .candidates import DRAWS
 from .coverage import Coverage, coverage, covered
 from .mesh import ColoredBone
 from .met import BoneMet
-from .next_move import Direction, Move, NextMove, directions
+from .next_move import Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
+from .seen import AdvisedMove, Direction, GuidanceSeen, ProbeShape
 
 FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
 NOT_IN_BOX = "The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the sweep."
@@ -50,6 +51,28 @@ class Guidance:
         best = met.best_cosine.copy()
         return cls(colored, colored.levels(best), covered(met, notes), best, advice)
 
+    def seen(self, known: int | None = None) -> GuidanceSeen:
+        """What is shown of it; `known` is the number of the mesh that who asks has already, and is not told again."""
+        mesh = None if self.colored is None else self.colored.mesh
+        seen = GuidanceSeen(
+            self.problem,
+            None if mesh is None else mesh.number,
+            None if mesh is None or mesh.number == known else mesh,
+            self.levels,
+        )
+        if self.coverage is None:
+            return seen
+        found, advice = self.coverage, self.advice
+        return replace(
+            seen,
+            all=found.all,
+            interspinous=found.interspinous,
+            by_label=found.by_label,
+            patient_to_reference=found.met.bone.patient_to_reference,
+            is_advised=advice is not None,
+            move=None if advice is None else advice.seen,
+        )
+
 
 @dataclass(frozen=True)
 class Advice:
@@ -58,6 +81,14 @@ class Advice:
     move: Move | None  #: None when nothing is worth its labor any more
     directions: tuple[Direction, ...] = ()  #: The way there from where the probe is
     over: tuple[int, ...] = ()  #: The label, or the two labels, that the probe will stand over
+    probe: ProbeShape | None = None  #: Of the probe that is to go there
+
+    @property
+    def seen(self) -> AdvisedMove | None:
+        """What is shown of it; None where there is no move."""
+        if self.move is None or self.probe is None:
+            return None
+        return AdvisedMove(self.move.image_to_reference, self.directions, self.over, self.move.adds_cm2, self.probe)
 
 
 class Advisor:
@@ -87,7 +118,8 @@ class Advisor:
         if move is None:
             return Advice(None)
         there = move.planned.placements(1)[0]
-        return Advice(move, directions(self._probe.placement(image_to_reference), there), labels_under(self._bone, there.z))
+        way = directions(self._probe.placement(image_to_reference), there)
+        return Advice(move, way, labels_under(self._bone, there.z), self._probe.images.shape)
 
 
 def has_come_near(met: BoneMet) -> bool:

@@ -13,6 +13,7 @@ from ..geometry.volume import Volume
 from .bone import GuidedBone
 from .coverage import BELOW_45, BELOW_60
 from .met import BoneMet
+from .seen import BoneMesh
 
 NEAR = 2.5
 """mm. A corner of the mesh takes the numbers of the reachable point that is nearest, within this; farther ones are not reachable."""
@@ -25,14 +26,6 @@ LIFTED = 0.7
 
 OUT_OF_REACH, NOT_MET, GRAZED, ASLANT, SQUARELY = range(5)
 """No beam from the back gets there; none has been there; the best one came at more than 60 degrees, at 45 to 60, below 45."""
-
-
-@dataclass(frozen=True, eq=False)
-class BoneMesh:
-    """Triangles on the surface of bone."""
-
-    points_reference: Floats  #: (n, 3), mm
-    triangles: Integers  #: (m, 3). Numbers of the corners, counter-clockwise seen from outside.
 
 
 def bone_mesh(distance: Volume) -> BoneMesh:

@@ -14,6 +14,7 @@ from .candidates import DRAWS, Candidates
 from .met import BoneMet
 from .passes import HAND, Hand, Pass, freehand_passes, name_of_place
 from .probe import Placement, ProbeOnBack
+from .seen import Direction
 
 STABLE = 0.25
 """Part by which another move must be better than the one that was advised before it is advised instead."""
@@ -38,14 +39,6 @@ TURN, UP, DOWN, TO_LEFT, TO_RIGHT, HERE = "\u21bb", "\u2191", "\u2193", "\u2190"
 
 TURNED_DEG = 45.0
 """Between a transverse and a sagittal image."""
-
-
-@dataclass(frozen=True)
-class Direction:
-    """One step: an arrow for the eye, and words."""
-
-    arrow: str
-    words: str
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,9 +12,10 @@ import scipy
 from ..arrays import Floats, Matrix
 from ..geometry.transforms import image_plane_axes, invert, pixel_spacing, transform_points
 from ..imaging.beams import LINEAR, ProbeGeometry
-from ..imaging.region import ImageRegion
+from ..imaging.region import ImageRegion, extreme_pixels
 from ..simulation.phased_array import PhasedArray
 from .bone import GuidedBone
+from .seen import ProbeShape
 
 AIM_DEPTH = 30.0
 """mm under the skin of the point about which tilts turn: spinous processes and laminae lie there, and stay in view."""
@@ -27,6 +28,12 @@ FARTHEST = 300.0
 
 BEND = 30.0
 """mm to the side or along the spine over which the skin may bend; it says how far its shape is trusted beyond where it was felt."""
+
+BODY, CONTACT = (55.0, 14.0), 8.0
+"""mm: how long and how thick a probe is drawn, and how near to the middle of the face pixels are between which it is as wide."""
+
+DRAWN_ROWS = 24
+"""Of the image plane, between which its border is drawn straight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +75,30 @@ class ProbeImages:
         matrix = np.diag([x, y, (x + y) / 2, 1.0])
         matrix[:2, 3] = -x * self.face_px[0], -y * self.face_px[1]
         return matrix
+
+    @cached_property
+    def shape(self) -> ProbeShape:
+        """Image plane with its border, and a body that stands on the face and narrows away from it."""
+        mask = self.region.mask(*self.frame_size)
+        ends = extreme_pixels(mask)
+        left, right = ends[: len(ends) // 2], ends[len(ends) // 2 :]
+        chosen = np.unique(np.linspace(0, len(left) - 1, min(len(left), DRAWN_ROWS)).round().astype(int))
+        count = len(chosen)
+        plane = [(n, n + 1, count + n + 1, count + n) for n in range(count - 1)]
+        rows, columns = np.nonzero(mask)
+        (column, row), (x, y) = self.face_px, self.spacing
+        contact = columns[np.hypot((columns - column) * x, (rows - row) * y) < CONTACT]
+        half, (length, thickness) = np.ptp(contact) * x / 2 + 4.0, BODY
+        outward = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        body = [(x * wide, back, z * thickness / 2) for back, wide in ((0.0, half), (-length, 0.6 * half)) for x, z in outward]
+        flat = np.concatenate([left[chosen], right[chosen]])
+        faces = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+        placed = transform_points(invert(self.image_to_face), np.array(body))
+        return ProbeShape(
+            np.concatenate([np.column_stack([flat, np.zeros(len(flat))]), placed]),
+            (*plane, *(tuple(len(flat) + corner for corner in face) for face in faces)),
+            (*range(count), *range(2 * count - 1, count - 1, -1), 0),
+        )
 
     def faces(self, image_to_reference: Matrix) -> Floats:
         """The middles of the faces of frames, (n, 3) mm in Reference."""

@@ -15,7 +15,8 @@ from ..geometry.volume import Volume
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
-from .comparison import Comparison, compared
+from .agreement import Comparison
+from .comparison import compared
 
 
 class LabeledBone:

@@ -19,7 +19,7 @@ class Call:
     """``function(*arguments, **named)``, with `progress` where the function takes it."""
 
     number: int
-    function: Callable[..., Any]
+    function: Callable[..., Any] | str  #: The name of a method: of the first argument, which is kept
     arguments: tuple[Any, ...] = ()
     named: Mapping[str, Any] = field(default_factory=dict)
     keep: bool = False  #: What is returned stays in the worker, as `Kept` of this number
@@ -55,3 +55,16 @@ class Returned:
     number: int
     value: Any = None
     error: BaseException | None = None
+
+
+@dataclass(frozen=True)
+class Logged:
+    """What the library notes for a log, of no call."""
+
+    name: str
+    level: int
+    text: str
+    number: int = -1
+
+
+Message = Call | Cancel | Forget | Report | Returned | Logged

@@ -1,4 +1,4 @@
-"""What else a program with windows has done for it: measuring, simulating, keeping settings, and getting ready.
+"""What else a program with windows has done for it: measuring, simulating, and keeping settings.
 
 What computes is imported where it is used: who asks does not load it.
 """
@@ -8,7 +8,6 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +18,6 @@ from ..geometry.volume import Volume
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
-from .reconstructing import FOR_VIEWS, Asked, PlacedBone, reconstructed
 
 
 def measured_volumes(
@@ -81,21 +79,3 @@ def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
     from ..provenance import settings_files
 
     settings_files.write_settings(settings, path)
-
-
-@cache
-def warm_up() -> None:
-    """Load what computes, and compile what is not kept compiled, so that the first call waits for neither."""
-    import importlib
-
-    for name in ("evaluation.metrics", "registration.registration", "guidance.guidance", "simulation.scan"):
-        importlib.import_module(f"AIFReconLib.{name}")
-    poses = np.tile(np.eye(4), (8, 1, 1))
-    poses[:, 2, 3] = np.arange(8)
-    images = np.zeros((8, 32, 32), np.uint8)
-    images[:, 20] = 200
-    labels = np.zeros((8, 40, 40), np.uint8)
-    labels[:, 20:30, 4:28] = 1
-    bone = PlacedBone(Volume(labels, np.eye(4)), np.eye(4))
-    recipe = Recipe(spacing=1.0, probe="linear")
-    reconstructed(Asked(TrackedSequence.from_arrays(images, poses, spacing=1.0), recipe, bone=bone), FOR_VIEWS, for_views=True)

@@ -10,8 +10,11 @@ import sys
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..compounding.methods.average import AVERAGE
@@ -19,6 +22,7 @@ from ..compounding.methods.table import COMPARED_METHODS, is_own_method, method_
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, GeometryError, InsufficientMemoryError, MethodError, OperationCanceled
 from ..geometry.volume import Volume, VoxelGrid
+from ..inspection.bone_surface import BoneSurface, bone_surface
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..message import advised
@@ -27,12 +31,11 @@ from ..recipe.recipe import Recipe
 from ..remedies import IN_PYTHON, Remedy
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
-from .bone_surface import BoneSurface, bone_surface
 
 if TYPE_CHECKING:
     from ..bone.map import BoneMap
     from ..evaluation.quantities import BoneMetrics
-    from ..registration.comparison import Comparison
+    from ..registration.agreement import Comparison
     from ..registration.labeled_bone import LabeledBone
 
 FOR_VIEWS = ("score", "hits")
@@ -173,8 +176,6 @@ def bone_map(bone: PlacedBone, sigma_voxels: float | None, sigma_mm: float | Non
 
 def corners_of_sweep(sequence: TrackedSequence, recipe: Recipe) -> tuple[Floats, Floats]:
     """Least and most coordinates in Reference, (3,) mm each, of the pixels that count."""
-    import numpy as np
-
     from ..geometry.transforms import transform_points
     from ..imaging.region import extreme_pixels
     from ..resolve import resolve_imaging
@@ -185,6 +186,22 @@ def corners_of_sweep(sequence: TrackedSequence, recipe: Recipe) -> tuple[Floats,
     corners = np.column_stack([pixels, np.zeros(len(pixels))])
     points = np.concatenate([transform_points(poses.image_to_reference[number], corners) for number in usable])
     return points.min(axis=0), points.max(axis=0)
+
+
+@cache
+def warm_up() -> None:
+    """Load what computes, and compile what is not kept compiled, so that the first call waits for neither."""
+    for name in ("evaluation.metrics", "registration.registration", "guidance.guidance", "simulation.scan"):
+        importlib.import_module(f"AIFReconLib.{name}")
+    poses = np.tile(np.eye(4), (8, 1, 1))
+    poses[:, 2, 3] = np.arange(8)
+    images = np.zeros((8, 32, 32), np.uint8)
+    images[:, 20] = 200
+    labels = np.zeros((8, 40, 40), np.uint8)
+    labels[:, 20:30, 4:28] = 1
+    bone = PlacedBone(Volume(labels, np.eye(4)), np.eye(4))
+    recipe = Recipe(spacing=1.0, probe="linear")
+    reconstructed(Asked(TrackedSequence.from_arrays(images, poses, spacing=1.0), recipe, bone=bone), FOR_VIEWS, for_views=True)
 
 
 def know_method(asked: Asked) -> None:
@@ -208,33 +225,38 @@ def know_method(asked: Asked) -> None:
         raise MethodError(f"Method {name} cannot be had: {error}. Correct its file.") from error
 
 
-def _bone_of(asked: Asked, progress: Progress | None) -> tuple[BoneMap | None, LabeledBone | None]:
-    """Where bone is: a map, or labels of which a map is made for each method."""
+def bone_in_frames(asked: Asked, progress: Progress | None = None) -> BoneMap:
+    """Where the frames themselves say that bone is: by a network, or by their own echoes."""
     from ..bone.echo_bone import bone_from_sweep
-    from ..bone.map import BoneMap
     from ..bone.model import OnnxModel
     from ..bone.predicted_bone import BoneEstimator, bone_from_frames
     from ..bone.recorded_predictions import RecordedPredictions
     from ..machine.threads import usable_cores
+
+    if asked.predictions is not None:
+        estimator: BoneEstimator = RecordedPredictions(asked.sequence, asked.predictions, asked.recipe.bone_frames_px)
+    elif asked.model is not None:
+        estimator = OnnxModel(asked.model, usable_cores())
+    else:
+        return bone_from_sweep(asked.sequence, recipe=asked.recipe, progress=progress)
+    return bone_from_frames(asked.sequence, estimator, recipe=asked.recipe, progress=progress)
+
+
+def _bone_of(asked: Asked, progress: Progress | None) -> tuple[BoneMap | None, LabeledBone | None]:
+    """Where bone is: a map, or labels of which a map is made for each method."""
+    from ..bone.map import BoneMap
     from ..registration.labeled_bone import LabeledBone
 
-    recipe, bone = asked.recipe, asked.bone
-    if asked.predictions is not None or asked.model is not None:
-        estimator: BoneEstimator = (
-            RecordedPredictions(asked.sequence, asked.predictions, recipe.bone_frames_px)
-            if asked.predictions is not None
-            else OnnxModel(str(asked.model), usable_cores())
-        )
-        return bone_from_frames(asked.sequence, estimator, recipe=recipe, progress=progress), None
-    if recipe.bone_from_sweep:
-        return bone_from_sweep(asked.sequence, recipe=recipe, progress=progress), None
+    bone = asked.bone
+    if asked.sees_bone:
+        return bone_in_frames(asked, progress), None
     if bone is None:
         return None, None
     with _about(bone.name):
         if not bone.is_labeled:
             return BoneMap.from_probability(bone.volume, bone.to_reference), None
-        labeled = LabeledBone(bone.volume, bone.to_reference, asked.sequence, recipe)
-        labeled.map(recipe.method_for(True), progress)
+        labeled = LabeledBone(bone.volume, bone.to_reference, asked.sequence, asked.recipe)
+        labeled.map(asked.recipe.method_for(True), progress)
         return None, labeled
 
 

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import faulthandler
 import inspect
 import logging
 import os
 import pickle
-import signal
+import sys
 import threading
 import time
 import traceback
-from multiprocessing.connection import Connection
+from multiprocessing import connection
 from typing import Any
 
-from .calls import Call, Cancel, Forget, Kept, Report, Returned
+from ..errors import WorkerDiedError
+from .calls import Call, Cancel, Forget, Kept, Logged, Message, Report, Returned
 from .channel import Channel
 
-logger = logging.getLogger(__name__)
+LIBRARY = "AIFReconLib"
+"""Whose log is heard in the program, too."""
 
 REPORT_EVERY = 0.05
 """s between two reports of a call."""
@@ -30,26 +33,34 @@ class TracebackInWorker(Exception):
     """The cause of an error that came from the worker: where it was raised there."""
 
 
-def serve(connection: Connection) -> None:
+def main() -> None:
     """Answer calls until the other end is closed; then finish what is kept, and end this process whatever still computes."""
-    with contextlib.suppress(ValueError):
-        # Ctrl-C is for the program that a user talks to
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
-    server = _Server(Channel(connection))
+    handle, level = int(sys.argv[1]), int(sys.argv[2])
+    faulthandler.enable()
+    if os.name != "nt":
+        # No program that is started from here keeps the connection
+        os.set_inheritable(handle, False)
+    server = _Server(Channel(getattr(connection, "PipeConnection", connection.Connection)(handle)))
+    logger = logging.getLogger(LIBRARY)
+    logger.setLevel(level)
+    logger.addHandler(server)
+    logger.propagate = False
     with contextlib.suppress(EOFError, OSError):
         server.run()
     deadline = threading.Timer(LONGEST_END, os._exit, [1])
     deadline.daemon = True
     deadline.start()
-    server.close()
+    server.end()
     os._exit(0)
 
 
-class _Server:
+class _Server(logging.Handler):
     def __init__(self, channel: Channel):
+        super().__init__()
         self._channel = channel
         self._canceled: dict[int, threading.Event] = {}
         self._kept: dict[int, Any] = {}
+        self._ending: list[threading.Thread] = []
 
     def run(self) -> None:
         while True:
@@ -57,74 +68,106 @@ class _Server:
             if isinstance(message, Call):
                 self._canceled[message.number] = threading.Event()
                 threading.Thread(target=self._answer, args=[message], name="aifrecon call", daemon=True).start()
-            elif isinstance(message, Cancel) and message.number in self._canceled:
-                self._canceled[message.number].set()
+            elif isinstance(message, Cancel):
+                self._cancel(message.number)
             elif isinstance(message, Forget):
-                _close(self._kept.pop(message.number, None))
+                self._let_go(message.number)
+            elif isinstance(message, Returned) and message.error is not None:
+                # A call that cannot be understood here
+                self._send(Returned(message.number, error=_that_crosses(message.error)))
             del message  # and with it the arrays that came
 
-    def close(self) -> None:
+    def end(self) -> None:
         for canceled in tuple(self._canceled.values()):
             canceled.set()
-        for kept in tuple(self._kept.values()):
-            _close(kept)
+        for number in tuple(self._kept):
+            self._let_go(number)
+        for thread in self._ending:
+            thread.join()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._send(Logged(record.name, record.levelno, self.format(record)))
+
+    def _send(self, message: Message) -> None:
+        with contextlib.suppress(ConnectionError):  # nobody hears it any more
+            self._channel.send(message)
+
+    def _cancel(self, number: int) -> None:
+        if number in self._canceled:
+            self._canceled[number].set()
+        if number not in self._canceled:
+            # It had ended, and nobody has heard what is kept of it
+            self._let_go(number)
+
+    def _let_go(self, number: int) -> None:
+        """Have a kept object end what it does, if it can, while calls are heard."""
+        kept = self._kept.pop(number, None)
+        if hasattr(kept, "close"):
+            self._ending = [thread for thread in self._ending if thread.is_alive()]
+            self._ending.append(threading.Thread(target=_close, args=[kept], name="aifrecon end", daemon=True))
+            self._ending[-1].start()
 
     def _answer(self, call: Call) -> None:
-        number = call.number
+        number, canceled = call.number, self._canceled[call.number]
         try:
-            answer = Returned(number, self._called(call))
+            answer = Returned(number, self._called(call, canceled))
         except BaseException as error:
             answer = Returned(number, error=_that_crosses(error))
-        del call
-        self._canceled.pop(number, None)
+        del call, self._canceled[number]
+        if canceled.is_set():
+            self._let_go(number)
         try:
-            self._channel.send(answer)
-        except OSError:
-            logger.warning("The program that asked has ended")
-        except Exception as error:  # of what cannot be pickled
-            self._channel.send(Returned(number, error=_that_crosses(error)))
+            self._send(answer)
+        except Exception as error:  # it cannot be pickled, or there is no memory for it
+            self._send(Returned(number, error=_that_crosses(error)))
 
-    def _called(self, call: Call) -> Any:
-        known = self._kept
-        arguments = [known[each.number] if isinstance(each, Kept) else each for each in call.arguments]
-        named = {name: known[each.number] if isinstance(each, Kept) else each for name, each in call.named.items()}
-        if "progress" in inspect.signature(call.function).parameters:
-            named["progress"] = self._progress_of(call.number)
-        value = call.function(*arguments, **named)
+    def _called(self, call: Call, canceled: threading.Event) -> Any:
+        arguments = [self._meant(each) for each in call.arguments]
+        named = {name: self._meant(each) for name, each in call.named.items()}
+        function = getattr(arguments.pop(0), call.function) if isinstance(call.function, str) else call.function
+        if "progress" in inspect.signature(function).parameters:
+            named["progress"] = self._progress(call.number, canceled)
+        value = function(*arguments, **named)
         if not call.keep:
             return value
-        known[call.number] = value
+        self._kept[call.number] = value
         return Kept(call.number)
 
-    def _progress_of(self, number: int) -> Any:
-        canceled, last = self._canceled[number], (-REPORT_EVERY, "")
+    def _meant(self, argument: Any) -> Any:
+        """The argument, or the object that it stands for."""
+        if not isinstance(argument, Kept):
+            return argument
+        if argument.number not in self._kept:
+            raise WorkerDiedError("What was under way was lost with the process that computed it.")
+        return self._kept[argument.number]
+
+    def _progress(self, number: int, canceled: threading.Event) -> Any:
+        last = -REPORT_EVERY, ""
 
         def progress(fraction: float, step: str) -> bool:
             nonlocal last
             now = time.monotonic()
             if now - last[0] >= REPORT_EVERY or step != last[1]:
                 last = now, step
-                with contextlib.suppress(OSError):
-                    self._channel.send(Report(number, fraction, step))
+                self._send(Report(number, fraction, step))
             return not canceled.is_set()
 
         return progress
 
 
 def _close(kept: Any) -> None:
-    """Let an object end what it does, where it can."""
-    close = getattr(kept, "close", None)
-    if close is not None:
-        try:
-            close()
-        except Exception:
-            logger.exception("%s could not be ended as it should", type(kept).__name__)
+    try:
+        kept.close()
+    except Exception:
+        logging.getLogger(__name__).exception("%s could not be ended as it should", type(kept).__name__)
 
 
 def _that_crosses(error: BaseException) -> BaseException:
-    """The error, or one in its words where it cannot be sent, with where it was raised as its cause."""
+    """The error, or one in its words where it cannot be sent or would end the program, with where it was raised as its cause."""
     where = "".join(traceback.format_exception(error))
     try:
+        if not isinstance(error, Exception):
+            raise TypeError
         pickle.loads(pickle.dumps(error))
     except Exception:
         error = RuntimeError(f"{type(error).__name__}: {error}")

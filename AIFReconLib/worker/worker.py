@@ -2,29 +2,38 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
-import multiprocessing
+import logging
+import os
+import signal
+import subprocess
 import sys
-import types
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from multiprocessing.process import BaseProcess
-from typing import Any, TypeVar
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
 
-from ..errors import OperationCanceled, WorkerDiedError
-from ..machine.processes import python_program
+from ..errors import WorkerDiedError
+from ..machine.processes import NO_WINDOW, python_program
 from ..progress import Progress, report
-from .calls import Call, Cancel, Forget, Kept, Report, Returned
-from .channel import Channel
-from .serving import TracebackInWorker, serve
-
-T = TypeVar("T")
+from .calls import Call, Cancel, Forget, Kept, Logged, Message, Report, Returned
+from .channel import Channel, connected
+from .serving import LIBRARY, TracebackInWorker, main
 
 LOOK_EVERY = 0.02
 """s between two reports to who waits."""
 
+LONGEST_SILENCE = 5.0
+"""s for which a worker may take nothing of what it is sent, or stop in the middle of an answer: one that was stopped is ended then."""
+
+LONGEST_END = 1.0
+"""s that a worker has to end once it is not connected any more."""
+
 LONGEST_FAREWELL = 5.0
 """s that a worker has to end."""
+
+AGAIN = "Nothing was changed; try again."
 
 
 class Task:
@@ -61,15 +70,20 @@ class Task:
             When `progress` returns False.
         WorkerDiedError
         """
-        while self._returned is None:
-            self._worker.listen(LOOK_EVERY)
-            if progress is not None and self._returned is None and progress(*self.latest) is False:
-                self.cancel()
-                raise OperationCanceled(f"Canceled in this step: {self.latest[1]}.")
+        try:
+            while self._returned is None:
+                self._worker.listen(LOOK_EVERY)
+                if self._returned is None:
+                    report(progress, *self.latest)
+            if self._returned.error is None:
+                report(progress, *self.latest)
+        except BaseException:
+            self.cancel()
+            if self._returned is not None and isinstance(self._returned.value, Kept):
+                self._worker.forget(self._returned.value)
+            raise
         if self._returned.error is not None:
-            where = self._returned.error.__dict__.pop("where", None)
-            raise self._returned.error from (TracebackInWorker(f"\n{where}") if where else None)
-        report(progress, *self.latest)
+            raise self._returned.error
         return self._returned.value
 
     def cancel(self) -> None:
@@ -80,12 +94,15 @@ class Task:
         """Hear from the worker."""
         if isinstance(message, Report):
             self.latest = message.fraction, message.step
-        else:
-            self._returned = message
+            return
+        self._returned = message
+        where = None if message.error is None else message.error.__dict__.pop("where", None)
+        if message.error is not None and where is not None:
+            message.error.__cause__ = TracebackInWorker(f"\n{where}")
 
 
 class Worker:
-    """A process that calls the library's functions for this one. To be used from one thread.
+    """A process that calls the library's functions for this one. It belongs to the thread that first uses it.
 
     Notes
     -----
@@ -94,19 +111,28 @@ class Worker:
     """
 
     def __init__(self) -> None:
-        self._process: BaseProcess | None = None
+        self._process: subprocess.Popen[bytes] | None = None
         self._channel: Channel | None = None
         self._tasks: dict[int, Task] = {}
         self._numbers = itertools.count()
+        self._thread: int | None = None
+        self._has_spoken = False
 
-    def begin(self, function: Callable[..., Any], *arguments: Any, **named: Any) -> Task:
-        """Have ``function(*arguments, **named)`` called; returns at once. It is given `progress` where it takes that."""
-        return self._begin(function, arguments, named)
+    def begin(self, function: Callable[..., Any] | str, *arguments: Any, keep: bool = False, **named: Any) -> Task:
+        """Have ``function(*arguments, **named)`` called; returns at once.
 
-    def call(self, function: Callable[..., T], *arguments: Any, progress: Progress | None = None, **named: Any) -> T:
-        """What ``function(*arguments, **named)`` returns there; `progress` hears of it and may cancel it. Errors as of `Task.result`."""
-        result: T = self._begin(function, arguments, named).result(progress)
-        return result
+        Parameters
+        ----------
+        function : callable or str
+            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`.
+        keep : bool
+            What it returns stays in the worker; the task's result is `Kept`.
+        """
+        return self._begin(function, arguments, named, keep)
+
+    def call(self, function: Callable[..., Any] | str, *arguments: Any, progress: Progress | None = None, **named: Any) -> Any:
+        """What a function returns, as for `begin`; `progress` hears of it and may cancel it. Errors as of `Task.result`."""
+        return self._begin(function, arguments, named).result(progress)
 
     def keep(self, function: Callable[..., Any], *arguments: Any, progress: Progress | None = None, **named: Any) -> Kept:
         """As `call`, but what is returned stays in the worker. When that ends it is closed, where it has `close`."""
@@ -128,19 +154,26 @@ class Worker:
         self._lose("The worker was closed.")
         if channel is not None and process is not None:
             channel.close()
-            process.join(LONGEST_FAREWELL)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(LONGEST_FAREWELL)
 
     def listen(self, timeout: float = 0.0) -> None:
-        """Hear what the worker says, waited for so many s where it says nothing."""
+        """Hear what the worker says, waited for so many s where it says nothing, and for little longer where it says much."""
+        self._require_own_thread()
+        if self._channel is None or self._process is None:
+            return
+        # Seen before: what it has said before its end is heard
+        has_ended = self._process.poll() is not None
+        enough = time.monotonic() + timeout + LOOK_EVERY
         try:
             while self._channel is not None and self._channel.poll(timeout):
-                message, timeout = self._channel.receive(), 0.0
-                task = self._tasks.get(message.number)
-                if isinstance(message, Returned):
-                    self._tasks.pop(message.number, None)
-                if task is not None:
-                    task.take(message)
+                self._hear(self._channel.receive())
+                timeout = 0.0
+                if time.monotonic() > enough:
+                    return
         except (EOFError, OSError):
+            has_ended = True
+        if has_ended:
             self._died()
 
     def drop(self, number: int) -> None:
@@ -148,42 +181,82 @@ class Worker:
         if self._tasks.pop(number, None) is not None:
             self._send(Cancel(number))
 
-    def _begin(self, function: Callable[..., Any], arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:
-        if self._channel is None or self._process is None or not self._process.is_alive():
+    def _hear(self, message: Message) -> None:
+        self._has_spoken = True
+        if isinstance(message, Logged):
+            logging.getLogger(message.name).log(message.level, "%s", message.text)
+            return
+        task = self._tasks.get(message.number)
+        if isinstance(message, Returned):
+            self._tasks.pop(message.number, None)
+        if task is not None and isinstance(message, (Report, Returned)):
+            task.take(message)
+
+    def _begin(self, function: Callable[..., Any] | str, arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:
+        self.listen()
+        if self._channel is None:
             self._start()
-        task = Task(self, next(self._numbers))
-        self._tasks[task._number] = task
-        self._send(Call(task._number, function, arguments, named, keep))
+        task = Task(self, number := next(self._numbers))
+        self._tasks[number] = task
+        try:
+            self._send(Call(number, function, arguments, named, keep))
+        except BaseException:
+            self._tasks.pop(number, None)
+            raise
         return task
 
-    def _send(self, message: object) -> None:
+    def _send(self, message: Message) -> None:
+        self._require_own_thread()
         if self._channel is None:
             return
         try:
             self._channel.send(message)
-        except (BrokenPipeError, ConnectionError):
+        except ConnectionError:
             self._died()
 
     def _start(self) -> None:
-        self._died()
-        context = multiprocessing.get_context("spawn")
-        context.set_executable(python_program())
-        ours, theirs = context.Pipe()
-        self._process = context.Process(target=serve, args=[theirs], name="AIFRecon worker", daemon=True)
-        with _nothing_to_run_again():
-            self._process.start()
-        theirs.close()
-        self._channel = Channel(ours)
+        ours, theirs = connected()
+        code = f"import sys; sys.path[:] = sys.argv[3:]; from {main.__module__} import main; main()"
+        level = logging.getLogger(LIBRARY).getEffectiveLevel()
+        options: dict[str, Any] = {"pass_fds": [theirs.fileno()]}
+        if sys.platform == "win32":
+            # A window may have no streams to inherit, and a Python without any would open a console
+            os.set_handle_inheritable(theirs.fileno(), True)
+            streams = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
+            handles = subprocess.STARTUPINFO(lpAttributeList={"handle_list": [theirs.fileno()]})
+            options = {"startupinfo": handles, "creationflags": NO_WINDOW, **streams}
+        command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
+        try:
+            # In a session of its own: Ctrl-C and the end of a terminal are for the program, which says when the worker ends
+            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **options)
+        except OSError as error:
+            ours.close()
+            raise WorkerDiedError(f"The process that computes could not be started ({error}). {AGAIN}") from error
+        finally:
+            theirs.close()
+        self._channel, self._has_spoken = Channel(ours, LONGEST_SILENCE), False
 
     def _died(self) -> None:
-        if self._process is None:
+        """Say how it ended to whoever waits for it; one that has not ended is ended."""
+        process, channel = self._process, self._channel
+        if process is None or channel is None:
             return
-        self._process.join(LONGEST_FAREWELL)
-        code = self._process.exitcode
-        how = "does not answer" if code is None else f"was ended by signal {-code}" if code < 0 else f"ended with code {code}"
-        if self._channel is not None:
-            self._channel.close()
-        self._lose(f"The process that computes {how}, perhaps for want of memory. Nothing was changed; try again.")
+        channel.close()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(LONGEST_END)
+        code = process.poll()
+        # And what it has started, or that which has started it, as Slicer's own Python is
+        with contextlib.suppress(OSError):
+            process.kill() if sys.platform == "win32" else os.killpg(process.pid, signal.SIGKILL)
+        if code is None:
+            how = "did not answer and was ended"
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(LONGEST_END)
+        elif code < 0:
+            how = f"was ended by signal {-code}, perhaps for want of memory"
+        else:
+            how = f"ended with code {code}" if self._has_spoken else f"could not be started: it ended with code {code}"
+        self._lose(f"The process that computes {how}. {AGAIN}")
 
     def _lose(self, why: str) -> None:
         """There is no process any more, and whoever waits for it hears that."""
@@ -192,13 +265,8 @@ class Worker:
         for number, task in lost.items():
             task.take(Returned(number, error=WorkerDiedError(why)))
 
-
-@contextmanager
-def _nothing_to_run_again() -> Iterator[None]:
-    """A spawned process runs the main program's file again, to find what that defines: here it is asked for nothing of it."""
-    main = sys.modules["__main__"]
-    sys.modules["__main__"] = types.ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = main
+    def _require_own_thread(self) -> None:
+        if self._thread is None:
+            self._thread = threading.get_ident()
+        if self._thread != threading.get_ident():
+            raise RuntimeError("A Worker belongs to the thread that first used it; make one for each thread.")

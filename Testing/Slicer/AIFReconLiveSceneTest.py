@@ -1,10 +1,9 @@
 """Self tests of a live scan beside a scene that changes: what is kept, what is given back, and what goes on without the panel."""
 
-import contextlib
-import math
+import os
 import pathlib
+import signal
 import sys
-import threading
 import unittest
 from unittest import mock
 
@@ -67,10 +66,6 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         """Composite node of the red view."""
         return slicer.app.layoutManager().sliceWidget("Red").mrmlSliceCompositeNode()
 
-    def scanThreads(self):
-        """Threads of a session that are alive."""
-        return [thread.name for thread in threading.enumerate() if thread.name.startswith("aifrecon") and "server" not in thread.name]
-
     # ---- what is kept
 
     def test_other_work_waits_until_the_scan_is_stopped(self):
@@ -110,7 +105,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.begin()
         self.widget.onReload()
         self.take(slicer.modules.AIFReconWidget)
-        self.assertEqual(self.scanThreads(), [])
+        self.assertTrue(waitFor(lambda: not self.server.clients))
         self.assertEqual(slicer.mrmlScene.GetNodesByName("Live frame").GetNumberOfItems(), 0)
         self.assertFalse(self.ui.liveStopButton.enabled)
 
@@ -130,58 +125,6 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
         self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
 
-    def test_views_are_drawn_again_however_the_scan_ends(self):
-        paused = []
-        slicer.app.connect("renderPaused(bool)", paused.append)
-        try:
-            self.begin()
-            for end in (self.ui.liveStopButton.click, self.live.close):
-                if not self.live.isRunning:
-                    self.ui.liveStartButton.click()
-                # The node of the first frame is made before anything is paused
-                self.assertTrue(waitFor(lambda: self.live._live._inSteps.isUnderWay and paused.count(True) > paused.count(False)))
-                end()
-                self.assertEqual(paused.count(True), paused.count(False))
-        finally:
-            slicer.app.disconnect("renderPaused(bool)", paused.append)
-
-    @contextlib.contextmanager
-    def turnsByHand(self, isBusy=False):
-        """No turn is taken but by hand, in an event loop that has much to do or nothing; how often words, a step and threads had one."""
-        from AIFReconGui.breath import Breath
-        from AIFReconScene.live.liveReconstruction import LiveReconstruction
-        from AIFReconScene.live.turns import Turns
-
-        self.live._turning.stop()
-        # Nothing is owed to the threads of the scan, and they had the last turn
-        self.live._turns.forget()
-        self.live._hasWorked = False
-        words, step, threads = mock.Mock(), mock.Mock(return_value=True), mock.Mock()
-        with contextlib.ExitStack() as patches:
-            for owner, name, what in (
-                *((type(self.live), "_show", words), (LiveReconstruction, "goOn", step), (Turns, "give", threads)),
-                (Breath, "isNeeded", lambda breath: isBusy),
-            ):
-                patches.enter_context(mock.patch.object(owner, name, what))
-            yield lambda: (words.call_count, step.call_count, threads.call_count)
-
-    def test_a_scan_takes_no_step_before_what_the_user_has_chosen_is_done(self):
-        from AIFReconGui.inTurns import inTurns, isUnderWay
-
-        self.begin()
-        done = []
-        with self.turnsByHand() as had:
-            self.live._shown = math.inf
-            inTurns(iter(["first", "second"]))
-            while isUnderWay():
-                self.live._takeTurn()
-                done.append(had()[1])
-                slicer.app.processEvents()
-            for _turn in range(2):
-                self.live._takeTurn()
-        self.assertGreater(len(done), 2)
-        self.assertEqual((set(done), had()[1]), ({0}, 1))
-
     # ---- without the panel
 
     def test_a_scan_goes_on_while_another_module_is_open(self):
@@ -198,24 +141,38 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     # ---- words
 
-    def test_a_start_that_is_canceled_while_the_scan_is_prepared_leaves_no_thread_and_no_recording(self):
-        from AIFReconLib.live.session.session import LiveSession
+    def test_a_start_that_is_canceled_while_the_scan_is_prepared_leaves_no_scan_and_no_recording(self):
+        from AIFReconScene.work import worker
 
-        waited = []
-
-        def prepare(session, timeout=None):
-            waited.append(timeout)
+        def canceled(*_arguments, progress=None, **_named):
             self.live._work.cancel()
-            return False
+            return begin(*_arguments, progress=progress, **_named)
 
         tinyScene.requireLivePackages()
-        kept, LiveSession.prepare = LiveSession.prepare, prepare
-        try:
+        begin = worker.keep
+        with mock.patch.object(worker, "keep", canceled):
             self.ui.liveStartButton.click()
-        finally:
-            LiveSession.prepare = kept
-        self.assertTrue(waited)
         self.assertFalse(self.live.isRunning)
         self.assertIn("Canceled", self.ui.liveStatisticsLabel.text)
-        self.assertTrue(waitFor(lambda: not self.scanThreads()))
-        self.assertEqual(list(pathlib.Path(slicer.mrmlScene.GetRootDirectory()).iterdir()), [])
+        self.assertTrue(waitFor(lambda: not list(pathlib.Path(slicer.mrmlScene.GetRootDirectory()).iterdir())))
+
+    # ---- the process that scans
+
+    def test_a_scan_whose_process_is_killed_goes_on_with_nothing_lost(self):
+        from AIFReconScene.work import worker
+
+        from AIFReconLib import read_sequence
+
+        self.begin()
+        self.grow()
+        before = self.live._live.statistics.frames_received
+        os.kill(worker.pid, signal.SIGTERM)
+        self.assertTrue(waitFor(lambda: self.live._live.lost))
+        self.assertTrue(waitFor(lambda: not self.live._live.lost and self.live._live.statistics.frames_received > before + 20))
+        live = self.live._live
+        self.ui.liveStopButton.click()
+        folder = pathlib.Path(slicer.mrmlScene.GetRootDirectory())
+        self.assertEqual(sorted({path.suffix for path in folder.iterdir()}), [".mhd", ".raw"])
+        [recorded] = folder.glob("*.mhd")
+        self.assertEqual(len(read_sequence(recorded)), live.statistics.frames_received)
+        self.assertEqual(live.statistics.waiting, 0)

@@ -17,7 +17,8 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.bone_field import BoneField
-from AIFReconLib.registration.echoes import SweepEchoes, sweep_echoes
+from AIFReconLib.registration.echo_search import sweep_echoes
+from AIFReconLib.registration.echoes import SweepEchoes
 from AIFReconLib.registration.registration import Registration, register_echoes
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom

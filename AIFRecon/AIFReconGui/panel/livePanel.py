@@ -1,31 +1,26 @@
 """The tab Live: starts and stops a scan, and says in large letters whether the probe is seen, and what to do next."""
 
-import importlib
 import time
 
 import qt
 import slicer
-from AIFReconScene.background import inBackground
 from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.live.liveFiles import recordingPath, sizeOf
 from AIFReconScene.live.serverSearch import answering, asText, fromText
-from AIFReconScene.live.turns import Turns
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
-from .. import inTurns
-from ..breath import Breath
 from ..errorsShown import errorsShown
 from ..fields.boneSource import ofScan
 from ..fields.pathField import PathField
 from ..packages import packagesAreThere
 from .layout import reveal, say
-from .liveWords import LiveWords, counts, linesOf, recordingProblems
+from .liveWords import LiveWords, counts, linesOf
 from .signals import GRAY, styleOf
 
-SHOWN_EVERY, COUNTED_EVERY = 0.1, 0.5
-"""s between two updates of what is shown, unless drawing takes so long that the threads of the scan fall behind, and of what is counted:
-each number that has changed has Qt lay out the whole panel anew."""
+LOOK_EVERY, COUNTED_EVERY = 10, 0.5
+"""ms between two looks whether the scan has answered, and s between two updates of what is counted: each number that has changed has Qt lay
+out the whole panel anew."""
 
 REMEMBERED_ATTRIBUTE = "AIFRecon.LiveServer"
 """Of a parameter node that has been given the server of the last scan: once, for another that is entered must stay."""
@@ -60,13 +55,11 @@ class LivePanel:
         self._live = None
         self._missing = self._advised = ""
         self._record = self._shownID = self._words = None
-        self._turns, self._breath, self._hasWorked = Turns(), Breath(), False
-        self._sized = self._shown = self._counted = 0.0
+        self._sized = self._counted = 0.0
         self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
-        # Without an interval: whenever events were handled
-        self._turning = qt.QTimer()
-        self._turning.setInterval(0)
-        self._turning.connect("timeout()", self._takeTurn)
+        self._looking = qt.QTimer()
+        self._looking.setInterval(LOOK_EVERY)
+        self._looking.connect("timeout()", self._look)
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
         ui.livePauseButton.connect("toggled(bool)", self.onPause)
         ui.liveResetButton.connect("clicked(bool)", self.onReset)
@@ -85,23 +78,14 @@ class LivePanel:
         return self._live is not None
 
     @property
-    def isBehind(self) -> bool:
-        """Whether the threads of the scan are owed time by the windows: nothing more should be drawn now."""
-        return self._turns.isOwing
-
-    @property
     def guidance(self):
-        """The `LiveGuidance` of the scan under way; None where there is none."""
+        """What the scan under way tells of the bone, a `Guided`; None where it tells nothing."""
         return self._live.guidance if self._live is not None else None
 
     def guide(self, wanted: bool) -> None:
         """Let the scan under way tell what it meets, or no longer."""
         if self._live is not None:
             self._live.guide(wanted)
-
-    def showToo(self, name: str, steps) -> None:
-        """Show something beside frames and volume, in steps that the scan takes in its turn; of one name the last."""
-        self._live.showToo(name, steps)
 
     def echoes(self):
         """The bone echoes of the scan under way, to place the CT by; a GeometryError where there are too few."""
@@ -145,7 +129,7 @@ class LivePanel:
         ui.liveStartButton.toolTip = missing or _("Begin to receive and reconstruct")
         for button in (ui.livePauseButton, ui.liveResetButton, ui.liveStopButton):
             button.enabled = running
-        ui.liveUseBoxButton.enabled = running and self._live.isScouting
+        ui.liveUseBoxButton.enabled = running and self._live.seen.is_scouting
         if not running:
             self._showMove(self._advised or missing or _("Press Start"))
 
@@ -166,13 +150,13 @@ class LivePanel:
     def onPause(self, paused: bool) -> None:
         """Insert nothing for a while, or go on."""
         if self._live is not None:
-            (self._live.session.pause if paused else self._live.session.resume)()
+            self._live.pause(paused)
 
     def onReset(self) -> None:
         """Empty the volume and go on, if the user means it."""
         asked = _("Start over? The picture so far is deleted and begun anew; the scan goes on. The recording, where one is made, is kept.")
         if slicer.util.confirmOkCancelDisplay(asked, windowTitle=_("Start over")) and self._live is not None:
-            self._live.session.reset()
+            self._live.reset()
 
     def onFind(self) -> None:
         """Look for a server, and take it."""
@@ -181,7 +165,7 @@ class LivePanel:
 
         def work(parameters, progress):
             nonlocal shorter
-            found = inBackground(lambda progress: answering(remembered, progress), progress)
+            found = answering(remembered, progress)
             if found is None:
                 shorter = _("Not found: start Plus, or enter the name or address of its computer")
                 return _(
@@ -210,7 +194,7 @@ class LivePanel:
     def close(self, sceneStays: bool = False) -> None:
         """End the scan without showing anything more: the scene, the panel or the application is being closed."""
         live, self._live = self._live, None
-        self._turning.stop()
+        self._looking.stop()
         if live is not None:
             live.abandon()
             if sceneStays:
@@ -226,12 +210,10 @@ class LivePanel:
             self._refresh()
 
     def _start(self, parameters, progress) -> str:
-        # What is imported first is read and compiled, with which the window would stand still
-        inBackground(lambda _progress: importlib.import_module("AIFReconScene.live.liveReconstruction"), progress)
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
         self._record, self._shownID, self._words = recordingPath(parameters), None, None
-        self._sized = self._shown = self._counted = 0.0
+        self._sized = self._counted = 0.0
         self._live = LiveReconstruction(parameters, progress, self._record)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
@@ -239,63 +221,45 @@ class LivePanel:
         before = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
         settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
-        self._turns.forget()
-        self._turning.start()
+        self._looking.start()
         return ""
 
     def _stop(self, parameters, progress) -> str:
-        self._turning.stop()
+        self._looking.stop()
         live, self._live = self._live, None
         try:
-            node = live.stop(progress)
+            ended = live.stop(progress)
         finally:
             self._showState(_("stopped"), GRAY)
             self._say("")
             self._showMove(_("Look at the picture, or press Start"))
-        if node is not None:
-            parameters.output = node
+        if live.volumeNode is not None:
+            parameters.output = live.volumeNode
         lines = [counts(live.statistics)]
         if live.wasCanceled:
             lines.append(_("Canceled: the volume is as it was shown last."))
-        if live.session.recorded is not None:
-            lines.append(_("Recorded to {path}.").format(path=live.session.recorded))
-            self._showSize(live.session.recorded)
-        if live.seen is not None and live.seen.recorded is not None:
-            lines.append(_("What the AI model said is in {path}.").format(path=live.seen.recorded))
-        lines += [inPanelWords(problem) for problem in recordingProblems(live.session)]
+        if live.lost:
+            lines.append(inPanelWords(live.lost))
+        if ended is not None and ended.recorded is not None:
+            lines.append(_("Recorded to {path}.").format(path=ended.recorded))
+            self._showSize(ended.recorded)
+        if ended is not None and ended.predictions is not None:
+            lines.append(_("What the AI model said is in {path}.").format(path=ended.predictions))
+        lines += [inPanelWords(problem) for problem in (() if ended is None else ended.problems)]
         return "\n".join(lines)
 
     # ---- while a scan is under way
 
-    def _takeTurn(self) -> None:
-        """One thing in a turn of the event loop: words, a step of what is shown, or time for the scan's threads. Windows wait for each."""
-        live = self._live
-        if live is None:
-            return
-        live.collect()
-        if self._breath.isNeeded():
-            return
-        self._hasWorked = not self._hasWorked and (self._isShowing() or (not inTurns.isUnderWay() and live.goOn()))
-        if not self._hasWorked:
-            self._turns.give()
-        self._breath.isOver()
-
-    def _isShowing(self) -> bool:
-        """Show what is new, where that is due; whether it was."""
-        now = time.monotonic()
-        if self.isBehind or now - self._shown < SHOWN_EVERY:
-            return False
-        self._shown = now
-        self._show()
-        return True
+    def _look(self) -> None:
+        if self._live is not None and self._live.goOn():
+            self._show()
 
     def _show(self) -> None:
         live, now = self._live, time.monotonic()
-        live.refresh()
-        if live.showsVolume and live.volumeNode.GetID() != self._shownID:
+        if live.volumeNode is not None and live.volumeNode.GetID() != self._shownID:
             # What follows what is on display, such as the outlines of bone, does so now
             self._shownID = live.volumeNode.GetID()
-            self.showToo("followers", self._following())
+            self._refresh()
         words = LiveWords.of(live, self._advised)
         self._showState(words.state, words.colors)
         self._showMove(words.move)
@@ -305,13 +269,9 @@ class LivePanel:
         if words != self._words or now - self._counted >= COUNTED_EVERY:
             self._words, self._counted = words, now
             self._say("\n".join(linesOf(live)))
-        self._ui.liveUseBoxButton.enabled = words.isScouting and live.session.scouted > 0
+        self._ui.liveUseBoxButton.enabled = words.isScouting and live.seen.scouted > 0
         if live.volumeNode is not None and self._parameterNode is not None and self._parameterNode.output is not live.volumeNode:
             self._parameterNode.output = live.volumeNode
-
-    def _following(self):
-        self._refresh()
-        yield
 
     def advise(self, text: str) -> None:
         """What guidance says to do next; empty: nothing."""

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from AIFReconLib.live.wire.sources import CONNECTED
+
 from .signals import GREEN, RED
 
 
@@ -35,30 +37,30 @@ class LiveWords:
         """The words of a `LiveReconstruction`, with what guidance says to do next (empty: nothing)."""
         statistics = live.statistics
         failed, apart = statistics.phase == "failed", False
-        scouting = live.session.grid is None or statistics.phase == "scouting"
+        scouting = live.seen.is_scouting
         isSeen = statistics.tracking == "tracked"
         tracking = _("Probe seen") if isSeen else _stopped(statistics) or statistics.tracking
-        tracked = isSeen and not failed
-        if failed:
+        tracked = isSeen and not failed and not live.lost
+        if live.lost and not failed:
+            state = _("Going on in a moment")
+        elif failed:
             state = _("Error: the picture no longer grows")
         elif scouting:
             state = _("Quick first scan") if tracked else tracking
         else:
             state = _("Paused") if statistics.phase == "paused" else tracking
-        if tracked and live.agreement.has_fallen:
+        if tracked and live.seen.has_fallen:
             state, apart = _("The CT no longer fits"), True
-        return cls(state, GREEN if tracked and not apart else RED, _nextMove(statistics, tracked, scouting, apart, advised), scouting)
+        return cls(state, GREEN if tracked and not apart else RED, _nextMove(live, tracked, scouting, apart, advised), scouting)
 
 
 def linesOf(live) -> list:
     """What is counted of a `LiveReconstruction`, and what is wrong, line by line; each line once."""
-    statistics = live.statistics
-    problems = (statistics.trouble, live.snapshotProblem, live.displayProblem, *recordingProblems(live.session))
+    statistics, seen = live.statistics, live.seen
     lines = [] if statistics.phase == "failed" else [_rate(statistics)]
     lines.append(counts(statistics))
-    lines += [inPanelWords(line) for line in ([] if live.seen is None else live.seen.lines(statistics.frames_received))]
-    lines += _agreementLines(live.agreement)
-    lines += [inPanelWords(problem) for problem in problems if problem]
+    told = (*seen.bone_lines, seen.agreement, live.lost, statistics.trouble, live.displayProblem, *seen.problems)
+    lines += [inPanelWords(line) for line in told if line]
     return list(dict.fromkeys(lines))
 
 
@@ -71,13 +73,10 @@ def counts(statistics) -> str:
     return said + (f" ({reasons})" if reasons else "")
 
 
-def recordingProblems(session) -> list:
-    """What is wrong with the recording, if there is one."""
-    problems = (session.recording_failure, session.recorder.loss if session.recorder is not None else None)
-    return [problem for problem in problems if problem]
-
-
-def _nextMove(statistics, tracked: bool, scouting: bool, apart: bool, advised: str) -> str:
+def _nextMove(live, tracked: bool, scouting: bool, apart: bool, advised: str) -> str:
+    statistics = live.statistics
+    if live.lost and statistics.phase != "failed":
+        return _("Hold the probe still")
     if statistics.phase == "failed":
         return _("Press “Start over...”, or Stop; why is under “More”")
     if apart:
@@ -100,8 +99,6 @@ def _stopped(statistics) -> str:
 
 
 def _whatToCheck(statistics) -> str:
-    from AIFReconLib.live.wire.sources import CONNECTED
-
     if not statistics.frames_received and statistics.images_stopped is None:
         return _("Check Plus, and the connection below")
     if statistics.connection != CONNECTED:
@@ -126,14 +123,3 @@ def _rate(statistics) -> str:
     return _("{rate:.0f} frames/s, {latency}; {connection}").format(
         rate=statistics.frame_rate, latency=latency, connection=statistics.connection
     )
-
-
-def _agreementLines(fit) -> list:
-    """How well the CT agrees with the last seconds of the scan; nothing while that cannot be told."""
-    if fit.problem is not None:
-        return [inPanelWords(fit.problem)]
-    if fit.agreement is None:
-        return []
-    from AIFReconLib.registration.live import SECONDS
-
-    return [_("Last {seconds:.0f} s: {sentence}").format(seconds=SECONDS, sentence=fit.agreement.sentence())]

@@ -4,7 +4,6 @@ import pathlib
 
 import qt
 import slicer
-from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.picture import windows
 from AIFReconScene.picture.echoView import EchoView
@@ -13,8 +12,6 @@ from AIFReconScene.picture.probeUp import ProbeUp
 from AIFReconScene.picture.spineView import SpineView, spineOf
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
-
-from ..inTurns import inTurns
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
@@ -46,7 +43,7 @@ class PicturePanel:
             after = getattr(ui, name)
         self._work, self._trackingOf = work, trackingOf
         self._parameterNode = self._bound = None
-        self._views = EchoView(), SpineView(), ProbeUp(inTurns), LevelNames(inTurns)
+        self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()
         self._presets = windows.presets()
         for label in (_("as it is"), *(preset.label for preset in self._presets)):
             ui.windowComboBox.addItem(label)
@@ -83,14 +80,12 @@ class PicturePanel:
         for view in self._views:
             view.update(parameters)
 
-    def show(self, progress) -> None:
-        """Show what is chosen of a volume that is new, in a step for each choice; what `progress` answers is not regarded."""
-        with drawnViewByView(progress):
-            for view in self._views:
-                progress(0.0, "")
-                # The user may have left the panel meanwhile
-                if self._parameterNode is not None:
-                    view.update(self._parameterNode)
+    def show(self) -> None:
+        """Show what is chosen of a volume that is new."""
+        with slicer.util.RenderBlocker():
+            # The user may have left the panel meanwhile
+            for view in self._views if self._parameterNode is not None else ():
+                view.update(self._parameterNode)
 
     # ---- what is done
 

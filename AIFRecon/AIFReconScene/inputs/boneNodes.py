@@ -62,7 +62,7 @@ def boneMapFromNode(
         Names the parent transform that is not linear.
     """
     if not isLabeled(node):
-        bone = probabilityOf(node)
+        bone = PlacedBone(probabilityFromNode(node), matrixToWorld(node), node.GetName(), is_labeled=False)
     else:
         if labels is None:
             width = {"sigmaVoxels": sigmaVoxels, "sigmaMm": sigmaMm}
@@ -72,10 +72,10 @@ def boneMapFromNode(
     return inWorker(bone_map, bone, sigmaVoxels, sigmaMm, progress=part(progress, 0.1, 1.0))
 
 
-def probabilityOf(node) -> PlacedBone:
-    """The bone probability that a scalar volume holds; errors as for `boneMapFromNode`."""
+def probabilityFromNode(node) -> Volume:
+    """The bone probability of a scalar volume in its own coordinates; a GeometryError where it holds none."""
     with named(node):
-        return PlacedBone(_volumeOf(node), matrixToWorld(node), node.GetName(), is_labeled=False)
+        return _volumeOf(node)
 
 
 def isLabeled(node) -> bool:

@@ -5,15 +5,9 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-
-from AIFReconLib.bone.widths import UNKNOWN_WIDTH
-from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part, report
 from AIFReconLib.recipe.recipe import RULES, Recipe
 from AIFReconLib.registration.agreement import LARGEST_WIDTH
@@ -26,7 +20,7 @@ from ..sweep.predictions import predictionsFromNode
 from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
-from .boneNodes import boneMapFromNode, isLabeled, ownLabels, probabilityOf
+from .boneNodes import isLabeled, ownLabels, probabilityFromNode
 from .boneSource import BoneSource
 from .gridNodes import gridFromROI, gridFromVolume
 from .parameters import Region, camelCase, fileFrom, settingsFrom
@@ -124,7 +118,7 @@ class Inputs:
             With the node that cannot be used and what to do.
         """
         sequence, grid = self.sequence(), self.grid(self.recipe)
-        images = [sweep.images for sweep in sequence.sweeps]
+        images: list[Any] = [sweep.images for sweep in sequence.sweeps]
         for number, each in enumerate(images):
             each.shared(part(progress, 0.5 * number / len(images), 0.5 * (number + 1) / len(images)))
         return Asked(
@@ -141,7 +135,7 @@ class Inputs:
         if self.bone is None:
             return None
         if not isLabeled(self.bone):
-            return probabilityOf(self.bone)
+            return PlacedBone(probabilityFromNode(self.bone), matrixToWorld(self.bone), self.bone.GetName(), is_labeled=False)
         return PlacedBone(self.labels(progress), matrixToWorld(self.bone), self.bone.GetName())
 
     @property
@@ -163,30 +157,6 @@ class Inputs:
         width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": widest}
         return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, progress=progress, **width)
 
-    def boneMap(self, progress=None, labels=None, method: str = ""):
-        """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already.
-
-        Before there is a sweep: where no width is chosen, `weighted` gets that of a CT whose agreement is not known.
-        """
-        if self.bone is None:
-            return None
-        chosen, sigmaMm = list(self.boneSegments) or None, self._settingsOfMap(method).get("bone_sigma_mm")
-        width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": sigmaMm}
-        return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **width)
-
-    def boneSettings(self, method: str) -> dict:
-        """How the map of `boneMap` is made, as settings that repeat a reconstruction."""
-        return self._settingsOfMap(method) if not self.seesBone and self.bone is not None and isLabeled(self.bone) else {}
-
-    def _settingsOfMap(self, method: str) -> dict:
-        if not self._hasWidth:
-            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method and method_named(method).follows_agreement else {}
-        return (
-            {"bone_sigma_voxels": self.recipe.bone_sigma_voxels}
-            if self.recipe.bone_sigma_mm is None
-            else {"bone_sigma_mm": self.recipe.bone_sigma_mm}
-        )
-
     @property
     def _hasWidth(self) -> bool:
         return self.recipe.bone_sigma_voxels is not None or self.recipe.bone_sigma_mm is not None
@@ -198,43 +168,6 @@ class Inputs:
         if self.region.IsA("vtkMRMLMarkupsROINode"):
             return gridFromROI(self.region, settings.spacing_xyz())
         return gridFromVolume(self.region)
-
-
-@dataclass(frozen=True, eq=False)
-class PreparedInputs:
-    """What was reconstructed, for who judges it: as `Asked`, with the `Comparison` of CT and sweep where bone is labeled."""
-
-    asked: Asked
-    compared: Any = None
-
-    @property
-    def sequence(self) -> TrackedSequence:
-        """The sweep."""
-        return self.asked.sequence
-
-    @property
-    def recipe(self) -> Recipe:
-        """How it was reconstructed."""
-        return self.asked.recipe
-
-    @property
-    def labels(self) -> Volume | None:
-        """The labels of the bone, in their own coordinates; None where nothing is labeled."""
-        return self.asked.bone.volume if self.asked.bone is not None and self.asked.bone.is_labeled else None
-
-    @property
-    def place(self) -> np.ndarray:
-        """Where they lie in RAS world, (4, 4) mm."""
-        return self.asked.bone.to_reference
-
-    @property
-    def labeledBone(self):
-        """As `SweepVerdicts` asks for them."""
-        return None if self.labels is None else SimpleNamespace(labels=self.labels, labels_to_reference=self.place)
-
-    def comparison(self, _progress=None):
-        """As `SweepVerdicts` asks for it."""
-        return self.compared
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -1,46 +1,59 @@
-"""A live session in the scene: starts it from the panel's parameters and keeps the nodes it shows up to date."""
+"""A live scan in the scene: it goes on in the worker, and what it shows is asked for and put into nodes."""
 
-import contextlib
+import collections
 import logging
-import threading
+import time
 from dataclasses import replace
 
-from AIFReconLib.errors import GeometryError, OperationCanceled, SettingsError
-from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
-from AIFReconLib.live.session.agreement_watch import AgreementWatch, LiveState
-from AIFReconLib.live.session.session import SCOUTING, LiveSession
-from AIFReconLib.live.session.snapshots import SnapshotMaker
-from AIFReconLib.machine.threads import usable_cores
-from AIFReconLib.progress import part, report
-from AIFReconLib.provenance.record import with_settings
-from AIFReconLib.registration.echoes import FEWEST, SweepEchoes
+import slicer
 
-from .. import garbage
-from ..background import ALIVE_EVERY, inBackground
+from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError, WorkerDiedError
+from AIFReconLib.guidance.seen import GuidanceSeen
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.message import said
+from AIFReconLib.progress import part
+from AIFReconLib.sweep.configuration import NO_CONFIGURATION
+from AIFReconLib.worker.scan_request import ECHOES, MODEL, PREDICTIONS, ScanRequest, begin_scan
+
+from ..inputs.boneNodes import isLabeled, probabilityFromNode
 from ..inputs.boneSource import BoneSource
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import LiveSource, fileFrom, settingsFrom
 from ..transforms import matrixToWorld
 from ..volumes.volumeNodes import followIntensity, outputNodes, updateVolumeNode, windowOf
-from .inSteps import InSteps
-from .liveBone import LiveBone
-from .liveGuidance import LiveGuidance
+from ..work import inWorker, worker
+from .followedBone import FollowedBone
 from .liveViews import LiveViews
-from .nodeSource import NodeSource
+from .nodeImages import NodeImages
 from .shownFrame import ShownFrame
 
-SCOUT_MARGIN = 5.0
-"""mm added on each side of the box that was scouted."""
+ASK_EVERY = 0.1
+"""s between two looks at the scan; twice as long as what came of the last took to be shown, where that is more."""
+
+BONE_FROM = {BoneSource.ECHOES: ECHOES, BoneSource.PREDICTIONS: PREDICTIONS, BoneSource.MODEL: MODEL}
+
+MOST_DEATHS, WITHIN = 3, 60.0
+"""Workers that may die within so many s before a scan is given up."""
+
+MOST_UNSENT = 256
+"""Images that wait for a worker."""
+
+
+class Guided:
+    """What a scan tells of the bone: `state`, a `GuidanceSeen`, and `bone`, the node that it is about."""
+
+    def __init__(self, bone):
+        self.state, self.bone = GuidanceSeen(), bone
 
 
 class LiveReconstruction:
-    """One scan: a `LiveSession`, the volume that it fills and the frame that is seen now.
+    """One scan: the volume that it fills and the frame that is seen now.
 
     Parameters
     ----------
     parameters : AIFReconParameterNode
     progress : callable or None
-        For the bone map or the network, which is made before the first frame is received.
+        For what is made before the first frame is received.
     record : Path or None
         Where every frame is recorded.
 
@@ -49,187 +62,199 @@ class LiveReconstruction:
     AIFReconError
         With what is missing or wrong; nothing is left running, and the scene is as before.
 
+    Attributes
+    ----------
+    seen : Seen
+        The last look at it.
+    lost : str
+        Why the process that scans has died, while another takes up where it was; else empty.
+
     Notes
     -----
     Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
-    to a new volume: what was reconstructed before is not lost by pressing Start. Everything here is called on the main thread and returns
-    at once; receiving, inserting and making snapshots happen on threads of their own.
+    to a new volume: what was reconstructed before is not lost by pressing Start. But for `stop` and `followBone`, everything here returns
+    at once.
     """
 
     def __init__(self, parameters, progress=None, record=None):
-        self._name = "Live"
-        self._displayProblems = {}
-        self._window = None
-        self.wasCanceled = False
+        self._parameters, self._name, self._window = parameters, "Live", None
+        self.wasCanceled, self.guidance, self.lost, self._displayProblems = False, None, "", {}
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
         self._frame = ShownFrame(self._views)
-        self._inSteps, self._waiting = InSteps(), {}
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
-        inputs = Inputs.fromParameters(parameters)
-        settings = settingsFrom(parameters)
-        labels, configuration = inputs.labels(part(progress, 0.0, 0.1)), _configurationFrom(parameters)
-        grid, self._source = inputs.grid(settings), _sourceFrom(parameters)
-        share = part(progress, 0.1, 0.5)
-        self.seen = None if parameters.boneSource == BoneSource.CT else LiveBone(parameters, record, share)
-        bone = inputs.boneMap(share, labels, settings.method_for(True)) if self.seen is None else self.seen.bone
-        self._bone, self._inputs, self._method = parameters.bone, inputs, settings.method_for(True)
-        field = _fieldOf(labels, part(progress, 0.5, 0.6))
-        self.session = LiveSession(
-            self._source,
-            settings,
-            bone,
-            grid,
-            configuration=configuration,
-            synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
-            record=record,
-            predictions_device=None if self.seen is None else self.seen.device,
-        )
-        self._snapshots = SnapshotMaker(self.session)
-        self._boneAt = None if field is None else matrixToWorld(parameters.bone)
-        self._watch = None if field is None else AgreementWatch(self.session, field, self._boneAt)
-        self._parameters = parameters
-        self.guidance = None
-        if self.seen is not None:
-            self.seen.begin(self.session)
-        try:
-            self.guide(parameters.guidance, part(progress, 0.6, 0.7))
-            # Beside the windows of a scan it takes many times as long
-            while progress is not None and not self.session.prepare(ALIVE_EVERY):
-                report(progress, 0.7, "Preparing the scan")
-        except OperationCanceled:
-            self._endThreads()
-            # It waits for what is being compiled
-            threading.Thread(target=self.session.stop, name="AIFRecon canceled scan", daemon=True).start()
-            raise
-        self.session.start()
-        self._whileScanning = contextlib.ExitStack()
-        self._whileScanning.enter_context(garbage.leftAlone())
+        self._bone = FollowedBone(parameters, part(progress, 0.0, 0.1))
+        self._request = _requestOf(parameters, self._bone, record)
+        self._unsent, self._deaths = collections.deque(maxlen=MOST_UNSENT), []
+        self._asked = self._again = None
+        self._nextLook, self._number, self._surface = 0.0, -1, None
+        self._scan = worker.keep(begin_scan, self._request, progress=part(progress, 0.1, 1.0))
+        self.seen = worker.call("look", self._scan)
+        fromScene = parameters.liveSource == LiveSource.SCENE
+        self._images = NodeImages(parameters.liveImage) if fromScene else None
+        self.guide(parameters.guidance)
 
     @property
     def statistics(self):
-        """What the session tells of itself."""
-        return self.session.statistics
+        """What the scan counts."""
+        return self.seen.statistics
 
-    @property
-    def snapshotProblem(self):
-        """The error that keeps the volume that is shown from growing; None while it grows."""
-        return self._snapshots.error
+    # ---- what the user asks for
 
-    @property
-    def agreement(self) -> LiveState:
-        """How well the CT agrees with the last seconds of the scan."""
-        return self._watch.state if self._watch is not None else LiveState()
-
-    def guide(self, wanted: bool, progress=None) -> None:
+    def guide(self, wanted: bool) -> None:
         """Tell from now on what is met, and where to look next, or do so no longer."""
-        if wanted and self.guidance is None:
-            self.guidance = LiveGuidance(self.session, self._parameters)
-            self.guidance.begin(progress)
-        elif not wanted and self.guidance is not None:
-            ended, self.guidance = self.guidance, None
-            ended.stop(wait=False)
+        if wanted != (self.guidance is not None):
+            self.guidance, self._surface = Guided(self._bone.node) if wanted else None, None
+        if wanted != self._request.guidance:
+            self._tell("guide", wanted, guidance=wanted)
 
-    def echoes(self):
-        """The `SweepEchoes` of the scan so far, to place the CT by.
+    def pause(self, paused: bool) -> None:
+        """Insert nothing for a while, or go on."""
+        self._tell("pause", paused)
 
-        Raises
-        ------
-        GeometryError
-            When it has shown too little bone.
-        """
-        echoes = self._watch.echoes() if self._watch is not None else SweepEchoes.joined(())
-        if len(echoes) < FEWEST:
-            raise GeometryError(
-                f"The scan has shown {len(echoes)} bone echoes so far; {FEWEST} are needed to place the CT. Scan the bone some seconds "
-                "longer, then press “Place CT on sweep” again."
-            )
-        return echoes
-
-    def followBone(self, progress=None) -> bool:
-        """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with.
-
-        Where the frames themselves say where bone is, the place of the CT changes nothing.
-        """
-        if self.seen is not None:
-            return False
-        self.session.use_bone(self._inputs.boneMap(progress, method=self._method))
-        return not self.isScouting
-
-    @property
-    def isScouting(self) -> bool:
-        """Whether the box is still to be found."""
-        return self.session.grid is None or self.statistics.phase == SCOUTING
+    def reset(self) -> None:
+        """Empty the volume and go on; a scan that was given up is begun again."""
+        self._tell("reset")
+        if self.lost and self._again is None:
+            self._deaths = []
+            self.seen = replace(self.seen, spans=((self.statistics.recorded, None),))
+            self._beginAgain(self.lost)
 
     def useScoutedBox(self) -> None:
-        """Reconstruct in the box around what was seen so far."""
-        self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
+        """Reconstruct in the box around what was seen so far; an AIFReconError where that cannot be told yet."""
+        inWorker("use_scouted_box", self._scan)
 
-    def collect(self) -> None:
-        """Take a new image from the scene, where that is the source; to be called often."""
-        if isinstance(self._source, NodeSource):
-            self._source.collect()
+    def echoes(self):
+        """The `SweepEchoes` of the scan so far, to place the CT by; a GeometryError when it has shown too little bone."""
+        return inWorker("echoes", self._scan)
+
+    def followBone(self, progress=None) -> bool:
+        """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
+        place = matrixToWorld(self._parameters.bone)
+        self._request = replace(self._request, bone_to_reference=place)
+        return inWorker("follow_bone", self._scan, place, progress=progress)
+
+    # ---- while it goes on
 
     def goOn(self) -> bool:
-        """Take the next step of what is being shown; False where none is left. To be called often."""
-        if not self._inSteps.isUnderWay:
+        """Hear of the scan and show what is new, where there is anything; whether there was. To be called often."""
+        self._handOnImages()
+        if self._again is not None:
+            return self._again.is_done and self._attempt(self._takeUp)
+        if self._asked is None:
+            if time.monotonic() >= self._nextLook:
+                self._attempt(self._followNodes)
+                self._asked = worker.begin("look", self._scan, self._number, self._surface)
             return False
-        self._attempt(self._inSteps.goOn)
+        if not self._asked.is_done:
+            return False
+        asked, self._asked, began = self._asked, None, time.monotonic()
+        try:
+            self.seen = asked.result()
+        except WorkerDiedError as error:
+            self._beginAgain(error)
+            return True
+        self._attempt(self._show)
+        now = time.monotonic()
+        self._nextLook = max(began + ASK_EVERY, now + 2.0 * (now - began))
         return True
 
-    def showToo(self, name: str, steps) -> None:
-        """Show something else with volume and frame, in steps as `InSteps` takes them; what waits under the same name is dropped."""
-        self._waiting[name] = steps
+    def _show(self) -> None:
+        seen = self.seen
+        if self.guidance is not None and seen.guidance is not None:
+            self.guidance.state, self._surface = seen.guidance.after(self.guidance.state), seen.guidance.surface
+        if self.guidance is not None and self._bone.problem is not None:
+            self.guidance.state = GuidanceSeen(problem=self._bone.problem)
+        with slicer.util.RenderBlocker():
+            if seen.result is not None:
+                self._fill(seen.result)
+            if seen.frame is not None:
+                self._number = seen.frame.number
+                self._frame.show(seen.frame)
 
-    @property
-    def showsVolume(self) -> bool:
-        """Whether the growing volume is in all views that it is to be in."""
-        return self.volumeNode is not None and self._views.shows(self.volumeNode)
-
-    def refresh(self) -> None:
-        """Have what has changed of volume, frame and what else waits shown as `goOn` is called; `displayProblem` says what failed."""
-        self._attempt(self._followPlace)
+    def _followNodes(self) -> None:
+        """Tell the scan of bone that was moved, drawn anew, chosen or deleted."""
+        news = self._bone.news()
         if self.guidance is not None:
-            self._attempt(self.guidance.follow)
-        if self._inSteps.isUnderWay:
-            return
-        changed, self._waiting = {"volume": self._volumeSteps(), "frame": self._frameSteps(), **self._waiting}, {}
-        changed = {name: steps for name, steps in changed.items() if steps is not None}
-        if changed:
-            self._inSteps.begin(self._stepsOf(changed))
-        self._snapshots.request()
+            self.guidance.bone = self._bone.node
+        if news is not None:
+            place, labels = news
+            changed = {"bone_to_reference": place} if labels is None else {"bone_to_reference": place, "labels": labels}
+            self._tell("place", place, labels, **changed)
+            if self._request.guidance:
+                self._tell("guide", True)
+
+    def _handOnImages(self) -> None:
+        message = None if self._images is None else self._images.take()
+        if message is not None:
+            self._unsent.append(message)
+        while self._unsent and self._again is None:
+            worker.begin("put", self._scan, self._unsent.popleft(), self._images.replaced)
+
+    def _tell(self, what: str, *arguments, **changed) -> None:
+        """Have the scan do something, nobody waits for it; what it changes of the request holds for a scan that is begun again, too."""
+        self._request = replace(self._request, **changed)
+        if self._again is None:
+            worker.begin(what, self._scan, *arguments)
+
+    # ---- a worker that has died
+
+    def _beginAgain(self, error) -> None:
+        now = time.monotonic()
+        self._deaths = [*(each for each in self._deaths if now - each < WITHIN), now]
+        self.lost, seen = error if isinstance(error, str) else said(error), self.seen
+        if len(self._deaths) <= MOST_DEATHS:
+            logging.warning("%s The scan is taken up again.", self.lost)
+            grid = seen.grid or self._request.grid
+            self._request = replace(self._request, grid=grid, spans=seen.spans, takes_up=True)
+            self._again = worker.begin(begin_scan, self._request, keep=True)
+        else:
+            self._giveUp()
+
+    def _takeUp(self) -> None:
+        again, self._again = self._again, None
+        try:
+            self._scan, self.lost, self._number, self._surface = again.result(), "", -1, None
+        except WorkerDiedError as error:
+            self._beginAgain(error)
+        except AIFReconError as error:
+            self.lost = said(error)
+            self._giveUp()
+
+    def _giveUp(self) -> None:
+        statistics = replace(self.seen.statistics, phase="failed", trouble=self.lost)
+        self.seen, self._nextLook = replace(self.seen, statistics=statistics, frame=None, result=None), float("inf")
+
+    # ---- the end
 
     def stop(self, progress=None):
-        """End the scan and show the final volume; returns its node, or None when nothing was reconstructed.
+        """End the scan and show the final volume; returns what it `Ended` with, or None when it was lost or canceled.
 
         A cancel, which may come while holes are filled, leaves the volume as it was shown last; `wasCanceled` is True then.
         """
-
-        def work(progress):
-            # It waits for the snapshot that is being made, whose holes may take seconds
-            self._endThreads()
-            return self.session.finish(progress)
-
-        self._inSteps.interrupt()
+        self._handOnImages()
         try:
-            result = inBackground(work, progress)
-            if result is not None and result.frames_inserted:
-                for _step in self._filling(result):
-                    pass
-                self._attempt(self._showVolume)
+            ended = inWorker("finish", self._scan, progress=progress)
+            self.seen = replace(self.seen, statistics=ended.statistics)
+            if ended.result is not None:
+                self._attempt(lambda: self._fill(ended.result))
+            return ended
+        except WorkerDiedError as error:
+            self.lost = said(error)
         except OperationCanceled:
             self.wasCanceled = True
         finally:
+            self.abandon()
             self._attempt(self.removeFrame)
-            self._whileScanning.close()
-        return self.volumeNode
+        return None
 
     def abandon(self) -> None:
-        """End the scan without a word to the scene, which is being closed."""
-        self._inSteps.interrupt()
-        self._endThreads()
-        self.session.stop()
-        self._whileScanning.close()
+        """End the scan without a word to the scene, which is being closed; its recording is finished."""
+        if self._images is not None:
+            self._images.stop()
+        if self._again is not None:
+            self._again.cancel()
+        worker.forget(self._scan)
 
     @property
     def volumeNode(self):
@@ -244,101 +269,58 @@ class LiveReconstruction:
 
     def removeFrame(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""
-        self._inSteps.interrupt()
         self._frame.remove()
+
+    def _attempt(self, show) -> bool:
+        """Do something with the scene; what goes wrong is kept until it goes right again, for nothing on the screen is worth the scan."""
+        try:
+            show()
+        except Exception as error:
+            if show.__name__ not in self._displayProblems:
+                logging.exception("The scan goes on, but its display has failed.")
+            self._displayProblems[show.__name__] = error
+        else:
+            self._displayProblems.pop(show.__name__, None)
+        return True
 
     @property
     def displayProblem(self):
         """The error that keeps something from being shown as it is now; None while all is. The scan goes on beside it."""
         return next(iter(self._displayProblems.values()), None)
 
-    def _attempt(self, show, *what) -> None:
-        """Show something. What goes wrong is kept until it has gone right again, for nothing on the screen is worth the scan."""
-        with self._attempted(show.__name__):
-            show(*what)
-
-    @contextlib.contextmanager
-    def _attempted(self, name: str):
-        try:
-            yield
-        except Exception as error:
-            if name not in self._displayProblems:
-                logging.exception("The scan goes on, but its display has failed.")
-            self._displayProblems[name] = error
-        else:
-            self._displayProblems.pop(name, None)
-
-    def _stepsOf(self, changed: dict):
-        """One after the other, to be drawn together: a view takes as long to draw whatever has changed in it."""
-        for name, steps in changed.items():
-            with self._attempted(name):
-                yield from steps
-
-    def _endThreads(self) -> None:
-        self._snapshots.stop()
-        for beside in (self._watch, self.guidance, self.seen):
-            if beside is not None:
-                beside.stop()
-
-    def _followPlace(self) -> None:
-        """Let the agreement be judged where the bone lies now, whoever has moved it."""
-        if self._watch is None or self._bone.GetScene() is None:
-            return
-        place = matrixToWorld(self._bone)
-        if (place != self._boneAt).any():
-            self._boneAt = place
-            self._watch.place(place)
-
-    def _volumeSteps(self):
-        if self.volumeNode is not None and not self.showsVolume:
-            return self._views.stepsTo(self.volumeNode)
-        result = self._snapshots.take()
-        return None if result is None else self._filling(result)
-
-    def _showVolume(self) -> None:
-        for _step in self._views.stepsTo(self.volumeNode):
-            pass
-
-    def _frameSteps(self):
-        return self._frame.stepsTo(self.session.latest)
-
-    def _filling(self, result):
-        """Steps that put a volume into its node, which is made where there is none, and fit what is shown of its gray levels."""
-        result = with_settings(result, self._inputs.boneSettings(self._method))
+    def _fill(self, result) -> None:
+        """Put a volume into its node, which is made where there is none, and fit what is shown of its gray levels."""
         known = self.volumeNode
         if known is not None and known.GetImageData() is not None:
             updateVolumeNode(known, result.intensity)
-            yield
             self._window = followIntensity(known, result, self._window)
         else:
             self._outputs = outputNodes(result, self._name, nodes={"intensity": known})
             self._window = windowOf(self.volumeNode)
-        yield
+        self._views.show(self.volumeNode)
 
 
-def _fieldOf(labels, progress):
-    if labels is None:
-        return None
-    from AIFReconLib.registration.bone_field import BoneField
-
-    return inBackground(lambda _progress: BoneField.from_labels(labels), progress)
-
-
-def _sourceFrom(parameters):
-    if parameters.liveSource == LiveSource.SCENE:
-        if parameters.liveImage is None:
-            raise SettingsError("The image that is kept up to date must be chosen; got none. Select it as Live image.")
-        return NodeSource(parameters.liveImage)
-    from AIFReconLib.live.wire.client import OpenIGTLinkClient
-
-    return OpenIGTLinkClient(parameters.liveHost.strip(), parameters.livePort)
-
-
-def _configurationFrom(parameters):
-    """The Plus configuration. Unless it says itself how many threads insert, one core stays with the windows: they would wait to draw."""
-    from AIFReconLib import read_plus_configuration
-    from AIFReconLib.sweep.configuration import NO_CONFIGURATION
-
-    path = fileFrom(parameters.configurationPath)
-    configuration = NO_CONFIGURATION if path is None else read_plus_configuration(path)
-    return replace(configuration, threads=configuration.threads or max(usable_cores() - 1, 1))
+def _requestOf(parameters, bone: FollowedBone, record) -> ScanRequest:
+    if parameters.liveSource == LiveSource.SCENE and parameters.liveImage is None:
+        raise SettingsError("The image that is kept up to date must be chosen; got none. Select it as Live image.")
+    inputs, recipe = Inputs.fromParameters(parameters), settingsFrom(parameters)
+    node, path = parameters.bone, fileFrom(parameters.configurationPath)
+    fromFrames = BONE_FROM.get(parameters.boneSource)
+    isProbability = node is not None and not isLabeled(node)
+    if bone.labels is None and node is not None and not isProbability and fromFrames is None:
+        inputs.labels()  # says what is wrong with it
+    return ScanRequest(
+        recipe,
+        server=None if parameters.liveSource == LiveSource.SCENE else (parameters.liveHost.strip(), parameters.livePort),
+        configuration=NO_CONFIGURATION if path is None else read_plus_configuration(path),
+        grid=inputs.grid(recipe),
+        labels=bone.labels,
+        probability=probabilityFromNode(node) if isProbability and fromFrames is None else None,
+        bone_to_reference=None if node is None else matrixToWorld(node),
+        bone_from=fromFrames,
+        bone_device=parameters.liveBoneDevice.strip() if fromFrames == PREDICTIONS else None,
+        model=fileFrom(parameters.boneModelPath) if fromFrames == MODEL else None,
+        image_device=parameters.liveImageDevice.strip() or None,
+        record=record,
+        guidance=parameters.guidance and bone.labels is not None,
+    )

@@ -28,16 +28,13 @@ class LiveViews:
         self._ct = ctNode
         self._opacity = opacity
         self._before: _View | None = None
-        self._frame = None
-        self._seenIn3D = False
-        self._volume = None
-        self._without: list[str] = []
+        self._frame = self._volume = None
 
-    def prepareFor(self, frameNode) -> bool:
-        """Take one step toward the red view that shows this frame, in 3D too; False when none is left."""
+    def follow(self, frameNode) -> None:
+        """Let the red slice lie in the frame, at its true place in the 3D view too."""
         logic = _following()
         if logic is None:
-            return False
+            return
         node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
         if self._frame is not frameNode:
             self._before = self._before or _View.of(node, composite)
@@ -45,19 +42,7 @@ class LiveViews:
             with sliceDisplay.changing(composite):
                 composite.SetBackgroundVolumeID(frameNode.GetID())
                 composite.SetForegroundVolumeID(None)
-        elif not self._seenIn3D:
-            self._seenIn3D = True
             node.SetSliceVisible(True)
-        else:
-            return False
-        return True
-
-    def follow(self, frameNode) -> None:
-        """Let the red slice lie in the frame, at its true place in the 3D view too."""
-        logic = _following()
-        if logic is None:
-            return
-        node = logic.GetSliceNode()
         pose = ijkToRAS(frameNode)
         columns, rows, _slices = frameNode.GetImageData().GetDimensions()
         spacing = np.linalg.norm(pose[:3, :2], axis=0)
@@ -74,22 +59,16 @@ class LiveViews:
             node.SetFieldOfView(shown * width, shown * height, node.GetFieldOfView()[2])
             node.UpdateMatrices()
 
-    def shows(self, volumeNode) -> bool:
-        """Whether this is the growing volume that was shown last, in all of the other views."""
-        return self._volume is volumeNode and not self._without
-
-    def stepsTo(self, volumeNode):
-        """Steps that show the growing volume over the CT in the other views, once in each."""
+    def show(self, volumeNode) -> None:
+        """Show the growing volume over the CT in the other views, once."""
         if self._volume is not volumeNode:
-            self._volume, self._without = volumeNode, list(OTHERS)
-        while self._without and volumeNode.GetScene() is not None:
-            sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=(self._without.pop(),))
-            yield
+            self._volume = volumeNode
+            sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=OTHERS)
 
     def restore(self) -> None:
         """The red slice as it was; where there is a volume now, it shows that as the others do."""
         logic = _following()
-        before, self._before, self._frame, self._seenIn3D = self._before, None, None, False
+        before, self._before, self._frame = self._before, None, None
         if logic is None or before is None:
             return
         before.restore(logic.GetSliceNode(), logic.GetSliceCompositeNode())

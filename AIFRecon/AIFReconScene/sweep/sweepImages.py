@@ -39,7 +39,8 @@ class SweepImages:
     """
 
     def __init__(self, nodes: list, name: str, *, flipColumns: bool = False, flipRows: bool = False):
-        self._nodes, self._shared = nodes, None
+        self._nodes = nodes
+        self._shared: np.ndarray | None = None
         self._name = name
         self._flips = (slice(None, None, -1 if flipRows else 1), slice(None, None, -1 if flipColumns else 1))
         first = next((number for number, node in enumerate(nodes) if hasImage(node)), None)

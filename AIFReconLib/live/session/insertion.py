@@ -169,9 +169,9 @@ class Inserter:
         with self._changed:
             if live:
                 self._rhythm.note(frame.received)
-            if self._patient:
+            if self._patient or not live:
                 self._changed.wait_for(lambda: self._waiting_bytes < MOST_WAITING_BYTES or self._closed)
-            elif frame.status == "OK" and live:
+            elif frame.status == "OK":
                 admitted = self._keep_up.admit(self._waiting_frames * self._seconds_per_frame)
                 if not admitted or self._waiting_bytes + _bytes(frame) > MOST_WAITING_BYTES:
                     frame = replace(frame, image=None, status=TOO_SLOW)

@@ -48,6 +48,12 @@ _SIZE_LETTERS = 40
 _LAST_LINE = b"ElementDataFile"
 
 
+def growing_files(path: Path) -> tuple[Path, Path]:
+    """Header and pixels of a recording to `path` while it runs."""
+    header, pixels = (path.with_name(f"{path.name[: -len(path.suffix)]}.recording{suffix}") for suffix in (".mhd", ".raw"))
+    return header, pixels
+
+
 class Recorder:
     """Appends live frames to a sequence file, tracked or not, with their transforms, statuses and times.
 
@@ -72,8 +78,7 @@ class Recorder:
         self.path = Path(path)
         check_sequence_name(self.path)
         check_writable(self.path)
-        stem = self.path.name[: -len(self.path.suffix)]
-        self.header_path, self._pixels_path = (self.path.with_name(f"{stem}.recording{suffix}") for suffix in (".mhd", ".raw"))
+        self.header_path, self._pixels_path = growing_files(self.path)
         left = next((path for path in (self.header_path, self._pixels_path) if os.path.lexists(path)), None)
         if left is not None:
             raise OutputError(

@@ -26,7 +26,8 @@ from ..wire.sources import ENDED, MessageSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import Heard, LiveStatistics, Meter, statistics_of
+from .statistics import ALL, Heard, LiveStatistics, Meter, Spans, statistics_of
+from .taken_up import TakenUp
 
 logger = logging.getLogger(__name__)
 
@@ -138,6 +139,8 @@ class LiveSession:
         self._paused = self._prepared = self._started = self._closed = False
         self._heard = Heard()
         self._collect_error: Exception | None = None
+        self._earlier: TakenUp | None = None
+        self._spans: Spans = ALL
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
 
     # ---- control
@@ -162,6 +165,10 @@ class LiveSession:
         with self._lock:
             self._start_inserting()
         return (self._inserter.ready if self._phase == RECONSTRUCTING else self._inserter.warm).wait(timeout)
+
+    def take_up(self, earlier: TakenUp, spans: Spans) -> None:
+        """Before `start`: let the frames of a recording come before those of the source; outside of `spans` they are recorded only."""
+        self._earlier, self._spans = earlier, spans
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
@@ -317,6 +324,8 @@ class LiveSession:
 
     def _collect(self) -> None:
         try:
+            if self._earlier is not None:
+                self._take_earlier(self._earlier)
             while not self.finished.is_set():
                 deadline, now = self._synchronizer.deadline, time.monotonic()
                 message = self._source.get(POLL if deadline is None else min(max(deadline - now, 0.0), POLL))
@@ -348,8 +357,21 @@ class LiveSession:
             if frame.number + 1 == self._frame_limit:
                 self.finished.set()
 
-    def _hand_on(self, frame: LiveFrame, meter: Meter) -> None:
-        if self._paused:
+    def _take_earlier(self, earlier: TakenUp) -> None:
+        for frame in earlier.frames():
+            if self.recorder is not None:
+                self.recorder.append(frame)
+            self._synchronizer.frames = frame.number + 1
+            counts = any(first <= frame.number < (frame.number + 1 if stop is None else stop) for first, stop in self._spans)
+            self._meter.receive(frame.received)
+            if counts:
+                self._hand_on(frame, self._meter, live=False)
+            else:
+                self._meter.skip(WHILE_PAUSED)
+        earlier.done()
+
+    def _hand_on(self, frame: LiveFrame, meter: Meter, live: bool = True) -> None:
+        if self._paused and live:
             meter.skip(WHILE_PAUSED)
         elif frame.number % (self.settings.skip or 1):
             meter.skip(LEFT_OUT)
@@ -358,7 +380,7 @@ class LiveSession:
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
                 self._begin(self._grid)
         else:
-            self._inserter.put(frame, meter)
+            self._inserter.put(frame, meter, live)
 
     def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was scouted first."""

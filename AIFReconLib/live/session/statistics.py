@@ -41,6 +41,11 @@ _NO_TOOLS = ("Tracker", "Image", "World")
 _REASONS_KEPT = 200
 OTHER_REASONS = "other reasons"
 
+Spans = tuple[tuple[int, int | None], ...]
+"""Numbers of frames: from each first one until before each second, or all that follow."""
+
+ALL: Spans = ((0, None),)
+
 
 @dataclass(frozen=True)
 class LiveStatistics:

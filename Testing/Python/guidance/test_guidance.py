@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import pickle
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
 
+from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, guidance_of_sweep
@@ -47,6 +52,31 @@ def test_a_sweep_that_leaves_bone_out_gets_a_move_that_adds_some(here):
     assert here.problem is None
     assert here.advice.move.adds_cm2 > 0
     assert set(here.advice.over) <= {1, 2}
+
+
+def test_what_is_shown_crosses_to_a_program_that_has_not_loaded_scipy(here):
+    pickled = pickle.dumps(here.seen())
+    heavy = "scipy", "SimpleITK", "matplotlib"
+    program = f"import pickle, sys; pickle.loads(sys.stdin.buffer.read()); assert not sys.modules.keys() & set({heavy})"
+    subprocess.run([sys.executable, "-c", program], input=pickled, check=True)
+
+
+def test_the_mesh_is_sent_once(here):
+    first = here.seen()
+    again = here.seen(first.surface)
+    assert (again.mesh, again.after(first).mesh) == (None, here.colored.mesh)
+    assert again.after(None).mesh is None
+
+
+def test_a_probe_is_drawn_on_its_image_and_behind_its_face(here):
+    shape = here.seen().move.probe
+    points = transform_points(IMAGES.image_to_face, shape.points_image)
+    plane, body = points[: len(points) - 8], points[-8:]
+    assert {corner for polygon in shape.polygons for corner in polygon} == set(range(len(points)))
+    np.testing.assert_allclose(plane[:, 2], 0.0, atol=1e-9)
+    assert plane[:, 1].min() > -2.0
+    assert (body[:, 1].max(), body[:, 1].min()) == pytest.approx((0.0, -55.0))
+    assert shape.border[0] == shape.border[-1]
 
 
 @pytest.mark.parametrize(

@@ -39,9 +39,9 @@ PACKAGES = {
     "batch": {"cryptography", "dask", "distributed", "pyarrow"},
     "bone": {"onnxruntime"},
     "evaluation": {"matplotlib", "vtk"},
+    "inspection": {"vtkmodules"},
     "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},
     "live": {"pyigtl"},
-    "worker": {"vtkmodules"},
 }
 """What a folder of the library may import of others' besides that."""
 

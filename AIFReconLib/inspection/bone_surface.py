@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Integers, Singles
 
 if TYPE_CHECKING:
-    from ..inspection.shown_bone import ShownBone
+    from .shown_bone import ShownBone
 
 ITERATIONS, PASS_BAND = 25, 0.08
 """Of the windowed sinc filter: the staircase of the cells goes, the shape of a process stays."""
@@ -39,7 +39,7 @@ def bone_surface(shown: ShownBone) -> BoneSurface | None:
     from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
     from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
 
-    from ..inspection.shown_bone import LEVEL
+    from .shown_bone import LEVEL
 
     # A rim of nothing closes surfaces at the border of the volume
     array = np.pad(shown.field.array, 1)

@@ -1,0 +1,300 @@
+"""A live scan in the worker: session, watches and recording, and what a window shows of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ..arrays import Matrix
+from ..bone.growing_bone import GrowingBone
+from ..bone.map import BoneMap
+from ..bone.model import OnnxModel
+from ..bone.predicted_bone import BoneEstimator, EchoEstimator
+from ..compounding.state import Reconstruction
+from ..errors import GeometryError
+from ..geometry.volume import Volume
+from ..guidance.guidance import Guidance
+from ..live.pairing.synchronizer import SynchronizerSettings
+from ..live.session.agreement_watch import AgreementWatch
+from ..live.session.bone_watch import BoneWatch, predictions_beside
+from ..live.session.guidance_watch import GuidanceWatch
+from ..live.session.recording import growing_files
+from ..live.session.session import SCOUTING, LiveSession
+from ..live.session.snapshots import SnapshotMaker
+from ..live.session.taken_up import TakenUp
+from ..live.wire.client import OpenIGTLinkClient
+from ..live.wire.messages import StreamMessage
+from ..live.wire.sources import QueueSource, StreamStatistics
+from ..machine.threads import usable_cores
+from ..message import said
+from ..progress import Progress, part, report
+from ..provenance.record import with_settings
+from ..registration.bone_field import BoneField
+from ..registration.echoes import FEWEST, SweepEchoes
+from ..registration.labeled_bone import LabeledBone
+from ..registration.live import SECONDS
+from ..resolve import Imaging
+from .scan_request import ECHOES, MODEL, Ended, ScanRequest, Seen, SeenFrame
+
+SCOUT_MARGIN = 5.0
+"""mm added on each side of the box that was scouted."""
+
+LOOK_EVERY = 0.05
+"""s between two looks at what is being prepared."""
+
+
+class Scan:
+    """A scan that goes on from its making to `finish` or `close`.
+
+    Parameters
+    ----------
+    request : ScanRequest
+    progress : Progress or None
+        Of what is made before the first frame is received: the bone map, the network, compiled code, the surface of bone.
+
+    Raises
+    ------
+    AIFReconError
+        With what is missing or wrong; nothing is left running.
+    """
+
+    def __init__(self, request: ScanRequest, progress: Progress | None = None):
+        self._request, self._labels, self._place = request, request.labels, request.bone_to_reference
+        recipe, configuration = request.recipe, request.configuration
+        self._given = None if request.server is not None else _Given()
+        self._labeled: LabeledBone | None = None
+        self._growing = GrowingBone() if request.bone_from is not None else None
+        # Refused before the scan, not in it
+        self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
+        self._method = recipe.method_for(True)
+        earlier = TakenUp(request.record, configuration) if request.takes_up and request.record is not None else None
+        self.session = LiveSession(
+            self._given or OpenIGTLinkClient(*request.server or ("", 0)),
+            recipe,
+            self._growing or self._bone_map(part(progress, 0.0, 0.5)),
+            request.grid,
+            # One core stays with the windows, unless the configuration says how many threads insert
+            configuration=replace(configuration, threads=configuration.threads or max(usable_cores() - 1, 1)),
+            synchronizer=SynchronizerSettings(image_device=request.image_device),
+            record=request.record,
+            predictions_device=request.bone_device,
+        )
+        self._spans: list[tuple[int, int | None]] = [(0, None)]
+        self._snapshots = SnapshotMaker(self.session)
+        self._agreement: AgreementWatch | None = None
+        self._guidance: GuidanceWatch | None = None
+        self._told: Guidance | None = None
+        self._seen_bone: BoneWatch | None = None
+        try:
+            if self._labels is not None and self._place is not None:
+                self._agreement = AgreementWatch(self.session, BoneField.from_labels(self._labels), self._place)
+            if self._growing is not None:
+                # What a network says is recorded beside the scan
+                beside = None if request.record is None or request.bone_from == ECHOES else _free(predictions_beside(request.record))
+                self._seen_bone = BoneWatch(self.session, self._growing, None if request.bone_device else self._estimator, beside)
+            self.guide(request.guidance)
+            while self._guidance is not None and not self._guidance.prepared.wait(LOOK_EVERY):
+                report(progress, 0.6, "Finding the surface of bone")
+            while not self.session.prepare(LOOK_EVERY):
+                report(progress, 0.7, "Preparing the scan")
+            if earlier is not None:
+                self.session.take_up(earlier, request.spans)
+                self._spans = list(request.spans)
+            self.session.start()
+        except BaseException:
+            self.close()
+            raise
+
+    # ---- what the window asks for
+
+    def look(self, frame: int = -1, surface: int | None = None) -> Seen:
+        """What is new.
+
+        Parameters
+        ----------
+        frame : int
+            Number of the frame that is shown: another comes along.
+        surface : int or None
+            Number of the mesh of bone that is shown: another comes along with guidance.
+        """
+        session, statistics = self.session, self.session.statistics
+        self._snapshots.request()
+        result = self._snapshots.take()
+        state = None if self._agreement is None else self._agreement.state
+        agreement = None if state is None or state.agreement is None else state.agreement
+        problems = [] if state is None else [state.problem]
+        problems += [None if self._snapshots.error is None else said(self._snapshots.error), *self._recording_problems()]
+        latest = session.latest
+        guidance = None if self._guidance is None else self._guidance.state
+        is_told, self._told = guidance is self._told, guidance
+        return Seen(
+            statistics=statistics,
+            grid=session.grid,
+            scouted=session.scouted,
+            spans=tuple(self._spans),
+            frame=None if latest is None or latest.number == frame else SeenFrame.of(latest),
+            result=None if result is None else self._shown(result),
+            guidance=None if guidance is None or is_told else guidance.seen(surface),
+            has_fallen=state is not None and state.has_fallen,
+            compared=-1 if self._agreement is None else self._agreement.looked_at,
+            agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
+            bone_lines=self._bone_lines(statistics.frames_received),
+            problems=tuple(problem for problem in problems if problem),
+        )
+
+    def put(self, message: StreamMessage, replaced: int = 0) -> None:
+        """Take an image that the window has from elsewhere; so many others were replaced before it could take them."""
+        if self._given is not None:
+            self._given.replaced = replaced
+            self._given.put(message)
+
+    def pause(self, paused: bool) -> None:
+        """Insert nothing for a while, or go on."""
+        (self.session.pause if paused else self.session.resume)()
+        first, stop = self._spans[-1]
+        if paused and stop is None:
+            self._spans[-1] = first, self._recorded()
+        elif not paused and stop is not None:
+            self._spans.append((self._recorded(), None))
+
+    def reset(self) -> None:
+        """Empty the volume and go on."""
+        self.session.reset()
+        self._spans = [(self._recorded(), self._spans[-1][1] and self._recorded())]
+
+    def guide(self, wanted: bool) -> None:
+        """Tell from now on what is met of the labels, and where to look next, or do so no longer."""
+        if wanted and self._guidance is None and self._labels is not None and self._place is not None:
+            self._guidance = GuidanceWatch(self.session, self._labels, self._place)
+        elif not wanted and self._guidance is not None:
+            ended, self._guidance = self._guidance, None
+            ended.stop(wait=False)
+
+    def place(self, bone_to_reference: Matrix, labels: Volume | None = None) -> None:
+        """The CT lies elsewhere now, or has other labels."""
+        self._place, before = bone_to_reference, self._agreement
+        if labels is not None:
+            self._labels = labels
+            self._agreement = AgreementWatch(self.session, BoneField.from_labels(labels), bone_to_reference)
+            if before is not None:
+                before.stop(wait=False)
+        elif before is not None:
+            before.place(bone_to_reference)
+        if self._guidance is not None:
+            self._guidance.place(bone_to_reference, labels)
+
+    def follow_bone(self, bone_to_reference: Matrix, progress: Progress | None = None) -> bool:
+        """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with.
+
+        Where the frames themselves say where bone is, the place of the CT changes nothing.
+        """
+        self._place = bone_to_reference
+        if self._growing is not None:
+            return False
+        bone = self._bone_map(progress)
+        if bone is not None:
+            self.session.use_bone(bone)
+        return self.session.grid is not None and self.session.statistics.phase != SCOUTING
+
+    def use_scouted_box(self) -> None:
+        """Reconstruct in the box around what was seen so far.
+
+        Raises
+        ------
+        AIFReconError
+            Where it cannot be told yet.
+        """
+        self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
+
+    def echoes(self) -> SweepEchoes:
+        """The bone echoes so far, to place the CT by.
+
+        Raises
+        ------
+        GeometryError
+            When the scan has shown too little bone.
+        """
+        echoes = SweepEchoes.joined(()) if self._agreement is None else self._agreement.echoes()
+        if len(echoes) < FEWEST:
+            raise GeometryError(
+                f"The scan has shown {len(echoes)} bone echoes so far; {FEWEST} are needed to place the CT. Scan the bone some seconds "
+                "longer, then press “Place CT on sweep” again."
+            )
+        return echoes
+
+    def finish(self, progress: Progress | None = None) -> Ended:
+        """End the scan: the final volume, and where everything was recorded. A cancel ends the scan all the same."""
+        self._stop_watches()
+        result = self.session.finish(progress)
+        if result is not None and not result.frames_inserted:
+            result = None
+        recorded = None if self._seen_bone is None else self._seen_bone.recorded
+        shown = None if result is None else self._shown(result)
+        return Ended(self.session.statistics, shown, self.session.recorded, recorded, tuple(self._recording_problems()))
+
+    def close(self) -> None:
+        """End the scan, its recording finished."""
+        self._stop_watches()
+        self.session.stop()
+
+    # ---- parts
+
+    def _bone_map(self, progress: Progress | None) -> BoneMap | None:
+        if self._labels is not None:
+            self._labeled = LabeledBone(self._labels, self._place, None, self._request.recipe)
+            return self._labeled.map(self._method, progress)
+        probability = self._request.probability
+        return None if probability is None else BoneMap.from_probability(probability, self._place)
+
+    def _estimator(self, imaging: Imaging) -> BoneEstimator:
+        return self._model or EchoEstimator(imaging)
+
+    def _shown(self, result: Reconstruction) -> Reconstruction:
+        """What a window shows of a volume, with the settings of its bone map."""
+        if self._labeled is not None and self._growing is None:
+            result = with_settings(result, self._labeled.settings(self._method))
+        return replace(result, score=None, hits=None, cosine=None)
+
+    def _bone_lines(self, frames: int) -> tuple[str, ...]:
+        if self._seen_bone is None:
+            return ()
+        state = self._seen_bone.state
+        lines = [f"Bone is known from {state.frames} of {frames} frames."]
+        if state.unmatched:
+            lines.append(f"{state.unmatched} predictions belong to no frame with a pose.")
+        return tuple(lines if state.problem is None else [*lines, state.problem])
+
+    def _recording_problems(self) -> Sequence[str]:
+        recorder = self.session.recorder
+        problems = (self.session.recording_failure, None if recorder is None else recorder.loss)
+        return [problem for problem in problems if problem]
+
+    def _recorded(self) -> int:
+        return 0 if self.session.recorder is None else self.session.recorder.frames
+
+    def _stop_watches(self) -> None:
+        self._snapshots.stop()
+        for watch in (self._agreement, self._guidance, self._seen_bone):
+            if watch is not None:
+                watch.stop()
+
+
+class _Given(QueueSource):
+    """Images that a window gives, with those that it has missed."""
+
+    replaced = 0
+
+    @property
+    def statistics(self) -> StreamStatistics:
+        queued = super().statistics
+        return replace(queued, dropped=queued.dropped + self.replaced, dropped_images=queued.dropped_images + self.replaced)
+
+
+def _free(path: Path) -> Path:
+    """The path, or one with a number where a recording to it was not finished."""
+    number, free = 1, path
+    while growing_files(free)[0].exists():
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
+    return free

@@ -1,0 +1,158 @@
+"""What a live scan is asked for, and what a window is told of it: plain values, which need nothing that computes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..arrays import Matrix, Numbers
+from ..compounding.state import Reconstruction
+from ..geometry.volume import Volume, VoxelGrid
+from ..live.pairing.synchronizer import LiveFrame
+from ..live.session.statistics import ALL, LiveStatistics, Spans
+from ..progress import Progress
+from ..recipe.recipe import Recipe
+from ..sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+
+if TYPE_CHECKING:
+    from ..guidance.seen import GuidanceSeen
+    from .scan import Scan
+
+ECHOES, PREDICTIONS, MODEL = BONE_FROM = "echoes", "predictions", "model"
+"""What in the frames themselves says where bone is."""
+
+
+@dataclass(frozen=True, eq=False)
+class ScanRequest:
+    """All that a scan needs. One that was lost with its worker is begun anew with it.
+
+    Parameters
+    ----------
+    recipe : Recipe
+    server : (str, int) or None
+        Host and port that speak OpenIGTLink; None: images are given to `Scan.put`.
+    configuration : PlusConfiguration
+    grid : VoxelGrid or None
+        None: in the configuration's box, else it begins by scouting.
+    labels : Volume of integers or None
+        The CT's bone, in coordinates of its own.
+    probability : Volume or None
+        Where bone is no labels but a probability.
+    bone_to_reference : (4, 4) array or None, mm
+        The place of either.
+    bone_from : str or None
+        One of `BONE_FROM`; None: the CT.
+    bone_device : str or None
+        The image device that sends predictions.
+    model : Path or None
+        A network in an ONNX file.
+    image_device : str or None
+    record : Path or None
+        Where every frame is recorded.
+    guidance : bool
+        Tell what is met of the labels, and where to look next.
+    takes_up : bool
+        Go on with the recording that was not finished: its frames come first, those of `spans` into the volume.
+    """
+
+    recipe: Recipe
+    server: tuple[str, int] | None = None
+    configuration: PlusConfiguration = NO_CONFIGURATION
+    grid: VoxelGrid | None = None
+    labels: Volume | None = None
+    probability: Volume | None = None
+    bone_to_reference: Matrix | None = None
+    bone_from: str | None = None
+    bone_device: str | None = None
+    model: Path | None = None
+    image_device: str | None = None
+    record: Path | None = None
+    guidance: bool = False
+    takes_up: bool = False
+    spans: Spans = ALL
+
+
+@dataclass(frozen=True, eq=False)
+class SeenFrame:
+    """A frame with image and pose."""
+
+    number: int
+    image: Numbers  #: (rows, columns)
+    image_to_reference: Matrix  #: (4, 4), pixels to mm
+    received: float  #: s of `time.monotonic`
+
+    @classmethod
+    def of(cls, frame: LiveFrame) -> SeenFrame | None:
+        """That of a frame of a stream; None where it has no place."""
+        if frame.status != "OK" or frame.image is None or frame.image_to_reference is None:
+            return None
+        return cls(frame.number, frame.image, frame.image_to_reference, frame.received)
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A look at a scan.
+
+    Parameters
+    ----------
+    statistics : LiveStatistics
+    grid : VoxelGrid or None
+        The voxels that are or will be filled.
+    scouted : int
+        Tracked frames seen since scouting began.
+    spans : Spans
+        What of the recording is in the volume.
+    frame : SeenFrame or None
+        The newest, where it was not seen yet.
+    result : Reconstruction or None
+        The volume, where it has changed.
+    guidance : GuidanceSeen or None
+        Where it has changed.
+    has_fallen : bool
+        CT and patient agreed in this scan and do so no longer.
+    agreement : str
+        How well they agree; empty while that cannot be told.
+    compared : int
+        Number of the last frame that this was told by; -1 before the first.
+    bone_lines : tuple of str
+        How the search for bone in the frames goes.
+    problems : tuple of str
+        What is wrong beside the stream, the worst first.
+    """
+
+    statistics: LiveStatistics
+    grid: VoxelGrid | None = None
+    scouted: int = 0
+    spans: Spans = ALL
+    frame: SeenFrame | None = None
+    result: Reconstruction | None = None
+    guidance: GuidanceSeen | None = None
+    has_fallen: bool = False
+    agreement: str = ""
+    compared: int = -1
+    bone_lines: tuple[str, ...] = ()
+    problems: tuple[str, ...] = ()
+
+    @property
+    def is_scouting(self) -> bool:
+        """Whether the box is still to be found."""
+        return self.grid is None or self.statistics.phase == "scouting"
+
+
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """What is left of a scan: the final volume, and the files of frames and of what a network said."""
+
+    statistics: LiveStatistics
+    result: Reconstruction | None = None
+    recorded: Path | None = None
+    predictions: Path | None = None
+    problems: tuple[str, ...] = ()
+
+
+def begin_scan(request: ScanRequest, progress: Progress | None = None) -> Scan:
+    """Begin a scan; to be kept in the worker."""
+    from .scan import Scan
+
+    return Scan(request, progress)

@@ -1,0 +1,228 @@
+"""Calls of the worker: values, errors, progress, cancel, and what is kept there."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+
+import numpy as np
+import pytest
+import worker_tasks as tasks
+from waiting import until
+
+from AIFReconLib.errors import GeometryError, OperationCanceled, WorkerDiedError
+from AIFReconLib.message import said
+from AIFReconLib.remedies import Remedy
+from AIFReconLib.worker.channel import Channel, connected
+
+# ---- values and errors
+
+
+def test_arguments_and_results_cross_by_value(worker):
+    given = {"one": [1, 2.5, None], "two": ("text", b"bytes", {3})}
+    came = worker.call(tasks.answered, given, 7, named="ü", twice=given)
+    assert came == ((given, 7), {"named": "ü", "twice": given})
+    assert came[0][0] is not given
+
+
+def test_an_error_is_the_one_that_was_raised_with_its_remedy_and_where(worker):
+    with pytest.raises(GeometryError) as caught:
+        worker.call(tasks.refuse, "ours")
+    sentence = said(caught.value)
+    assert (sentence, sentence.remedy) == ("The grid has no voxels.", Remedy.CLIP_AS_RECOGNIZED)
+    assert "(1, 2, 3, 4)" in str(caught.value)
+    assert 'in refuse\n    raise GeometryError("The grid' in str(caught.value.__cause__)
+    with pytest.raises(FileNotFoundError, match=r"No such file: 'sweep\.mha'"):
+        worker.call(tasks.refuse, "file")
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("cannot be pickled", "LocalError: of a class that nobody finds"),
+        ("two arguments", "TwoArguments: one and two"),
+        ("exit", "SystemExit: 3"),
+        ("answer", "lambda"),
+        ("memory", "Unable to allocate|array is too big"),
+    ],
+)
+def test_what_cannot_cross_is_an_error_in_its_words_and_the_worker_goes_on(worker, kind, words):
+    with pytest.raises(Exception, match=words) as caught:
+        worker.call(tasks.refuse, kind)
+    assert isinstance(caught.value, Exception)
+    before = worker.pid
+    assert worker.call(tasks.returned, 1) == 1
+    assert worker.pid == before
+
+
+def test_a_call_that_cannot_be_sent_or_understood_is_refused_and_kept_objects_stay(worker, tmp_path, monkeypatch):
+    counter = worker.keep(tasks.Counter, str(tmp_path / "end"))
+    with pytest.raises(Exception, match="pickle"):
+        worker.call(lambda: None)
+    module = type(tasks)("known_here_alone")
+    exec("def function(): pass", vars(module))
+    monkeypatch.setitem(__import__("sys").modules, "known_here_alone", module)
+    with pytest.raises(ModuleNotFoundError, match="known_here_alone"):
+        worker.call(module.function)
+    assert worker.call("add", counter, 2) == 2
+    assert worker._tasks == {}
+
+
+def test_what_the_library_logs_there_is_logged_here(worker, caplog):
+    worker.call(tasks.note, "something")
+    assert [(each.name, each.levelno, each.getMessage()) for each in caplog.records] == [
+        ("AIFReconLib.noted", logging.WARNING, "something is noted")
+    ]
+
+
+# ---- progress and cancel
+
+
+def test_progress_rises_and_is_told_every_20_ms_whatever_the_work_does(worker):
+    told = []
+    worker.call(tasks.reporting, 0.4, progress=lambda fraction, step: told.append((fraction, step)))
+    assert [fraction for fraction, _step in told] == sorted(fraction for fraction, _step in told)
+    assert told[-1][1] == "counting"
+    calls = []
+    worker.call(tasks.silent, 0.4, progress=lambda *_: calls.append(time.monotonic()))
+    assert len(calls) > 5
+
+
+def test_a_cancel_ends_the_work_at_its_next_report(worker, tmp_path):
+    file = tmp_path / "noted"
+    with pytest.raises(OperationCanceled, match="counting"):
+        worker.call(tasks.reporting, 1000.0, str(file), progress=lambda _, step: step != "counting")
+    assert until(file.exists)
+
+
+@pytest.mark.parametrize("error", [None, ZeroDivisionError])
+def test_who_cancels_does_not_wait_for_work_that_never_reports(worker, error):
+    def progress(_fraction, _step):
+        if error is not None:
+            raise error
+        return False
+
+    worker.call(tasks.returned, 0)
+    begun = time.monotonic()
+    with pytest.raises(error or OperationCanceled):
+        worker.call(tasks.silent, 3.0, progress=progress)
+    assert worker.call(tasks.returned, 1) == 1
+    assert time.monotonic() - begun < 3.0
+
+
+def test_two_calls_go_on_at_once_and_each_hears_its_own(worker):
+    slow, quick = worker.begin(tasks.reporting, 0.5), worker.begin(tasks.returned, "quick")
+    assert quick.result() == "quick"
+    assert not slow.is_done
+    assert slow.result() > 5
+    assert slow.latest[1] == "counting"
+
+
+def test_a_call_within_the_progress_of_another_is_answered(worker):
+    inner = []
+
+    def progress(_fraction, step):
+        if step == "counting" and not inner:
+            inner.append(worker.call(tasks.returned, "inner"))
+
+    assert worker.call(tasks.reporting, 0.3, progress=progress) > 0
+    assert inner == ["inner"]
+
+
+def test_another_thread_is_told_to_have_a_worker_of_its_own(worker):
+    worker.call(tasks.returned, 1)
+    errors = []
+
+    def ask():
+        try:
+            worker.call(tasks.returned, 2)
+        except RuntimeError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    thread.join()
+    assert "belongs to the thread" in errors[0]
+
+
+# ---- what is kept
+
+
+def test_a_kept_object_stays_until_it_is_forgotten(worker, tmp_path):
+    file = tmp_path / "end"
+    counter = worker.keep(tasks.Counter, str(file))
+    assert [worker.call("add", counter, 3), worker.call(tasks.Counter.add, counter, number=4)] == [3, 7]
+    worker.forget(counter)
+    assert until(file.exists)
+    assert until(lambda: file.read_text("utf-8") == "closed at 7")
+    with pytest.raises(WorkerDiedError, match="lost with the process"):
+        worker.call("add", counter, 1)
+
+
+def test_calls_are_heard_while_a_forgotten_object_ends(worker, tmp_path):
+    file = tmp_path / "end"
+    worker.forget(worker.keep(tasks.Counter, str(file), 1.0))
+    assert worker.call(tasks.returned, 1) == 1
+    assert not file.exists()
+    worker.close()
+    assert file.read_text("utf-8") == "closed at 0"
+
+
+def test_kept_objects_finish_when_the_worker_is_closed(worker, tmp_path):
+    worker.keep(tasks.Counter, str(tmp_path / "end"), 0.5)
+    worker.begin(tasks.reporting, 1000.0)
+    worker.close()
+    assert (tmp_path / "end").read_text("utf-8") == "closed at 0"
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.3])
+def test_what_is_kept_of_a_canceled_call_is_let_go(worker, tmp_path, wait):
+    file = tmp_path / "end"
+    task = worker.begin(tasks.slowly_kept, str(file), 0.15, keep=True)
+    time.sleep(wait)
+    task.cancel()
+    assert until(file.exists)
+
+
+def test_what_is_kept_is_let_go_when_the_last_report_cancels(worker, tmp_path):
+    file = tmp_path / "end"
+    worker.call(tasks.returned, 0)
+    with pytest.raises(OperationCanceled):
+        worker.keep(tasks.slowly_kept, str(file), 0.1, progress=lambda *_: worker._tasks != {})
+    assert until(file.exists)
+
+
+# ---- the channel
+
+
+def test_memory_is_kept_until_the_other_end_says_that_it_has_it(monkeypatch):
+    """As on Windows and macOS. A message that was under way before says nothing."""
+    from AIFReconLib.worker import calls, channel
+
+    monkeypatch.setattr(channel, "KEPT_UNTIL_SEEN", True)
+    here, there = (Channel(end) for end in connected())
+    for number in range(2):
+        here.send(calls.Returned(number, np.ones(100_000)))
+    assert len(here._kept) == 2
+    there.send(calls.Report(0, 0.0, "sent before anything was received"))
+    here.receive()
+    assert len(here._kept) == 2
+    assert there.receive().value.sum() == 100_000
+    there.send(calls.Report(0, 0.5, ""))
+    here.receive()
+    assert [number for number, _memories in here._kept] == [2]
+    here.close()
+    there.close()
+
+
+def test_the_rule_of_the_program_for_sockets_changes_nothing(worker):
+    import socket
+
+    before = socket.getdefaulttimeout()
+    socket.setdefaulttimeout(0.01)
+    try:
+        assert worker.call(tasks.silent, 0.1) == "done"
+        assert worker.call(tasks.filled, 100_000)[-1] == 99_999
+    finally:
+        socket.setdefaulttimeout(before)
