@@ -76,8 +76,7 @@ def killed(worker, scan) -> None:
     """Kill it, and hear of that."""
     os.kill(worker.pid, signal.SIGKILL)
     with pytest.raises(WorkerDiedError):
-        while True:
-            worker.call("look", scan)
+        until(lambda: worker.call("look", scan) is None)
 
 
 def test_a_scan_in_the_worker_gives_the_voxels_of_offline(worker, request_of):
