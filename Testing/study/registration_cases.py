@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.transforms import transform_points
