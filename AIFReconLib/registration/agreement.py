@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -105,12 +106,12 @@ class Agreement:
             f"{self.median_distance:.1f} mm off in the median."
         )
 
-    def warning(self) -> str | None:
-        """What is probably wrong, in one sentence; None where CT and sweep agree. What to do about it depends on who asks."""
+    def warning(self, names: Mapping[int, str] | None = None) -> str | None:
+        """What is probably wrong, in one sentence; None where CT and sweep agree. `names` are those of the labels."""
         if self.enough:
             return None
         if self.share >= ENOUGH and self.median_distance <= LARGEST_MEDIAN:
-            labels = listed(f"label {label}" for label in self.disagreeing_labels)
+            labels = listed((names or {}).get(label) or f"label {label}" for label in self.disagreeing_labels)
             return f"Not on its echoes: {labels}. The CT may lie one level off, or the spine may have bent since."
         return "The CT is probably not where the bone is, or of another patient."
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -149,3 +150,8 @@ def slowly_kept(file: str, seconds: float) -> Counter:
     """A counter that takes long to make, without a report."""
     time.sleep(seconds)
     return Counter(file)
+
+
+def started() -> int:
+    """The number of a process that this one starts, and that goes on."""
+    return subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)"], stdin=subprocess.DEVNULL).pid

@@ -264,8 +264,7 @@ class RegistrationPanel:
 
     def _words(self, *more: str, verdict: bool = True) -> str:
         agreement = self._placed.agreement
-        warning = agreement.warning()
-        lines = [agreement.sentence(), withNames(warning or "", self._names())] if verdict else []
+        lines = [agreement.sentence(), agreement.warning(self._names()) or ""] if verdict else []
         return "\n".join(line for line in (*lines, *more) if line)
 
     def _names(self) -> dict:

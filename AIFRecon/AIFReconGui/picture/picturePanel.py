@@ -10,6 +10,7 @@ from AIFReconScene.picture.echoView import EchoView
 from AIFReconScene.picture.levelNames import LevelNames
 from AIFReconScene.picture.probeUp import ProbeUp
 from AIFReconScene.picture.spineView import SpineView, spineOf
+from AIFReconScene.picture.sweepPage import tellOf, whyNotTell
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
 
@@ -66,7 +67,7 @@ class PicturePanel:
         plain, spine = measuredOf(parameters.output), spineOf(parameters.output)
         enhanced = _("Press “Reconstruct” with a method that weights by bone: its plain echo is kept beside it.")
         shown = _("No bone is kept with this volume: press “Reconstruct” with a method that weights by bone. It may have shown none.")
-        tells = self._whyNotTell()
+        tells = inPanelWords(whyNotTell(parameters))
         for widget, missing, does in (
             (ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels")),
             (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is brighter than the echoes are on the mean")),
@@ -98,9 +99,7 @@ class PicturePanel:
         """Put one line about the reconstruction into the clipboard."""
 
         def work(parameters, progress):
-            from AIFReconScene.picture.sweepPage import tell
-
-            qt.QApplication.clipboard().setText(tell(parameters, self._trackingOf(parameters), progress, pictures=False).line)
+            qt.QApplication.clipboard().setText(self._tell(parameters, None, progress))
             return ""
 
         self._work.run(_("Report"), _("The summary could not be made."), work, self._parameterNode)
@@ -118,18 +117,11 @@ class PicturePanel:
         path = path if path.suffix.lower() in (".html", ".htm") else path.with_name(f"{path.name}.html")
 
         def work(parameters, progress):
-            from AIFReconScene.picture.sweepPage import tell
-
-            from AIFReconLib.evaluation.report import write_report
-            from AIFReconLib.io.disk.atomic import check_writable
-
-            check_writable(path)
-            write_report(path, tell(parameters, self._trackingOf(parameters), progress).page)
+            self._tell(parameters, path, progress)
             return ""
 
         self._work.run(_("Report"), _("The report was not saved."), work, self._parameterNode)
 
-    def _whyNotTell(self) -> str:
-        from AIFReconScene.picture.sweepPage import whyNotTell
-
-        return inPanelWords(whyNotTell(self._parameterNode))
+    def _tell(self, parameters, path, progress) -> str:
+        _title, tracking = self._trackingOf(parameters)
+        return tellOf(parameters, tracking, path, progress)

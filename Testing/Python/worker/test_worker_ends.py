@@ -1,0 +1,247 @@
+"""However worker or program end: one sentence, the next call is answered, and no process and no memory are left."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import worker_tasks as tasks
+from waiting import until
+
+from AIFReconLib.errors import WorkerDiedError
+from AIFReconLib.worker import worker as program_side
+from AIFReconLib.worker.worker import Worker
+
+FOLDER = Path(tasks.__file__).parent
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals")
+linux = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
+
+
+def is_there(pid: int) -> bool:
+    """Whether a process of that number runs (one that nobody has waited for does not)."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text("utf-8").rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
+def kill(worker: Worker) -> None:
+    task = worker.begin(tasks.silent, 1000.0)
+    assert worker.pid is not None
+    os.kill(worker.pid, signal.SIGKILL)
+    assert until(lambda: task.is_done)
+
+
+# ---- the worker ends
+
+
+@posix
+@pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGSEGV, signal.SIGTERM])
+def test_a_worker_that_dies_in_a_call_is_one_sentence_and_the_next_call_is_answered(worker, kind, capfd):
+    others = [worker.begin(tasks.silent, 1000.0), worker.begin(tasks.reporting, 1000.0)]
+    with pytest.raises(WorkerDiedError) as caught:
+        worker.call(tasks.refuse, str(int(kind)))
+    assert str(caught.value) == (
+        f"The process that computes was ended by signal {int(kind)}, perhaps for want of memory. Nothing was changed; try again."
+    )
+    for task in others:
+        assert task.is_done
+        with pytest.raises(WorkerDiedError):
+            task.result()
+    assert worker.pid is None
+    assert worker.call(tasks.returned, 1) == 1
+    capfd.readouterr()
+
+
+@posix
+@pytest.mark.parametrize("busy", [False, True])
+def test_a_worker_that_was_killed_meanwhile_is_started_anew_by_the_next_call(worker, busy):
+    worker.call(tasks.returned, 0)
+    task = worker.begin(tasks.silent, 1000.0) if busy else None
+    kill(worker)
+    assert worker.call(tasks.returned, 1) == 1
+    if task is not None:
+        with pytest.raises(WorkerDiedError):
+            task.result()
+
+
+@posix
+def test_a_worker_that_is_killed_at_any_moment_loses_no_more_than_the_call(worker):
+    """Before it has started, while it is sent or sends large answers, and between."""
+    large = np.arange(2_000_000, dtype=np.float64)
+    lost = 0
+    for number in range(8):
+        task = worker.begin(tasks.returned, (large, ["text" * 10] * 50_000))
+        time.sleep(0.01 * number if number % 2 else 0.3 + 0.008 * number)
+        os.kill(worker.pid, signal.SIGKILL)
+        try:
+            np.testing.assert_array_equal(task.result()[0], large)
+        except WorkerDiedError:
+            lost += 1
+        assert worker.call(tasks.returned, number) == number
+    assert lost
+
+
+@posix
+def test_a_worker_that_is_stopped_is_ended_when_it_takes_nothing_any_more(worker, monkeypatch):
+    monkeypatch.setattr(program_side, "LONGEST_SILENCE", 0.3)
+    worker.call(tasks.returned, 0)
+    waiting = worker.begin(tasks.silent, 1000.0)
+    stopped = worker.pid
+    os.kill(stopped, signal.SIGSTOP)
+    begun = time.monotonic()
+    longest = 0.0
+    while worker.pid == stopped:
+        before = time.monotonic()
+        worker.begin(tasks.returned, b"x" * 60_000)
+        longest = max(longest, time.monotonic() - before)
+        assert time.monotonic() - begun < 600.0
+    assert longest < 0.3 + program_side.LONGEST_END + 5.0
+    with pytest.raises(WorkerDiedError, match="did not answer and was ended"):
+        waiting.result()
+    assert until(lambda: not is_there(stopped))
+    assert worker.call(tasks.returned, 1) == 1
+
+
+@posix
+def test_one_that_is_stopped_for_a_while_goes_on(worker):
+    task = worker.begin(tasks.reporting, 0.2)
+    os.kill(worker.pid, signal.SIGSTOP)
+    time.sleep(0.3)
+    assert not task.is_done
+    os.kill(worker.pid, signal.SIGCONT)
+    assert task.result() > 0
+
+
+@posix
+def test_what_the_worker_has_started_ends_with_it_when_it_is_killed(worker):
+    child = worker.call(tasks.started)
+    kill(worker)
+    assert worker.call(tasks.returned, 1) == 1
+    assert until(lambda: not is_there(child))
+
+
+# ---- the worker does not begin
+
+
+@pytest.mark.parametrize("program", ["nowhere/python", "false", "empty"])
+def test_a_worker_that_does_not_start_is_one_sentence(worker, monkeypatch, tmp_path, program):
+    if program == "empty":
+        # A Python without the library
+        monkeypatch.setattr(
+            sys, "path", [each for each in sys.path if "site-packages" not in each and Path(each or ".").resolve() != FOLDER.parents[1]]
+        )
+    else:
+        monkeypatch.setattr(program_side, "python_program", lambda: program)
+    with pytest.raises(WorkerDiedError, match=r"^The process that computes could not be started.*try again\.$"):
+        worker.call(tasks.returned, 1)
+    monkeypatch.undo()
+    assert worker.call(tasks.returned, 1) == 1
+
+
+PROGRAM = """
+import os, sys, time
+print("the program runs", flush=True)
+import worker_tasks as tasks
+from AIFReconLib.worker.worker import Worker
+
+worker = Worker()
+{body}
+"""
+
+
+def program(tmp_path: Path, body: str) -> subprocess.Popen:
+    """A program in a file of its own, with a space in its path, that is no module: nothing there asks for its name."""
+    folder = tmp_path / "a folder"
+    folder.mkdir()
+    file = folder / "a program.py"
+    file.write_text(PROGRAM.format(body=body), "utf-8")
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(FOLDER), str(FOLDER.parents[1])])}
+    return subprocess.Popen(
+        [sys.executable, str(file)], cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+def test_the_file_of_the_program_is_not_run_again_and_no_process_outlives_it(tmp_path):
+    out, err = program(tmp_path, "print(worker.call(tasks.returned, 7), worker.pid)").communicate()
+    assert out.splitlines()[0] == "the program runs"
+    seven, pid = out.splitlines()[1].split()
+    assert (len(out.splitlines()), seven, err) == (2, "7", "")
+    assert sys.platform != "linux" or until(lambda: not is_there(int(pid)))
+
+
+def test_a_program_that_ends_lets_what_is_kept_finish(tmp_path):
+    done = tmp_path / "done"
+    program(tmp_path, f"worker.keep(tasks.Counter, {str(done)!r}, 0.5); worker.begin(tasks.silent, 1000.0)").communicate()
+    assert until(done.exists)
+
+
+@linux
+@pytest.mark.parametrize(
+    "doing",
+    ["worker.call(tasks.returned, 1)", "worker.begin(tasks.silent, 1000.0)", "worker.begin(tasks.computing, 1000.0)", "large(worker)"],
+)
+def test_a_program_that_is_killed_leaves_no_process_and_no_memory(tmp_path, doing):
+    body = f"""
+import numpy as np
+worker.keep(tasks.Counter, {str(tmp_path / "done")!r})
+held = worker.call(tasks.filled, 1_000_000)
+def large(worker):
+    print(worker.pid, flush=True)
+    while True:
+        worker.call(tasks.returned, np.ones(3_000_000))
+if "large" not in {doing!r}:
+    {doing}
+    print(worker.pid, flush=True)
+    time.sleep(1000)
+{doing}
+"""
+    before = sorted(os.listdir("/dev/shm"))
+    run = program(tmp_path, body)
+    assert run.stdout is not None
+    lines = [run.stdout.readline(), run.stdout.readline()]
+    pid = int(lines[1])
+    family = children_of(run.pid)
+    assert family == [pid]
+    time.sleep(0.5)
+    run.kill()
+    run.communicate()
+    assert until(lambda: not is_there(pid))
+    assert (tmp_path / "done").exists()
+    assert sorted(os.listdir("/dev/shm")) == before
+
+
+def children_of(parent: int) -> list[int]:
+    """The processes that a process has started."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit() and is_there(int(entry.name)):
+            try:
+                fields = (entry / "stat").read_text("utf-8").rpartition(")")[2].split()
+            except OSError:
+                continue
+            found += [int(entry.name)] if int(fields[1]) == parent else []
+    return found
+
+
+@linux
+def test_a_program_whose_folder_is_gone_can_have_a_worker(tmp_path):
+    out, err = program(tmp_path, "import shutil; shutil.rmtree(os.getcwd()); print(worker.call(tasks.returned, 7))").communicate()
+    assert out.splitlines()[1:] == ["7"], err
+
+
+def test_a_worker_that_is_closed_can_be_used_again():
+    worker = Worker()
+    task = worker.begin(tasks.silent, 1000.0)
+    worker.close()
+    with pytest.raises(WorkerDiedError, match="closed"):
+        task.result()
+    assert worker.call(tasks.returned, 1) == 1
+    worker.close()
+    worker.close()
