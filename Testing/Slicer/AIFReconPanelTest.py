@@ -1,5 +1,6 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
+import importlib
 import logging
 import pathlib
 import sys
@@ -44,21 +45,16 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
 
     def test_a_method_that_was_registered_meanwhile_is_in_the_list_and_makes_the_volume(self):
-        from AIFReconLib import register_method
-
-        @register_method
-        def own_of_the_panel_test(intensity, probability):
-            return 0.1 + probability, 0 * intensity + 77
-
+        own = importlib.import_module("ownMethod").flat
         self.addInputs()
         self.widget.enter()
-        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText(own_of_the_panel_test.name)
-        self.assertEqual(self.parameters.ownMethod, own_of_the_panel_test.name)
+        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText(own.name)
+        self.assertEqual(self.parameters.ownMethod, own.name)
         self.ui.applyButton.click()
-        self.assertEqual(self.parameters.output.GetAttribute("AIFRecon.Method"), own_of_the_panel_test.name)
+        self.assertEqual(self.parameters.output.GetAttribute("AIFRecon.Method"), own.name)
         self.assertEqual(set(np.unique(slicer.util.arrayFromVolume(self.parameters.output))), {0, 77})
         self.parameters.bone = None
-        self.assertIn(f"{own_of_the_panel_test.name} needs bone", self.ui.statusLabel.text)
+        self.assertIn(f"{own.name} needs bone", self.ui.statusLabel.text)
         self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("average")
         self.assertEqual(self.parameters.ownMethod, "")
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
