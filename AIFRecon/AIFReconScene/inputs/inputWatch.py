@@ -6,8 +6,7 @@ import slicer
 import vtk
 
 from ..sceneNodes import nodesOfClass
-from ..sweep.severalSweeps import furtherSweeps
-from ..sweep.sweepStatus import sweepKey
+from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from .boxes import isEmpty
 
 CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage")

@@ -16,11 +16,10 @@ from AIFReconLib.sweep.joined import joined
 from AIFReconLib.worker.reconstructing import Asked, PlacedBone
 
 from ..sceneNodes import proxiesOf
-from ..sweep.predictions import predictionsFromNode
-from ..sweep.sequenceReader import sequenceFromBrowser
-from ..sweep.severalSweeps import furtherSweeps
+from ..sweep.sequenceReader import predictionsFromNode, sequenceFromBrowser
+from ..sweep.sweepStatus import furtherSweeps
 from ..transforms import matrixToWorld
-from .boneNodes import isLabeled, ownLabels, probabilityFromNode
+from .boneNodes import isLabeled, labelsFromNode, probabilityFromNode, reachOfMap
 from .boneSource import BoneSource
 from .gridNodes import gridFromROI, gridFromVolume
 from .parameters import Region, camelCase, fileFrom, settingsFrom
@@ -154,8 +153,8 @@ class Inputs:
         report(progress, 0.0, "Reading the CT's bone")
         widest = self.recipe.bone_sigma_mm if self._hasWidth else LARGEST_WIDTH
         chosen = list(self.boneSegments) or None
-        width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": widest}
-        return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, progress=progress, **width)
+        reach = reachOfMap(self.recipe.bone_sigma_voxels, widest)
+        return labelsFromNode(self.bone, chosen, referenceVolumeNode=self.ct, world=False, reach=reach, progress=progress)
 
     @property
     def _hasWidth(self) -> bool:

@@ -9,8 +9,8 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import describe_frames, describe_skipped
 
-from .browserItems import BrowserItems, checkRecorded
-from .sequenceNodes import IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
+from .browserItems import BrowserItems, checkRecorded, timesOf
+from .sequenceNodes import COVERS_ATTRIBUTE, IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
 from .sweepImages import SweepImages, hasImage
 from .sweepPoses import FramePose, framePoses
 
@@ -152,3 +152,21 @@ def orientationFlips(imageSequence) -> tuple[bool, bool]:
     code = (imageSequence.GetAttribute(ORIENTATION_ATTRIBUTE) or "").upper()
     known = len(code) >= 2 and code[0] in "MU" and code[1] in "FN"
     return (code[0] == "U", code[1] == "N") if known else (False, False)
+
+
+def predictionsFromNode(sequenceNode) -> TrackedSequence:
+    """The probabilities in a vtkMRMLSequenceNode of images, at its times in s where it has any, with what they cover if it says so.
+
+    Raises
+    ------
+    SequenceFormatError
+        When it holds no image.
+    """
+    count = sequenceNode.GetNumberOfDataNodes()
+    flipColumns, flipRows = orientationFlips(sequenceNode)
+    nodes = [sequenceNode.GetNthDataNode(number) for number in range(count)]
+    images = SweepImages(nodes, sequenceNode.GetName(), flipColumns=flipColumns, flipRows=flipRows)
+    covers = sequenceNode.GetAttribute(COVERS_ATTRIBUTE)
+    fields = {COVERS_ATTRIBUTE: covers} if covers else {}
+    times = timesOf(sequenceNode)
+    return TrackedSequence(images, [FrameRecord(timestamp=times[number] if times else None, fields=fields) for number in range(count)])

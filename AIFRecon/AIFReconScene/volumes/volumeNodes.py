@@ -164,7 +164,7 @@ def outputNodes(
                 placed[INTENSITY].SetNodeReferenceID(_ROLE.format(kind=kind), node.GetID())
         if INTENSITY in placed and measured is None:
             _forgetMeasured(placed[INTENSITY], scene)
-        _collect(placed.values(), sweepName, scene)
+        intoFolder(placed.values(), sweepName, scene)
     except Exception:
         removeNodes(made, scene)
         raise
@@ -311,22 +311,11 @@ def _maskColors(scene):
     return scene.AddNode(node)
 
 
-def folderOf(sweepName: str, scene) -> int:
-    """The subject hierarchy item of the folder for what was made from a sweep; it is made where it is not there."""
+def intoFolder(nodes, sweepName: str, scene) -> None:
+    """Put nodes into the subject hierarchy's folder for what was made from a sweep, which is made where it is not there."""
     hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
     top, name = hierarchy.GetSceneItemID(), f"AIFRecon {sweepName}"
-    folder = hierarchy.GetItemChildWithName(top, name)
-    return folder or hierarchy.CreateFolderItem(top, name)
-
-
-def intoFolder(nodes, sweepName: str, scene) -> None:
-    """Put nodes into the folder for what was made from a sweep."""
-    _collect(nodes, sweepName, scene)
-
-
-def _collect(nodes, sweepName: str, scene) -> None:
-    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
-    folder = folderOf(sweepName, scene)
+    folder = hierarchy.GetItemChildWithName(top, name) or hierarchy.CreateFolderItem(top, name)
     for node in nodes:
         item = hierarchy.GetItemByDataNode(node)
         # Slicer makes items for new nodes itself, but not before a batch of changes has ended
