@@ -46,11 +46,12 @@ def labelsFromNode(
     reach=lambda spacing: 0,
     progress: Progress | None = None,
 ) -> Volume:
-    """The labels of a segmentation or labelmap volume as a `Volume`.
+    """The labels of a segmentation or labelmap volume as a `Volume` of uint8 or uint16.
+
+    A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
 
     Parameters
     ----------
-    node : vtkMRMLSegmentationNode or vtkMRMLLabelMapVolumeNode
     segmentIDs : list of str or None
         Which segments are bone. Default: all of them, shown or not.
     referenceVolumeNode : vtkMRMLVolumeNode or None
@@ -59,13 +60,6 @@ def labelsFromNode(
         Placed in RAS world; else in the node's own coordinates, without its parent transforms.
     reach : function of (3,) spacing in mm to voxels
         By how many voxels to go around segments without a reference geometry.
-    progress : Progress or None
-        Hears of every segment.
-
-    Returns
-    -------
-    labels : Volume of uint8 or uint16
-        A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
     """
     isSegmented = node.IsA("vtkMRMLSegmentationNode")
     labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach, progress) if isSegmented else _volumeOf(node)

@@ -46,14 +46,7 @@ class SweepStatus:
 
 
 def sweepKey(browser, imageSequence=None) -> tuple:
-    """What changes when a sweep gets other frames or another place, and not while it is replayed or recorded. No item is looked at.
-
-    Parameters
-    ----------
-    browser : vtkMRMLSequenceBrowserNode
-    imageSequence : vtkMRMLSequenceNode or None
-        Default: the master.
-    """
+    """What changes when a sweep gets other frames or another place, and not while it is replayed or recorded. No item is looked at."""
     chosen = browser.GetID(), imageSequence.GetID() if imageSequence is not None else None
     if browser.GetRecordingActive():
         return *chosen, "recording"
@@ -90,14 +83,7 @@ def furtherSweeps(parameters) -> tuple:
 
 
 def offered(parameters, status) -> list:
-    """The sweeps of the scene that could be chosen beside the first, and those that are.
-
-    Parameters
-    ----------
-    parameters : AIFReconParameterNode
-    status : SweepStatus
-        Knows which have frames that can be placed.
-    """
+    """The sweeps of the scene that could be chosen beside the first, by the `SweepStatus`, and those that are."""
     if parameters.sweep is None:
         return []
     chosen = furtherSweeps(parameters)

@@ -9,18 +9,9 @@ from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
 
 
 def updateMetricsTable(tableNode, metrics: dict) -> None:
-    """Fill a table node with bone metrics: a row for each volume, a column for each number that `aifrecon evaluate` prints.
+    """Fill a table node anew with `BoneMetrics` by name: a row for each, a column for each number that `aifrecon evaluate` prints.
 
-    Parameters
-    ----------
-    tableNode : vtkMRMLTableNode
-        What it held is replaced.
-    metrics : dict of str to BoneMetrics
-
-    Notes
-    -----
-    Numbers are doubles with the digits that are printed, shares from 0 to 1;
-    NaN where a number is not known.
+    Numbers are doubles with the digits that are printed, shares from 0 to 1; NaN where a number is not known.
     """
     rows = {name: result.to_dict() for name, result in metrics.items()}
     names = vtk.vtkStringArray()
