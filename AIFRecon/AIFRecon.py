@@ -4,6 +4,7 @@ The numbers come from AIFReconLib, which knows nothing of Slicer; AIFReconScene 
 this file holds what Slicer looks for by name: the module, its parameters, its panel and its logic.
 """
 
+import contextlib
 import pathlib
 import sys
 
@@ -32,7 +33,7 @@ from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus, offered
 from AIFReconScene.work import inWorker, worker
 
-from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.errors import OperationCanceled, WorkerDiedError
 from AIFReconLib.progress import part
 from AIFReconLib.recipe.recipe import LONGEST_GAP, Recipe
 
@@ -109,7 +110,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
-        worker.begin(warm_up)
+        with contextlib.suppress(WorkerDiedError):  # the first press will tell
+            worker.begin(warm_up)
         slicer.app.connect("aboutToQuit()", worker.close)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)

@@ -4,6 +4,7 @@ Slicer 5.12 brought `slicer.packaging`, which asks, installs with progress, and 
 and installs.
 """
 
+import contextlib
 import importlib
 import importlib.metadata
 import logging
@@ -16,7 +17,7 @@ from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.work import worker
 from slicer.i18n import tr as _
 
-from AIFReconLib.errors import AIFReconError
+from AIFReconLib.errors import AIFReconError, WorkerDiedError
 from AIFReconLib.worker.reconstructing import warm_up
 
 from .errorsShown import errorsShown
@@ -138,4 +139,5 @@ def _install(requirements: list[str], ask: bool = True) -> None:
     importlib.invalidate_caches()
     # One that was started before does not find it
     worker.close()
-    worker.begin(warm_up)
+    with contextlib.suppress(WorkerDiedError):  # the next call will tell
+        worker.begin(warm_up)
