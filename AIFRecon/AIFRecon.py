@@ -84,7 +84,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         """Load the .ui file and connect it; called when the module is first opened."""
         ScriptedLoadableModuleWidget.setup(self)
         from AIFReconGui.fields.settingFields import dressSettings
-        from AIFReconGui.libraryLog import LibraryLog
         from AIFReconGui.longWork import LongWork
         from AIFReconGui.panel.guidancePanel import GuidancePanel
         from AIFReconGui.panel.layout import RoomForTexts, Tabs
@@ -102,7 +101,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = AIFReconLogic()
         self._work = LongWork(uiWidget)
-        self._libraryLog = LibraryLog()
         self._recorded = RecordedPanel(self.ui, self.logic, self._work, self._onParametersModified)
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         onBone = (self.ui, self._work, self._live, self.logic, self._onParametersModified)
@@ -131,7 +129,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
         self.removeObservers()
         self.logic.cleanup()
-        self._libraryLog.detach()
 
     def enter(self) -> None:
         """The user opens the module."""
