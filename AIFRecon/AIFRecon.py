@@ -25,19 +25,17 @@ except ImportError:
     # Loaded from source: Slicer knows this folder alone, and the library stands beside it
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
-from AIFReconScene.background import inBackground
-from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.inputs import readiness
-from AIFReconScene.inputs.parameters import readingFrom, settingsFrom, takeConfigured
+from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus
+from AIFReconScene.work import inWorker, worker
 
 from AIFReconLib.errors import OperationCanceled
-from AIFReconLib.message import listed
 from AIFReconLib.progress import part
-from AIFReconLib.recipe.recipe import LONGEST_GAP
+from AIFReconLib.recipe.recipe import LONGEST_GAP, Recipe
 
 
 class AIFRecon(ScriptedLoadableModule):
@@ -95,6 +93,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconScene.inputs.inputWatch import InputWatch
 
+        from AIFReconLib.worker.reconstructing import warm_up
+
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
         self.ui = slicer.util.childWidgetVariables(uiWidget)
@@ -112,6 +112,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
+        worker.begin(warm_up)
+        slicer.app.connect("aboutToQuit()", worker.close)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndImportEvent, self.onSceneIsNew)
@@ -120,7 +122,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
         if not self._isSetUp:
-            return  # the .ui file could not be loaded
+            return  # the .ui file could not be loaded, or all is let go of already
+        self._isSetUp = False
         self._work.close()
         self._live.close(sceneStays=True)
         for each in (self._recorded, self._registration, self._guidance):
@@ -139,7 +142,9 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.setParameterNode(None)
 
     def onReload(self) -> None:
-        """Reload the library as well as this file."""
+        """Reload the library as well as this file; what goes on is ended first, while its classes are those that it was made of."""
+        self.cleanup()
+        worker.close()
         for name in [name for name in sys.modules if name.split(".")[0] in ("AIFReconLib", "AIFReconScene", "AIFReconGui")]:
             del sys.modules[name]
         super().onReload()
@@ -233,15 +238,12 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
         says what is wrong, where, and what to do; the scene is then as before.
         """
-        from AIFReconScene.sweep.sequenceNodes import browserFromSequence
+        from AIFReconGui.progressDialog import progressOr
+        from AIFReconScene.sweep.recordings import openRecording
 
-        def work(_progress):
-            from AIFReconLib import read_sequence, with_time_offset
-
-            return with_time_offset(read_sequence(recording, config=configuration, orientation=orientation), timeOffset, longestGap)
-
-        sequence = inBackground(work, part(progress, 0.0, 0.1))
-        return browserFromSequence(sequence, pathlib.Path(recording).name.split(".")[0], part(progress, 0.1, 1.0))
+        reading = {"orientation": orientation, "time_offset": timeOffset, "longest_gap": longestGap}
+        with progressOr(progress, _("Load recording")) as progress:
+            return openRecording(recording, configuration, progress, **reading)
 
     def reconstruct(self, sweep, bone=None, *, output=None, keep=(), progress=None, inputs=None, **choices):
         """Reconstruct a volume from the nodes of a sweep.
@@ -255,7 +257,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep : sequence of str
             Other results to output: "score", "hits", "cosine", "mask".
         progress : callable or None
-            ``progress(fraction, message) -> bool``; False cancels.
+            ``progress(fraction, message) -> bool``; False cancels. None: a dialog tells, by which it can be canceled.
         inputs : dict or None
             As in `choices`; for callers from before these took them.
         **choices
@@ -267,14 +269,14 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         volume : vtkMRMLScalarVolumeNode
             Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
         """
+        from AIFReconGui.progressDialog import progressOr
         from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 
-        from AIFReconLib import Recipe
-
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
-        asked = Recipe(**{"best_cosine": "cosine" in keep, **settings})
-        given = Inputs(sweep=sweep, bone=bone, recipe=asked, **more)
-        return self._kept(self._computed(given, asked, keep, progress)[0], given, output, keep)["intensity"]
+        given = Inputs(sweep=sweep, bone=bone, recipe=Recipe(**{"best_cosine": "cosine" in keep, **settings}), **more)
+        with progressOr(progress, _("Reconstruction")) as progress:
+            made = self._made(given, keep, progress)
+        return self._kept(made, given, output, keep)["intensity"]
 
     # ---- for the panel
 
@@ -313,7 +315,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             browser = self.readRecording(parameters.recordingPath, configuration, share, **readingFrom(parameters))
             parameters.sweep, parameters.imageSequence = browser, None
             takeConfigured(parameters, browser)
-            showInputs(browser, parameters.ctVolume, part(progress, 0.95, 1.0))
+            showInputs(browser, parameters.ctVolume)
         return _("Loaded {name}.").format(name=browser.GetName())
 
     def apply(self, parameters, progress=None) -> str:
@@ -322,19 +324,19 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
-        inputs, settings = Inputs.fromParameters(parameters), settingsFrom(parameters)
-        computed, prepared, said = self._computed(inputs, settings, keep, part(progress, 0.0, 0.85), True)
+        inputs = Inputs.fromParameters(parameters)
+        made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
         # Drawn once, when all of it is shown
-        with drawnViewByView(part(progress, 0.9, 0.9)):
-            node = self._kept(computed, inputs, parameters.output, keep)["intensity"]
+        with slicer.util.RenderBlocker():
+            node = self._kept(made, inputs, parameters.output, keep)["intensity"]
             if progress is not None:
                 progress(0.85, "Showing the volume")  # it is there: too late to cancel
             if node.GetScene() is None or parameters.sweep is None:
                 raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
             parameters.output = node
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
-        self.verdicts.judge(parameters, prepared, self.trackingReport(parameters)[1], part(progress, 0.9, 1.0))
-        return said
+        self.verdicts.judge(parameters, made.comparison, made.tracking)
+        return "\n".join(made.lines)
 
     def openFiles(self, parameters, paths, progress=None) -> str:
         """Read files of any kind that a reconstruction needs, and choose what they hold; returns what was done."""
@@ -347,27 +349,26 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.inputs.inputs import Inputs
         from AIFReconScene.volumes.comparison import compareMethods
 
-        comparison = compareMethods(Inputs.fromParameters(parameters), settingsFrom(parameters), progress)
+        comparison = compareMethods(Inputs.fromParameters(parameters), progress)
         self.display.showComparison(comparison, parameters)
         return comparison.report
 
-    def _computed(self, inputs, settings, keep, progress, forViews=False):
-        """What `_kept` makes nodes of, with the `PreparedInputs` and what was done in words."""
-        from AIFReconScene.inputs.inputs import reconstructed
-        from AIFReconScene.picture.kept import Beside, besideOf
+    def _made(self, inputs, keep, progress, forViews=False):
+        """What the worker has `Made` of the inputs."""
+        from AIFReconScene.panelWords import remedies
 
-        wished = ("score", "hits") if forViews else ()
-        result, prepared, said = reconstructed(inputs, settings, part(progress, 0.0, 0.75), keep, wished)
-        beside = besideOf(prepared, settings, result, part(progress, 0.75, 0.95)) if forViews else Beside()
-        self._tracking.remember(inputs, prepared.sequence, result, part(progress, 0.95, 1.0))
-        return (result, beside), prepared, said if beside.problem is None else listed([said, beside.problem], "\n")
+        from AIFReconLib.worker.reconstructing import reconstructed
 
-    def _kept(self, computed, inputs, output, keep) -> dict:
+        asked = inputs.asked(part(progress, 0.0, 0.1))
+        made = inWorker(reconstructed, asked, keep, forViews, remedies(), progress=part(progress, 0.1, 1.0))
+        self._tracking.remember(inputs, made.result.method, made.tracking)
+        return made
+
+    def _kept(self, made, inputs, output, keep) -> dict:
         from AIFReconScene.picture.kept import keptNodes
 
-        result, beside = computed
         slicer.mrmlScene.SaveStateForUndo()
-        return keptNodes(result, beside, inputs, output, keep)
+        return keptNodes(made, inputs, output, keep)
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):

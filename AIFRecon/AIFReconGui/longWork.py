@@ -1,9 +1,10 @@
 """Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
 
-from AIFReconScene import garbage
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
-from AIFReconScene.loading import importLibrary
 from slicer.i18n import tr as _
+
+from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.progress import report
 
 from .errorsShown import errorsShown
 from .progressDialog import ProgressDialog
@@ -43,16 +44,12 @@ class LongWork:
         An error of the library is shown under `failure`, and nothing was done; another one is a bug: it is shown and raised again. A cancel
         leaves the scene as it was, and so does a node that is deleted meanwhile.
         """
-        from AIFReconLib.errors import OperationCanceled
-        from AIFReconLib.progress import report
-
         nodes = NodesAtWork(parameters, self.cancel)
         try:
-            with garbage.leftAlone(), errorsShown(failure, waitCursor=True) as outcome, nodes, ProgressDialog(title) as self._progress:
+            with errorsShown(failure, waitCursor=True) as outcome, nodes, ProgressDialog(title) as self._progress:
                 self._enable(False)
                 # A node may have gone while the dialog came up
                 report(self._progress, 0.0, title)
-                importLibrary(self._progress)
                 return work(parameters, progress=self._progress)
             return (nodes.lost or _("Canceled. Nothing was changed.")) if isinstance(outcome.error, OperationCanceled) else ""
         finally:

@@ -13,9 +13,11 @@ import subprocess
 import slicer
 from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import LiveSource
+from AIFReconScene.work import worker
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.worker.reconstructing import warm_up
 
 from .errorsShown import errorsShown
 
@@ -147,3 +149,6 @@ def _install(requirements: list[str], ask: bool = True) -> None:
     else:
         packaging.pip_ensure(requirements, prompt_install=ask, requester="AIFRecon")
     importlib.invalidate_caches()
+    # One that was started before does not find it
+    worker.close()
+    worker.begin(warm_up)

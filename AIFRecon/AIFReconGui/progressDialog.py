@@ -1,9 +1,9 @@
 """The one adapter from the library's progress to Qt: a dialog with a bar, a message and Cancel."""
 
+import contextlib
 from typing import Any
 
 import slicer
-from AIFReconScene import garbage
 
 
 class ProgressDialog:
@@ -52,8 +52,6 @@ class ProgressDialog:
             self._dialog.labelText = message or self._dialog.labelText
             self._dialog.value = int(fraction * self.STEPS)
             slicer.app.processEvents()
-            if garbage.lookInTime():
-                slicer.app.processEvents()
         # The events may have been the end of the application, with the dialog
         self._canceled = self._canceled or not self._dialog or self._dialog.wasCanceled
         return not self._canceled
@@ -61,3 +59,8 @@ class ProgressDialog:
     def cancel(self) -> None:
         """Stop at the next report."""
         self._canceled = True
+
+
+def progressOr(progress, title: str):
+    """A context manager: the progress function that somebody gave, else a `ProgressDialog` of this title."""
+    return ProgressDialog(title) if progress is None else contextlib.nullcontext(progress)

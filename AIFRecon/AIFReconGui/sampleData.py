@@ -48,5 +48,5 @@ def addPhantom(progress=None):
     with addedTogether(slicer.mrmlScene):
         phantom = loadPhantom(part(progress, 0.0, 0.9))
         makeSurface(phantom.segmentation, part(progress, 0.9, 0.95))
-        showInputs(phantom.browser, phantom.ct, part(progress, 0.95, 1.0))
+        showInputs(phantom.browser, phantom.ct)
     return phantom

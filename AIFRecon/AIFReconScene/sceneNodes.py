@@ -48,12 +48,6 @@ def freeName(name: str, scene) -> str:
 
 def removeNodes(nodes, scene) -> None:
     """Take nodes out of a scene, the last first, with the display and storage nodes that were made for them."""
-    for _step in stepsWithout(nodes, scene):
-        pass
-
-
-def stepsWithout(nodes, scene):
-    """Steps that take nodes out of a scene as `removeNodes` does, an iterator: every list and every view hears of each."""
     for node in reversed(list(nodes)):
         if node is None or node.GetScene() is not scene:
             # What went with another of them; Slicer logs an error for each that is taken out twice
@@ -64,8 +58,6 @@ def stepsWithout(nodes, scene):
         if node.IsA("vtkMRMLStorableNode"):
             own += [node.GetNthStorageNode(index) for index in range(node.GetNumberOfStorageNodes())]
         scene.RemoveNode(node)
-        yield
         for each in own:
             if each is not None and each.GetScene() is scene:
                 scene.RemoveNode(each)
-                yield

@@ -24,9 +24,7 @@ from ..remedies import Remedy
 from .placed.at_voxels import BoneAtVoxels
 from .placed.coordinates import SLABS, MapCoordinates
 from .placed.on_grid import BoneOnGrid
-
-SIGMA_VOXELS = 10.0
-"""Smoothing of the probability map in the paper, in voxels of the labels."""
+from .widths import SIGMA_VOXELS
 
 SURFACE_SIGMA = 2.0
 """mm. Smoothing of the labels, alike along all axes, before their gradient is taken as the direction of the surface."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..bone.map import SIGMA_VOXELS, BoneMap
+from ..bone.map import BoneMap
+from ..bone.widths import SIGMA_VOXELS
 from ..errors import SettingsError
 from ..io.volume.files import check_volume_path, read_labels
 from ..recipe.recipe import AUTOMATIC

@@ -11,8 +11,8 @@ from pathlib import Path
 from ..bone.map import BoneMap
 from ..compounding.methods.table import COMPARED_METHODS, METHODS
 from ..evaluation.figures import compare_figure, require_matplotlib
-from ..evaluation.metrics import BoneMetrics, evaluate
-from ..evaluation.quantities import metrics_csv, table
+from ..evaluation.metrics import evaluate
+from ..evaluation.quantities import BoneMetrics, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume

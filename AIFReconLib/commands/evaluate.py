@@ -11,8 +11,8 @@ from pathlib import Path
 from ..arrays import Matrix
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
-from ..evaluation.metrics import BoneMetrics, evaluate
-from ..evaluation.quantities import metrics_csv, table, what_counted
+from ..evaluation.metrics import evaluate
+from ..evaluation.quantities import BoneMetrics, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume

@@ -19,7 +19,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -29,6 +29,7 @@ from ..errors import GeometryError, require_kind
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from ..sweep.frames import TrackedSequence
+from .quantities import NEAR, SHADOW_FROM_SURFACE, SPECKLE_BLOCK, SPECKLE_FROM_BONE, STANDS_OUT, TISSUE, BoneMetrics, SurfaceMetrics
 from .statistics import exceeds, mean_std, median, ratio
 from .surface import nearest
 from .visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
@@ -39,12 +40,6 @@ STEP = 0.25
 OFFSETS = STEP * np.arange(-24, 33)
 """Of the samples: -6 to 8 mm."""
 
-NEAR = 1.5
-"""mm to either side of the surface within which bone must respond."""
-
-TISSUE = (3.0, 8.0)
-"""mm before the surface where the tissue is that bone is compared with."""
-
 TISSUE_FROM_BONE = 2.0
 """mm that this tissue keeps from every bone."""
 
@@ -54,89 +49,8 @@ WINDOW_STARTS = (3.0, 4.0, 5.0)
 OBLIQUE_DEG = 45.0
 """A surface is oblique when its best angle of incidence is beyond this."""
 
-STANDS_OUT = 3.5
-"""Standard deviations of gray within the tissue before the points by which a response must exceed the mean of its own tissue. Where
-there is no bone, under 1% of points do so in log-compressed speckle, about 3% in normal noise independent in every voxel."""
-
-SPECKLE_BLOCK = 5.0
-"""mm. Side of the cubes in which speckle is measured, small against changes of the tissue."""
-
-SPECKLE_FROM_BONE = 5.0
 SPECKLE_FROM_EDGE = 10.0
-"""mm that those cubes keep from bone, and from the edge of what was measured (the skin)."""
-
-SHADOW_FROM_SURFACE = 3.0
-"""mm that shadow keeps from any bone surface, so that the response itself is not counted."""
-
-
-@dataclass(frozen=True)
-class SurfaceMetrics:
-    """What one part of the bone surface looks like. Means over points are weighted by area; NaN where nothing can be told.
-
-    Parameters
-    ----------
-    area : float, mm^2
-        Of the part that lies within the volume, measured or not.
-    contrast : float, gray levels
-        Mean response of bone, the maximum of each profile within 1.5 mm of the surface, less the mean of the tissue 3 to 8 mm before it.
-    cnr : float
-        Contrast over the standard deviation of that tissue [1]_. A maximum lies above a mean: where there is no bone, speckle alone
-        gives about 1, and a shadow without an echo less, down to below 0.
-    detectability : float, 0 to 1
-        Probability that a point's response exceeds the maximum of an equally wide window (3 to 6, 4 to 7 and 5 to 8 mm) of the tissue
-        before it [2]_. One half is chance, as in speckle without bone; no monotone change of gray levels changes it.
-    thickness : float, mm
-        Median, over covered points, of the profile's full width at half maximum [3]_, the half being between peak and local tissue.
-    localization_bias, localization_error : float, mm
-        Mean and mean absolute distance of the peak from the surface, over covered points; positive: before it, toward the probe.
-    coverage : float, 0 to 1
-        Part of the area that is covered [4]_: its response is a peak within 1.5 mm of the surface, not the slope of something
-        farther, and exceeds the mean of the tissue before it by 3.5 standard deviations of gray within such tissue. Places not
-        measured are not covered.
-    """
-
-    area: float
-    contrast: float
-    cnr: float
-    detectability: float
-    thickness: float
-    localization_bias: float
-    localization_error: float
-    coverage: float
-
-
-@dataclass(frozen=True)
-class BoneMetrics:
-    """What a volume shows of bone.
-
-    Parameters
-    ----------
-    bone : SurfaceMetrics
-        All bone that a beam of the sweep could reach; without a sweep all bone where the volume was measured.
-    oblique : SurfaceMetrics
-        The part of it whose best angle of incidence is beyond 45 degrees; nothing without a sweep.
-    interspinous : SurfaceMetrics
-        The part of it that bounds the interspinous gaps; its coverage is the interspinous visibility.
-    shadow_mean, shadow_std : float, gray levels
-        Where no beam could reach, 3 mm and more from any bone surface: inside bone and, with a sweep, behind it. Noise and clutter.
-    speckle_snr : float
-        Mean over standard deviation of gray levels in 5 mm cubes of soft tissue away from bone and skin, the median of the cubes.
-        1.91 for the amplitudes of fully developed speckle [5]_; other values after log compression; averaging raises it.
-    """
-
-    bone: SurfaceMetrics
-    oblique: SurfaceMetrics
-    interspinous: SurfaceMetrics
-    shadow_mean: float
-    shadow_std: float
-    speckle_snr: float
-
-    def to_dict(self) -> dict[str, float]:
-        """All numbers by name, those of the parts with the part's name before them: ``oblique_coverage``."""
-        flat: dict[str, float] = {}
-        for name, value in asdict(self).items():
-            flat.update({f"{name}_{key}": number for key, number in value.items()} if isinstance(value, dict) else {name: value})
-        return flat
+"""mm that the cubes in which speckle is measured keep from the edge of what was measured (the skin)."""
 
 
 def evaluate(

@@ -15,8 +15,8 @@ import scipy
 from .. import __version__
 from ..io.disk.atomic import write_text
 from ..recipe.recipe import Recipe
-from .metrics import OBLIQUE_DEG, BoneMetrics
-from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, best_of, cell, what_counted
+from .metrics import OBLIQUE_DEG
+from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, BoneMetrics, best_of, cell, what_counted
 from .visibility import GRAZING_DEG
 
 DASH = "\N{EN DASH}"

@@ -13,6 +13,9 @@ CUBE, GAUSSIAN, STICK = "cube", "gaussian", "stick"
 GAUSSIAN_BY_HITS, INVERSE_DISTANCE = "gaussian by hits", "inverse distance"
 KINDS = (CUBE, GAUSSIAN, STICK, GAUSSIAN_BY_HITS, INVERSE_DISTANCE)
 
+EMPTY, MEASURED, FILLED = 0, 1, 2
+"""Values of the mask volume."""
+
 LARGEST_SIZE = 201
 """Voxels. More than a reconstruction's gaps can be; it keeps a mistyped size from taking hours."""
 

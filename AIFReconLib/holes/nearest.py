@@ -13,9 +13,7 @@ import scipy
 from ..arrays import Bytes, Floats, Integers, Mask, Numbers
 from ..machine.threads import in_parts, optional_module, usable_cores
 from ..progress import Progress, report
-
-EMPTY, MEASURED, FILLED = 0, 1, 2
-"""Values of the mask volume."""
+from .filling import EMPTY, FILLED, MEASURED
 
 BLOCK = 64
 """Voxels along each side of what is searched in one go, to bound the memory that is needed beside the volume."""

@@ -11,8 +11,7 @@ from ..arrays import Bytes, Floats, Integers, Mask, Numbers
 from ..machine.threads import checked_threads, in_parts, optional_module
 from ..progress import Progress, report
 from .averages import gaussian, gaussian_by_hits, inverse_distance, nearest_cube
-from .filling import CUBE, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, STICK, HoleFilling
-from .nearest import EMPTY, FILLED, MEASURED
+from .filling import CUBE, EMPTY, FILLED, GAUSSIAN, GAUSSIAN_BY_HITS, INVERSE_DISTANCE, MEASURED, STICK, HoleFilling
 
 STICKS = (
     *((0, 0, 1), (0, 1, 0), (1, 0, 0)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..holes.nearest import FILLED, MEASURED
+from ..holes.filling import FILLED, MEASURED
 from ..message import advised
 from ..remedies import IN_PYTHON, Remedy
 from ..sweep.poses import describe_frames, describe_skipped

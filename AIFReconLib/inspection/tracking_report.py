@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Floats, Integers
-from ..holes.nearest import FILLED, MEASURED
+from ..holes.filling import FILLED, MEASURED
 from ..message import listed
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence

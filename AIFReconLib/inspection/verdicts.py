@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..message import listed
+from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
+from ..registration.echoes import FEWEST
 
 if TYPE_CHECKING:
-    from ..registration.agreement import Agreement
     from .tracking_report import TrackingReport
 
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
@@ -91,10 +92,6 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
 
     `names` are those of the labels.
     """
-    # SciPy is behind them, which a panel need not wait for to show lights
-    from ..registration.agreement import ENOUGH, LARGEST_MEDIAN
-    from ..registration.echoes import FEWEST
-
     if agreement.echoes + agreement.elsewhere < FEWEST:
         return unknown("the sweep shows too little bone to compare with the CT")
     place = "Place the CT on the sweep before you believe the picture."

@@ -7,17 +7,16 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..arrays import Matrix
-from ..bone.map import SIGMA_VOXELS, BoneMap
+from ..bone.map import BoneMap
+from ..bone.widths import SIGMA_VOXELS, UNKNOWN_WIDTH
 from ..compounding.methods.table import method_named
 from ..errors import SettingsError
 from ..geometry.volume import Volume
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
-from .comparison import Comparison, compared
-
-UNKNOWN_WIDTH = 4.0
-"""mm. Where CT and sweep were not compared, as before a live scan: the paper's 10 voxels on a CT of 0.4 mm."""
+from .agreement import Comparison
+from .comparison import compared
 
 
 class LabeledBone:

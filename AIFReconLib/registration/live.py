@@ -11,9 +11,11 @@ from ..bone.echo_bone import BoneEchoFinder
 from ..geometry.transforms import pixel_spacing
 from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
-from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement, EchoFit, agreement_of, judged
+from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 from .bone_field import BoneField
-from .echoes import FEWEST, SweepEchoes, echoes_of
+from .comparison import EchoFit, agreement_of, judged
+from .echo_search import echoes_of
+from .echoes import FEWEST, SweepEchoes
 
 SECONDS = 5.0
 """s of the scan that are looked back upon."""

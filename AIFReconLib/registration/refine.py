@@ -19,8 +19,8 @@ import scipy
 
 from ..arrays import Floats
 from ..geometry.transforms import invert, transform_points
-from .agreement import ENTERING
 from .bone_field import BoneField
+from .comparison import ENTERING
 from .echoes import SweepEchoes
 
 SCALES = (8.0, 4.0, 2.0, 1.0)

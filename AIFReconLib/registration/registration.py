@@ -19,7 +19,8 @@ from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
 from .bone_field import BoneField
 from .certainty import HELD_MM, Loose, not_held, restart_spread
-from .echoes import SweepEchoes, sweep_echoes
+from .echo_search import sweep_echoes
+from .echoes import SweepEchoes
 from .search import Place, anywhere, around, distinct, finished, level_shifts, motion_between, search
 from .segments import Segments, fields_of_labels, fit_segments
 

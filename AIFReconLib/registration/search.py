@@ -15,8 +15,9 @@ import scipy
 from ..arrays import Floats
 from ..geometry.transforms import invert, transform_points
 from ..progress import Progress, report
-from .agreement import ENTERING, Agreement, check
+from .agreement import Agreement
 from .bone_field import BoneField
+from .comparison import ENTERING, check
 from .echoes import SweepEchoes
 from .refine import Refined, refine
 

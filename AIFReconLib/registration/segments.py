@@ -22,8 +22,9 @@ import scipy
 from ..arrays import Floats, Integers, Mask
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
-from .agreement import Agreement, EchoFit, agreement_of, fit_echoes
+from .agreement import Agreement
 from .bone_field import BoneField
+from .comparison import EchoFit, agreement_of, fit_echoes
 from .echoes import SweepEchoes
 from .refine import _Cost, vector_motion
 

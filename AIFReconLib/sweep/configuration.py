@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, SupportsIndex
 
 import numpy as np
 
@@ -66,6 +67,10 @@ class PlusConfiguration:
         size = np.floor((last - first) * np.array(self.spacing) / wanted + 0.5).astype(int) + 1
         origin = np.array(self.origin or (0.0, 0.0, 0.0)) + first * self.spacing
         return VoxelGrid.from_spacing(origin, tuple(int(n) for n in size), wanted)
+
+    def __reduce_ex__(self, protocol: SupportsIndex) -> str | tuple[Any, ...]:
+        # It is asked for by `is`, in other processes too
+        return "NO_CONFIGURATION" if self is NO_CONFIGURATION else super().__reduce_ex__(protocol)
 
 
 NO_CONFIGURATION = PlusConfiguration()

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import cast, overload
+from typing import Any, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -105,6 +105,10 @@ class RecordsOnDemand(Sequence[FrameRecord]):
 
     def __len__(self) -> int:
         return self._count
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # To another process they go as they are
+        return list, (list(self),)
 
     @overload
     def __getitem__(self, index: int) -> FrameRecord: ...

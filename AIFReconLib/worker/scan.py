@@ -137,6 +137,7 @@ class Scan:
             result=None if result is None else self._shown(result),
             guidance=None if guidance is None or is_told else guidance.seen(surface),
             has_fallen=state is not None and state.has_fallen,
+            compared=-1 if self._agreement is None else self._agreement.looked_at,
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
             bone_lines=self._bone_lines(statistics.frames_received),
             problems=tuple(problem for problem in problems if problem),

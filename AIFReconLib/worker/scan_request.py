@@ -113,6 +113,8 @@ class Seen:
         CT and patient agreed in this scan and do so no longer.
     agreement : str
         How well they agree; empty while that cannot be told.
+    compared : int
+        Number of the last frame that this was told by; -1 before the first.
     bone_lines : tuple of str
         How the search for bone in the frames goes.
     problems : tuple of str
@@ -128,6 +130,7 @@ class Seen:
     guidance: GuidanceSeen | None = None
     has_fallen: bool = False
     agreement: str = ""
+    compared: int = -1
     bone_lines: tuple[str, ...] = ()
     problems: tuple[str, ...] = ()
 

@@ -138,7 +138,7 @@ class _Server(logging.Handler):
         if not isinstance(argument, Kept):
             return argument
         if argument.number not in self._kept:
-            raise WorkerDiedError("What was under way was lost with the process that computed it. Begin it again.")
+            raise WorkerDiedError("What was under way was lost with the process that computed it.")
         return self._kept[argument.number]
 
     def _progress(self, number: int, canceled: threading.Event) -> Any:

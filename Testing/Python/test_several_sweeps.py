@@ -23,7 +23,7 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.registration.echoes import sweep_echoes
+from AIFReconLib.registration.echo_search import sweep_echoes
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence

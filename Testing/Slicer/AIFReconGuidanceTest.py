@@ -16,6 +16,14 @@ from simulatedPatient import FRAMES, addPatient
 
 OWN = ("Bone met", "Colors of bone met", "Advised probe")
 
+QUICK = """
+from AIFReconLib.guidance import passes
+from AIFReconLib.live.session import guidance_watch
+passes.SAGITTAL_TILTS_DEG, passes.SAGITTAL_ACROSS_DEG, passes.TRANSVERSE_TILTS_DEG = (-38.0, 38.0), (0.0,), (0.0,)
+guidance_watch.SKIN_AFTER, guidance_watch.FAR_AFTER = 3, 10
+"""
+"""Has a worker look at few candidates, after few frames."""
+
 TOLD: dict = {}
 """What was told of the patient as it is, by the function that told it: another one after the module was reloaded."""
 
@@ -23,21 +31,21 @@ TOLD: dict = {}
 class AIFReconGuidanceTest(unittest.TestCase):
     """The box *Guidance* on a simulated patient."""
 
+    @classmethod
+    def setUpClass(cls):
+        from AIFReconScene.work import worker
+
+        worker.call(exec, QUICK)
+
+    @classmethod
+    def tearDownClass(cls):
+        from AIFReconScene.work import worker
+
+        worker.close()
+
     def setUp(self):
         from AIFReconScene.inputs.parameters import LiveSource
 
-        from AIFReconLib.guidance import passes
-        from AIFReconLib.live.session import guidance_watch
-
-        for module, name, value in (
-            (passes, "SAGITTAL_TILTS_DEG", (-38.0, 38.0)),
-            (passes, "SAGITTAL_ACROSS_DEG", (0.0,)),
-            (passes, "TRANSVERSE_TILTS_DEG", (0.0,)),
-            (guidance_watch, "SKIN_AFTER", 3),
-            (guidance_watch, "FAR_AFTER", 10),
-        ):
-            self.addCleanup(setattr, module, name, getattr(module, name))
-            setattr(module, name, value)
         slicer.mrmlScene.Clear()
         tinyScene.recordElsewhere(self)
         slicer.util.selectModule("AIFRecon")
@@ -59,17 +67,16 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def setToldBox(self):
         """Click the box; what was told of this patient before is told again, for it takes a while to find out."""
-        from AIFReconScene.live import liveGuidance
-
-        told = liveGuidance.guidanceOfSweep
-        self.addCleanup(setattr, liveGuidance, "guidanceOfSweep", told)
+        verdicts = self.widget.logic.verdicts
+        told = type(verdicts).guide
+        self.addCleanup(delattr, verdicts, "guide")
 
         def again(parameters, progress):
             if told not in TOLD:
-                TOLD[told] = told(parameters, progress)
+                TOLD[told] = told(verdicts, parameters, progress)
             return TOLD[told]
 
-        liveGuidance.guidanceOfSweep = again
+        verdicts.guide = again
         self.setBox()
 
     def setBox(self, wanted=True):
@@ -153,10 +160,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def test_the_ghost_stands_where_the_move_leads(self):
         self.setToldBox()
-        advice = self.widget._guidance._shown.advice
+        move, columns = self.widget._guidance._shown.move, self.parameters.liveImage.GetImageData().GetDimensions()[0]
         bounds = np.zeros(6)
         self.model("Advised probe").GetRASBounds(bounds)
-        face = advice.move.image_to_reference @ [self.widget._guidance._shown.coverage.met.geometry.beams.frame_size[0] / 2, 40.0, 0.0, 1.0]
+        face = move.image_to_reference @ [columns / 2, 40.0, 0.0, 1.0]
         self.assertTrue((bounds[::2] <= face[:3]).all() and (face[:3] <= bounds[1::2]).all())
         self.assertTrue(self.model("Advised probe").GetDisplayNode().GetVisibility2D())
 
@@ -195,35 +202,6 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.setBox()
         self.assertEqual(self.own(), [])
 
-    def test_a_cancel_while_colors_are_shown_takes_them_away(self):
-        from AIFReconGui.progressDialog import ProgressDialog
-
-        call, shown = ProgressDialog.__call__, []
-
-        def canceled(dialog, share, message):
-            shown.append(str(message) == "Showing the bone in colors" and self.colored())
-            return not shown[-1]
-
-        self.addCleanup(setattr, ProgressDialog, "__call__", call)
-        ProgressDialog.__call__ = canceled
-        self.setToldBox()
-        self.assertTrue(any(shown))
-        self.assertEqual(self.own(), [])
-
-    def test_what_a_scan_has_not_shown_yet_is_shown_when_it_ends_and_not_after_it_was_forgotten(self):
-        self.setToldBox()
-        guidance, panel = self.widget._guidance._shown, self.widget._guidance
-        steps = panel._stepsTo(guidance, self.parameters.bone)
-        next(steps)
-        panel.forget()
-        list(steps)
-        self.assertEqual(self.own(), [])
-        panel._shown, panel._unfinished = guidance, (guidance, self.parameters.bone)
-        panel._showing.start()
-        panel.update()
-        self.assertTrue(self.colored())
-        self.assertIsNone(panel._unfinished)
-
     def test_the_ct_takes_its_colors_along(self):
         self.setToldBox()
         before = np.zeros(6)
@@ -259,10 +237,10 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: not self.own()), self.own())
 
     def test_labels_that_change_while_scanning_are_followed(self):
-        from AIFReconScene.live import liveGuidance
+        from AIFReconScene.live import followedBone
 
-        self.addCleanup(setattr, liveGuidance, "SETTLED", liveGuidance.SETTLED)
-        liveGuidance.SETTLED = 0.05
+        self.addCleanup(setattr, followedBone, "SETTLED", followedBone.SETTLED)
+        followedBone.SETTLED = 0.05
         self.start()
         self.playUntil(self.colored)
         corners = self.model().GetPolyData().GetNumberOfPoints()
@@ -285,14 +263,11 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.playUntil(self.colored)
 
     def test_a_scene_that_is_closed_while_scanning_takes_everything_with_it(self):
-        import threading
-
         self.start()
         self.playUntil(self.colored)
         slicer.mrmlScene.Clear()
         self.assertFalse(self.live.isRunning)
         self.assertEqual(self.own(), [])
-        self.assertNotIn("aifrecon guidance", [thread.name for thread in threading.enumerate()])
 
     def test_a_ct_that_is_moved_while_scanning_is_told_anew(self):
         self.start()

@@ -61,7 +61,7 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def test_the_frame_is_seen_in_its_place(self):
         self.begin()
-        self.assertTrue(waitFor(lambda: self.scan._frame.frame is not None))
+        self.assertTrue(waitFor(lambda: self.scan.frameNode is not None))
         self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan.frameNode.GetID())
         shown, exact = tinyScene.ijkToRAS(self.scan.frameNode), self.scan._frame.frame.image_to_reference
         rows, columns = self.scan._frame.frame.image.shape

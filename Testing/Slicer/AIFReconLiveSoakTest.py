@@ -3,6 +3,7 @@
 import pathlib
 import sys
 import unittest
+from unittest import mock
 
 import slicer
 
@@ -20,6 +21,10 @@ class AIFReconLiveSoakTest(unittest.TestCase):
         slicer.mrmlScene.Clear()
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
+        # Each update is waited for until the panel knows of it
+        asking = mock.patch("AIFReconScene.live.liveReconstruction.ASK_EVERY", 0.0)
+        asking.start()
+        self.addCleanup(asking.stop)
 
     def tearDown(self):
         self.widget._live.close()

@@ -77,12 +77,9 @@ class AIFReconPictureTest(unittest.TestCase):
     # ---- tint
 
     def test_a_user_who_leaves_while_a_volume_is_shown_sees_nothing_of_it_that_is_the_panel_s(self):
-        def leave(fraction, message):
-            slicer.util.selectModule("Welcome")
-            return True
-
         self.reconstruct()
-        self.picture.show(leave)
+        slicer.util.selectModule("Welcome")
+        self.picture.show()
         self.assertFalse(self.composite().GetLabelVolumeID())
 
     def test_brightness_that_the_method_added_is_tinted_and_nothing_else_is(self):

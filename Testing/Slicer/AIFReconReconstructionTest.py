@@ -4,7 +4,6 @@ import pathlib
 import sys
 import tempfile
 import unittest
-import unittest.mock
 
 import numpy as np
 import slicer
@@ -12,6 +11,7 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
+import workerStates
 
 from AIFRecon import AIFReconLogic
 
@@ -107,9 +107,9 @@ class AIFReconReconstructionTest(unittest.TestCase):
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)
 
     def test_a_frame_that_was_not_tracked_is_left_out_and_named(self):
-        _computed, _prepared, report = self.logic._computed(self._inputs(), self._settings(), (), None)
-        self.assertIn("11 of 12 frames", report)
-        self.assertIn("OUT_OF_VIEW", report)
+        made = self.logic._made(self._inputs(), (), None)
+        self.assertIn("11 of 12 frames", made.lines[0])
+        self.assertIn("OUT_OF_VIEW", "\n".join(made.lines))
 
     def test_a_volume_says_how_it_was_made_in_the_scene_and_in_a_header_that_slicer_writes(self):
         import json
@@ -151,10 +151,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
         from AIFReconLib.errors import AIFReconError
 
         before = self._nodeIDs()
-        with (
-            unittest.mock.patch("AIFReconLib.machine.memory.available_memory", return_value=100_000),
-            self.assertRaises(AIFReconError) as raised,
-        ):
+        with workerStates.littleMemory(100_000), self.assertRaises(AIFReconError) as raised:
             self.logic.reconstruct(self.sweep, self.bone, spacing=0.2)
         self.assertIn("memory", str(raised.exception))
         self.assertEqual(self._nodeIDs(), before)
@@ -170,12 +167,9 @@ class AIFReconReconstructionTest(unittest.TestCase):
     def _inputs(self):
         from AIFReconScene.inputs.inputs import Inputs
 
-        return Inputs(sweep=self.sweep, bone=self.bone)
+        from AIFReconLib import Recipe
 
-    def _settings(self):
-        from AIFReconLib import ReconstructionSettings
-
-        return ReconstructionSettings(spacing=1.0)
+        return Inputs(sweep=self.sweep, bone=self.bone, recipe=Recipe(spacing=1.0))
 
     def _nodeIDs(self):
         nodes = slicer.mrmlScene.GetNodes()

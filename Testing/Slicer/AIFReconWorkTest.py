@@ -1,6 +1,5 @@
 """Self tests of long work: canceled at any point it leaves the scene as it was, and what is done again replaces what was done before."""
 
-import gc
 import pathlib
 import sys
 import tempfile
@@ -84,21 +83,6 @@ class AIFReconWorkTest(unittest.TestCase):
     def made(self, className="vtkMRMLScalarVolumeNode") -> list:
         """Names of the volumes or tables that were made of a sweep."""
         return sorted(node.GetName() for node in slicer.util.getNodesByClass(className) if node.GetAttribute("AIFRecon.Name"))
-
-    def test_old_garbage_is_left_alone_while_work_goes_on_also_in_the_middle_of_other(self):
-        from AIFReconScene import garbage
-
-        seen = []
-
-        def work(parameters, progress):
-            with garbage.leftAlone():
-                seen.append(gc.get_freeze_count())
-            seen.append(gc.get_freeze_count())
-            return ""
-
-        self.widget._work.run("Work", "It failed.", work, self.parameters)
-        self.assertTrue(all(seen) and len(seen) == 2, seen)
-        self.assertEqual(gc.get_freeze_count(), 0)
 
     # ---- cancel
 

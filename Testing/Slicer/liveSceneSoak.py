@@ -75,9 +75,9 @@ class SceneSoak:
         live = self.live._live
         kind = turn % 4
         if kind == 0:
-            live.session.pause()
+            live.pause(True)
             self.update()
-            live.session.resume()
+            live.pause(False)
         elif kind == 1 and live.frameNode is not None:
             self._delete(live.frameNode)
             self.update()
@@ -108,7 +108,7 @@ class SceneSoak:
         end = time.monotonic() + PATIENCE
         while not shown() and time.monotonic() < end:
             self.update()
-        self.wait(lambda: shown() and not live._inSteps.isUnderWay)
+        self.wait(lambda: shown())
         gc.collect()
         scene = slicer.mrmlScene
         nodes = [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]

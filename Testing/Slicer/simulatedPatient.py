@@ -7,13 +7,13 @@ FRAMES = 27
 
 
 @lru_cache
-def simulated(module, seed: int, frames: int) -> tuple:
-    """The phantom and the sweep of a patient, of the classes that `module` knows: others after the module was reloaded."""
-    return module.simulatedPatient(seed=seed, frames=frames, spacing=1.6)
+def simulated(simulate, seed: int, frames: int):
+    """A patient, of the classes that this function knows: others after the module was reloaded."""
+    return simulate(seed, frames=frames, spacing=1.6)
 
 
 def addPatient(seed: int = 0, frames: int = FRAMES):
     """The `PhantomNodes` of a patient, added to the scene."""
     from AIFReconScene.volumes import phantomSample
 
-    return phantomSample.addPatient(*simulated(phantomSample, seed, frames))
+    return phantomSample.addPatient(simulated(phantomSample.simulated_patient, seed, frames))

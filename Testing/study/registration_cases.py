@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.transforms import transform_points
@@ -16,7 +17,8 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.bone_field import BoneField
-from AIFReconLib.registration.echoes import SweepEchoes, sweep_echoes
+from AIFReconLib.registration.echo_search import sweep_echoes
+from AIFReconLib.registration.echoes import SweepEchoes
 from AIFReconLib.registration.registration import Registration, register_echoes
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom

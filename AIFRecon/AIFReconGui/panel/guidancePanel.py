@@ -1,6 +1,5 @@
 """Guidance in the panel: bone in colors, what was met of each segment, and in large type where the probe must go next."""
 
-import contextlib
 from html import escape
 
 import qt
@@ -12,9 +11,6 @@ from AIFReconScene.inputs.boneNodes import boneNames, inNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
-from AIFReconLib.progress import report
-
-from ..inTurns import drawnInTurns, inTurns
 from .layout import say
 
 SHOWN_EVERY = 150
@@ -39,7 +35,7 @@ class GuidancePanel:
         self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
         self._parameterNode = None
         self._colors, self._ghost = BoneColors(), GhostProbe()
-        self._shown = self._about = self._unfinished = None
+        self._shown = self._about = None
         self._told = "", ""
         self._isTurned = False
         self._showing = qt.QTimer()
@@ -66,16 +62,11 @@ class GuidancePanel:
         button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")
         if scanning != self._showing.isActive():
             (self._showing.start if scanning else self._showing.stop)()
-            if not scanning and self._unfinished is not None:
-                self._show(*self._unfinished)
         if scanning and (self._live.guidance is not None) != parameters.guidance:
             self._live.guide(parameters.guidance)
         self._ui.guidanceWords.visible = self._ui.liveGuidanceCheckBox.checked = parameters.guidance
         if not parameters.guidance or self._isOld(parameters):
-            if self._shown is None:
-                self.forget()
-            else:
-                inTurns(self._forgotten())
+            self.forget()
         elif not scanning and self._colors.node is None:
             # A scene that was saved with its bone in colors is loaded without them: segments come back in their place
             self._colors.clear()
@@ -84,26 +75,14 @@ class GuidancePanel:
 
     def forget(self) -> None:
         """Take everything out of the scene and the views, and the words with it."""
-        with drawnInTurns() if self._shown is not None else contextlib.nullcontext():
-            for _step in self._forgotten():
-                pass
-
-    def _forgotten(self):
-        """Words go at once, and with each step something of what is drawn."""
-        self._shown = self._about = self._unfinished = None
+        self._shown = self._about = None
         self._isTurned = False
         self._say("")
         if self._ui.guidanceTableLabel:  # destroyed: the application is being closed
             self._ui.guidanceTableLabel.text = ""
-        return self._cleared()
-
-    def _cleared(self):
-        # By now something may be shown again
-        if self._shown is None:
+        with slicer.util.RenderBlocker():
             self._clearMove()
-            yield
-        if self._shown is None:
-            yield from self._colors.stepsAway()
+            self._colors.clear()
 
     def close(self) -> None:
         """The scene or the panel is being closed."""
@@ -132,18 +111,9 @@ class GuidancePanel:
             self._refresh()
 
     def _ofSweep(self, parameters, progress) -> str:
-        from AIFReconScene.live.liveGuidance import guidanceOfSweep
-
-        from AIFReconLib.errors import OperationCanceled
-
-        guidance = guidanceOfSweep(parameters, progress)
+        seen = self._logic.verdicts.guide(parameters, progress)
         self._about = self._subject(parameters, ofScan=False)
-        self._logic.verdicts.takeGuidance(parameters, guidance)
-        try:
-            self._show(guidance, parameters.bone, progress)
-        except OperationCanceled:
-            self.forget()
-            raise
+        self._show(seen, parameters.bone)
         return ""
 
     # ---- what is shown
@@ -164,51 +134,31 @@ class GuidancePanel:
 
     def _showScan(self) -> None:
         live, parameters = self._live.guidance, self._parameterNode
-        if live is None or self._work.isRunning or self._live.isBehind:
+        if live is None or self._work.isRunning:
             return
-        guidance = live.state
-        if guidance is not self._shown and (guidance.problem is not None or guidance.colored is not None):
+        seen = live.state
+        if seen is not self._shown and (seen.problem is not None or seen.surface is not None):
             self._about = self._about if parameters is None else self._subject(parameters, ofScan=True)
-            self._shown, self._unfinished = guidance, (guidance, live.bone)
-            self._live.showToo("guidance", self._stepsTo(guidance, live.bone))
+            self._show(seen, live.bone)
 
-    def _show(self, guidance, bone, progress=None) -> None:
-        self._shown = guidance
+    def _show(self, seen, bone) -> None:
+        """Show a `GuidanceSeen` of this node."""
+        self._shown = seen
+        bone = bone if bone is not None and bone.GetScene() is not None else None
+        names = {} if bone is None else boneNames(bone, self._segments())
         with slicer.util.RenderBlocker():
-            for _step in self._stepsTo(guidance, bone):
-                report(progress, 1.0, "Showing the bone in colors")
-
-    def _stepsTo(self, guidance, bone):
-        """Steps that show this, an iterator; none are left once it is to be forgotten."""
-        steps = self._everyStepTo(guidance, bone)
-        while self._shown is not None and next(steps, steps) is not steps:
-            yield
-
-    def _everyStepTo(self, guidance, bone):
-        if bone is None or bone.GetScene() is None or guidance.colored is None:
-            yield from self._colors.stepsAway()
-        else:
-            yield from self._colors.stepsTo(bone, guidance.colored, guidance.levels)
-            yield
-            if bone.GetScene() is not None:
-                self._colors.hideSegments(bone)
-        yield
-        names = {} if bone is None or bone.GetScene() is None else boneNames(bone, self._segments())
-        if guidance.problem is not None or guidance.coverage is None:
-            self._clearMove()
-            self._ui.guidanceTableLabel.text = ""
-            self._say(inPanelWords(guidance.problem) if guidance.problem is not None else _("Scan the bone."))
-        else:
-            self._ui.guidanceTableLabel.text = _table(guidance.coverage, names)
-            yield
-            if guidance.advice is not None and guidance.advice.move is not None:
-                self._ghost.show(guidance.advice.move.image_to_reference, guidance.coverage.met.geometry.beams)
-                yield
-            self._showMove(guidance, names)
-            yield
-            self._turn(guidance.coverage.met.bone.patient_to_reference)
-        if guidance is self._shown:
-            self._unfinished = None
+            if bone is None or seen.mesh is None:
+                self._colors.clear()
+            else:
+                self._colors.show(bone, seen.mesh, seen.levels)
+            if seen.problem is not None or seen.all is None:
+                self._clearMove()
+                self._ui.guidanceTableLabel.text = ""
+                self._say(inPanelWords(seen.problem) if seen.problem is not None else _("Scan the bone."))
+            else:
+                self._ui.guidanceTableLabel.text = _table(seen, names)
+                self._showMove(seen, names)
+                self._turn(seen.patient_to_reference)
 
     def _turn(self, patientToWorld) -> None:
         """The first time, look at the bone as the probe does, from the back: the side that takes on color."""
@@ -219,22 +169,22 @@ class GuidancePanel:
     def _segments(self):
         return list(self._parameterNode.boneSegments) if self._parameterNode is not None else None
 
-    def _showMove(self, guidance, names) -> None:
-        advice = guidance.advice
-        if advice is None or advice.move is None:
+    def _showMove(self, seen, names) -> None:
+        move = seen.move
+        if move is None:
             self._clearMove()
             self._say(
-                _("Looking for the next move: keep scanning.")
-                if advice is None
-                else _("Enough is scanned: no further move would add much.")
+                _("Enough is scanned: no further move would add much.")
+                if seen.is_advised
+                else _("Looking for the next move: keep scanning.")
             )
             return
-        first, *then = advice.directions
+        self._ghost.show(move.image_to_reference, move.probe)
+        first, *then = move.directions
         self._large(first.arrow, first.words)
         # Beside a scan the first step stands in large letters; of what was recorded the list is all there is
-        listed = then if self._about is None or self._about[0] else advice.directions
-        where = inNames(advice.over, names)
-        adds = _("over {where}; shows {adds:.1f} cm² more bone").format(where=where, adds=advice.move.adds_cm2)
+        listed = then if self._about is None or self._about[0] else move.directions
+        adds = _("over {where}; shows {adds:.1f} cm² more bone").format(where=inNames(move.over, names), adds=move.adds_cm2)
         self._say("\n".join([*(f"{step.arrow}  {step.words}" for step in listed), adds]))
 
     def _clearMove(self) -> None:
@@ -255,13 +205,13 @@ class GuidancePanel:
             say(label, text, keepsRoom=True)
 
 
-def _table(coverage, names: dict) -> str:
+def _table(seen, names: dict) -> str:
     """A line for each segment, as HTML: what was hit, what of it squarely, and what is expected to show."""
     known = {str(label): name for label, name in names.items()}
-    rows = [(known.get(label) or _("Label {number}").format(number=label), share) for label, share in coverage.by_label.items()]
-    if coverage.interspinous.reachable_cm2:
-        rows.append((_("Edges of interspinous spaces"), coverage.interspinous))
-    rows.append((_("All bone"), coverage.all))
+    rows = [(known.get(label) or _("Label {number}").format(number=label), share) for label, share in seen.by_label.items()]
+    if seen.interspinous.reachable_cm2:
+        rows.append((_("Edges of interspinous spaces"), seen.interspinous))
+    rows.append((_("All bone"), seen.all))
     heads = (_("Bone"), _("hit"), _("squarely"), _("expected to show"))
     lines = ["".join(f"<th align='{_side(n)}'>{escape(head)}</th>" for n, head in enumerate(heads))]
     for name, share in rows:

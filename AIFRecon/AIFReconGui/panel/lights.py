@@ -3,7 +3,6 @@
 from html import escape
 
 import qt
-from AIFReconScene.background import Beside
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.registration.sweepVerdicts import COVERAGE, NAMES
 from slicer.i18n import tr as _
@@ -27,8 +26,7 @@ class Lights(Follower):
 
     def __init__(self, ui, verdicts):
         self._ui, self._verdicts = ui, verdicts
-        self._beside = Beside()
-        self._timer = qt.QTimer()
+        self._timer, self._isBegun = qt.QTimer(), False
         self._timer.connect("timeout()", self._look)
         for name in NAMES:
             button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
@@ -51,33 +49,28 @@ class Lights(Follower):
     @property
     def isLooking(self) -> bool:
         """Whether the coverage is still to be told."""
-        return self._beside.isRunning or self._timer.isActive()
+        return self._timer.isActive()
 
     def lookBeside(self) -> None:
         """Begin to look at the coverage of what was reconstructed, as soon as the panel is at rest."""
-        self.cancel()
+        self._isBegun = False
         self._timer.setInterval(BEGUN_AFTER)
         self._timer.start()
 
     def cancel(self) -> None:
         """Look no further: the scene or the panel is being closed, or something else is done."""
         self._timer.stop()
-        self._beside.cancel()
+        self._verdicts.cancelCoverage()
 
     def _look(self) -> None:
-        if not self._beside.isRunning:
-            work = None if self._parameterNode is None else self._verdicts.coverageWork(self._parameterNode)
+        if not self._isBegun:
+            self._isBegun = self._parameterNode is not None and self._verdicts.beginCoverage(self._parameterNode)
             self._timer.setInterval(LOOKED_EVERY)
-            if work is None:
-                self._timer.stop()
-            else:
-                self._beside.begin(work)
-        else:
-            told = self._beside.take()
-            if told is None:
+            if self._isBegun:
                 return
-            self._timer.stop()
-            self._verdicts.takeCoverage(told)
+        elif not self._verdicts.takeCoverage():
+            return
+        self._timer.stop()
         self.update()
 
     def _show(self, name: str, level: str, finding, advice) -> None:

@@ -157,7 +157,7 @@ class RecordedPanel(Follower):
     def _reconstruct(self, work, *more) -> None:
         def told(parameters, progress) -> str:
             method, voxels, *notes = work(parameters, progress=part(progress, 0.0, 0.99)).split("\n")
-            self._picture.show(part(progress, 0.99, 1.0))
+            self._picture.show()
             self._ui.summaryLabel.visible = True
             say(self._ui.summaryLabel, f"{method}\n{voxels}")
             return "\n".join((_("Done."), *notes, *more))

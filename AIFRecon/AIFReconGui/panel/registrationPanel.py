@@ -3,7 +3,6 @@
 import numpy as np
 import qt
 import slicer
-from AIFReconScene.background import ALIVE_EVERY, Beside
 from AIFReconScene.display.echoPoints import EchoPoints
 from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords, withNames
@@ -11,8 +10,10 @@ from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
 from slicer.i18n import tr as _
 
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.progress import part
+
 from ..errorsShown import errorsShown
-from ..inTurns import drawnInTurns, inTurns
 from .layout import say
 
 LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
@@ -24,6 +25,9 @@ WORTH_OFFERING = 0.5
 
 JUDGED_AFTER = 200
 """ms after the CT was moved by whatever means that gauge and colors follow: while it is dragged they would follow in vain."""
+
+LOOKED_EVERY = 30
+"""ms between two looks whether they are known."""
 
 
 class RegistrationPanel:
@@ -49,14 +53,15 @@ class RegistrationPanel:
         self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
         self._parameterNode = None
         self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
-        self._finding = self._about = self._observed = None
+        self._placed = self._about = self._observed = self._task = None
+        self._saidBefore = ""
         self._places = []
         self._moved = qt.QTimer()
         self._moved.setSingleShot(True)
         self._moved.setInterval(JUDGED_AFTER)
         self._moved.connect("timeout()", self.onMoved)
-        self._beside, self._judging = Beside(), qt.QTimer()
-        self._judging.setInterval(int(1000 * ALIVE_EVERY))
+        self._judging = qt.QTimer()
+        self._judging.setInterval(LOOKED_EVERY)
         self._judging.connect("timeout()", self._takeJudged)
         ui.checkButton.connect("clicked(bool)", self.onCheck)
         ui.placeButton.connect("clicked(bool)", self.onPlace)
@@ -97,10 +102,9 @@ class RegistrationPanel:
 
     def forget(self) -> None:
         """Take the echoes out of the scene, and the words with them."""
-        self._finding = self._about = None
+        self._placed = self._about = self._task = None
         for timer in (self._moved, self._judging):
             timer.stop()
-        self._beside.cancel()
         self._follow(None)
         self._echoes.clear()
         if not self._ui.registrationLabel:  # destroyed: the application is being closed
@@ -112,7 +116,8 @@ class RegistrationPanel:
     def close(self) -> None:
         """The scene or the panel is being closed."""
         self.forget()
-        self._registration, self._placement = CTRegistration(), CTPlacement()
+        self._registration.forget()
+        self._placement = CTPlacement()
 
     # ---- buttons
 
@@ -129,14 +134,20 @@ class RegistrationPanel:
         number = self._ui.alternativesComboBox.currentIndex
         if 0 <= number < len(self._places):
             with errorsShown(_("The CT could not be placed. It is where it was.")):
-                self._moveTo(self._parameterNode, self._finding.at(self._places[number]))
+                self._moveTo(self._parameterNode, self._registration.at(self._places[number]))
                 self._say(self._words(_("Placed there because you chose it.")))
                 self._offer([])
         self._refresh()
 
     def onUndo(self) -> None:
         """Bring the CT back to where it was before it was moved last."""
-        inTurns(self._undone())
+        said = ""
+        if self._placement.undo():
+            said = _("The CT is back where it was.")
+            self._offer([])
+            self._say(said)
+            self._moved.stop()
+        self._judge(said)
 
     def onMoved(self) -> None:
         """Somebody has moved the CT: let gauge, colors and words follow it."""
@@ -163,22 +174,19 @@ class RegistrationPanel:
         return self._words()
 
     def _place(self, parameters, progress) -> str:
-        from AIFReconLib.progress import part
-
         ct, bone, sweep = parameters.ctVolume, parameters.bone, parameters.sweep
         transformAbove(bone, ct, sweep)  # what cannot be moved is said before any work
         scan = self._live.isRunning
         echoes = self._live.echoes() if scan else None
-        finding = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes)
-        found = finding.registration
-        if not found.accepted:
-            self._show(parameters, finding.at(rigidPlace(bone)))
+        found = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes)
+        if found.said is not None:
+            self._show(parameters, self._registration.at(rigidPlace(bone)))
             self._offer(_places(found))
             reason = withNames(inPanelWords(found.said), self._names())
             refused = _("The CT was not moved. About the best place found: {reason}").format(reason=reason)
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
-        self._moveTo(parameters, finding)
+        self._moveTo(parameters, found.placed)
         self._offer([])
         said = self._words(moved, *_uncertainties(found))
         if not scan:
@@ -187,24 +195,25 @@ class RegistrationPanel:
         followed = self._live.followBone(lambda share, message: progress(0.7 + 0.3 * share, message) or True)
         return "\n".join(line for line in (said, followed) if line)
 
-    def _moveTo(self, parameters, finding) -> None:
-        with drawnInTurns():
-            self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, finding.labelsToWorld)
-            self._show(parameters, finding)
+    def _moveTo(self, parameters, placed) -> None:
+        with slicer.util.RenderBlocker():
+            self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, placed.labels_to_reference)
+            self._show(parameters, placed)
 
     # ---- what is shown
 
     def _subject(self, parameters) -> tuple:
-        """What a finding is about: it is forgotten when another is chosen."""
+        """What gauge and colors are about: they are forgotten when another is chosen."""
         chosen = (parameters.sweep if not self._live.isRunning else None, parameters.bone)
         return (*(node.GetID() if node is not None else "" for node in chosen), tuple(parameters.boneSegments))
 
-    def _show(self, parameters, finding) -> None:
-        self._finding, self._about = finding, self._subject(parameters)
+    def _show(self, parameters, placed) -> None:
+        self._placed, self._about, self._task = placed, self._subject(parameters), None
+        self._judging.stop()
         if parameters.sweep is not None:
-            self._logic.verdicts.takeAgreement(parameters, finding.agreement)
-        self._gauge(finding.agreement, boneNames(parameters.bone, list(parameters.boneSegments)))
-        self._echoes.show(finding.points, finding.distances, parameters.showEchoes)
+            self._logic.verdicts.takeAgreement(parameters, placed.agreement)
+        self._gauge(placed.agreement, self._names())
+        self._echoes.show(placed.points, placed.distances, parameters.showEchoes)
 
     def _follow(self, bone) -> None:
         """Observe where the bone lies, or observe nothing."""
@@ -219,58 +228,43 @@ class RegistrationPanel:
             self._observed = bone, bone.AddObserver(event, lambda caller, event: self._moved.start())
 
     def _placeNow(self):
-        """Where the CT's bone is, (4, 4), if it is elsewhere than where the finding on display has it; None else."""
-        from AIFReconLib.errors import AIFReconError
-
-        if self._finding is None or self._parameterNode is None or self._parameterNode.bone is None:
+        """Where the CT's bone is, (4, 4), if it is elsewhere than where gauge and colors have it; None else."""
+        if self._placed is None or self._parameterNode is None or self._parameterNode.bone is None:
             return None
         try:
             place = rigidPlace(self._parameterNode.bone)
         except AIFReconError:
             self.forget()
             return None
-        return None if np.allclose(place, self._finding.labelsToWorld, rtol=0.0, atol=1e-6) else place
-
-    def _undone(self):
-        said = ""
-        if self._placement.undo():
-            said = _("The CT is back where it was.")
-            self._offer([])
-            self._say(said)
-            self._moved.stop()
-            yield
-        self._judge(said)
+        return None if np.allclose(place, self._placed.labels_to_reference, rtol=0.0, atol=1e-6) else place
 
     def _judge(self, said: str = "") -> None:
-        """Have the finding made anew for where the CT lies now, beside the windows: they would wait for the cores that a scan has."""
-        place, before = self._placeNow(), self._finding
+        """Begin to look how well CT and sweep agree where the CT is now, if that is elsewhere than when it was told last."""
+        place = self._placeNow()
         if place is None:
             self._refresh()
             return
-        self._beside.begin(lambda _progress: (before, before.at(place), said))
+        self._task, self._saidBefore = self._registration.beginAt(place), said
         self._judging.start()
 
     def _takeJudged(self) -> None:
+        if not self._task.is_done:
+            return
+        task, self._task = self._task, None
+        self._judging.stop()
+        if self._parameterNode is None:
+            return
         try:
-            judged = self._beside.take()
-        finally:
-            if not self._beside.isRunning:
-                self._judging.stop()
-        if judged is not None:
-            inTurns(self._judged(*judged))
-
-    def _judged(self, before, finding, said: str):
-        # Another may have been found meanwhile, or none be wanted
-        if self._finding is before and self._parameterNode is not None:
-            self._show(self._parameterNode, finding)
-            self._say("\n".join(line for line in (said, self._words()) if line))
-            yield
+            self._show(self._parameterNode, task.result())
+        except AIFReconError:  # the worker has died
+            self.forget()
+        else:
+            self._say("\n".join(line for line in (self._saidBefore, self._words()) if line))
         self._refresh()
 
     def _words(self, *more: str, verdict: bool = True) -> str:
-        agreement = self._finding.agreement
-        warning = agreement.warning()
-        lines = [agreement.sentence(), withNames(warning or "", self._names())] if verdict else []
+        agreement = self._placed.agreement
+        lines = [agreement.sentence(), agreement.warning(self._names()) or ""] if verdict else []
         return "\n".join(line for line in (*lines, *more) if line)
 
     def _names(self) -> dict:
@@ -308,11 +302,11 @@ class RegistrationPanel:
 def _places(found) -> list:
     """The places that an answer leaves open, the best first, each with what speaks for it: the share of all echoes that agree."""
     best = found.agreement.explained
-    places = [(found.transform, found.agreement, _("Best"))]
+    places = [(found.placed.labels_to_reference, found.agreement, _("Best"))]
     for other in found.alternatives:
         if other.agreement.explained >= WORTH_OFFERING * best:
             where = _("{levels:+d} level(s) (+: toward the head)").format(levels=other.levels) if other.levels else _("Elsewhere")
-            places.append((other.transform, other.agreement, where))
+            places.append((other.labels_to_reference, other.agreement, where))
     words = _("{where}: {share:.0%} of the echoes agree, median {median:.1f} mm")
     return [(place, words.format(where=where, share=own.explained, median=own.median_distance)) for place, own, where in places]
 

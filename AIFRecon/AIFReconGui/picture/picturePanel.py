@@ -4,17 +4,15 @@ import pathlib
 
 import qt
 import slicer
-from AIFReconScene.display.viewByView import drawnViewByView
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.picture import windows
 from AIFReconScene.picture.echoView import EchoView
 from AIFReconScene.picture.levelNames import LevelNames
 from AIFReconScene.picture.probeUp import ProbeUp
 from AIFReconScene.picture.spineView import SpineView, spineOf
+from AIFReconScene.picture.sweepPage import tellOf, whyNotTell
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
-
-from ..inTurns import inTurns
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
@@ -46,7 +44,7 @@ class PicturePanel:
             after = getattr(ui, name)
         self._work, self._trackingOf = work, trackingOf
         self._parameterNode = self._bound = None
-        self._views = EchoView(), SpineView(), ProbeUp(inTurns), LevelNames(inTurns)
+        self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()
         self._presets = windows.presets()
         for label in (_("as it is"), *(preset.label for preset in self._presets)):
             ui.windowComboBox.addItem(label)
@@ -69,7 +67,7 @@ class PicturePanel:
         plain, spine = measuredOf(parameters.output), spineOf(parameters.output)
         enhanced = _("Press “Reconstruct” with a method that weights by bone: its plain echo is kept beside it.")
         shown = _("No bone is kept with this volume: press “Reconstruct” with a method that weights by bone. It may have shown none.")
-        tells = self._whyNotTell()
+        tells = inPanelWords(whyNotTell(parameters))
         for widget, missing, does in (
             (ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels")),
             (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is brighter than the echoes are on the mean")),
@@ -83,14 +81,12 @@ class PicturePanel:
         for view in self._views:
             view.update(parameters)
 
-    def show(self, progress) -> None:
-        """Show what is chosen of a volume that is new, in a step for each choice; what `progress` answers is not regarded."""
-        with drawnViewByView(progress):
-            for view in self._views:
-                progress(0.0, "")
-                # The user may have left the panel meanwhile
-                if self._parameterNode is not None:
-                    view.update(self._parameterNode)
+    def show(self) -> None:
+        """Show what is chosen of a volume that is new."""
+        with slicer.util.RenderBlocker():
+            # The user may have left the panel meanwhile
+            for view in self._views if self._parameterNode is not None else ():
+                view.update(self._parameterNode)
 
     # ---- what is done
 
@@ -103,9 +99,7 @@ class PicturePanel:
         """Put one line about the reconstruction into the clipboard."""
 
         def work(parameters, progress):
-            from AIFReconScene.picture.sweepPage import tell
-
-            qt.QApplication.clipboard().setText(tell(parameters, self._trackingOf(parameters), progress, pictures=False).line)
+            qt.QApplication.clipboard().setText(self._tell(parameters, None, progress))
             return ""
 
         self._work.run(_("Report"), _("The summary could not be made."), work, self._parameterNode)
@@ -123,18 +117,11 @@ class PicturePanel:
         path = path if path.suffix.lower() in (".html", ".htm") else path.with_name(f"{path.name}.html")
 
         def work(parameters, progress):
-            from AIFReconScene.picture.sweepPage import tell
-
-            from AIFReconLib.evaluation.report import write_report
-            from AIFReconLib.io.disk.atomic import check_writable
-
-            check_writable(path)
-            write_report(path, tell(parameters, self._trackingOf(parameters), progress).page)
+            self._tell(parameters, path, progress)
             return ""
 
         self._work.run(_("Report"), _("The report was not saved."), work, self._parameterNode)
 
-    def _whyNotTell(self) -> str:
-        from AIFReconScene.picture.sweepPage import whyNotTell
-
-        return inPanelWords(whyNotTell(self._parameterNode))
+    def _tell(self, parameters, path, progress) -> str:
+        _title, tracking = self._trackingOf(parameters)
+        return tellOf(parameters, tracking, path, progress)

@@ -6,7 +6,7 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from ..sceneNodes import nodesOfClass, stepsWithout
+from ..sceneNodes import nodesOfClass, removeNodes
 from .borrowed import Borrowed
 
 MET = "Met"
@@ -35,30 +35,22 @@ class BoneColors:
 
     def __init__(self):
         self._modelID, self._ownIDs = None, []
-        self._colored = self._levels = None
+        self._mesh = self._levels = None
 
     @property
     def node(self):
         """The model node, or None where nothing is drawn."""
         return slicer.mrmlScene.GetNodeByID(self._modelID) if self._modelID else None
 
-    def show(self, bone, colored, levels: np.ndarray):
-        """Draw a `ColoredBone` of a node of bone, with the level of each corner (n,); the model node."""
-        for _step in self.stepsTo(bone, colored, levels):
-            pass
-        return self.node
-
-    def stepsTo(self, bone, colored, levels: np.ndarray):
-        """Steps that draw as `show` does, an iterator: each node that is made takes as long as a picture."""
-        if self.node is None:
-            yield from self._made(colored, levels)
+    def show(self, bone, mesh, levels: np.ndarray):
+        """Draw a `BoneMesh` of a node of bone, with the level of each corner (n,); the model node."""
         node = self.node
-        # Somebody may have deleted it, or the bone, between two steps
-        if node is None or bone.GetScene() is None:
-            return
-        if node.GetPolyData() is None or self._colored is not colored:
-            node.SetAndObservePolyData(_surface(colored.mesh, levels))
-            self._colored = colored
+        if node is None:
+            node = self._made(_surface(mesh, levels))
+            self._mesh = mesh
+        elif node.GetPolyData() is None or self._mesh is not mesh:
+            node.SetAndObservePolyData(_surface(mesh, levels))
+            self._mesh = mesh
         elif not np.array_equal(levels, self._levels):
             array = node.GetPolyData().GetPointData().GetArray(MET)
             numpy_support.vtk_to_numpy(array)[:] = levels
@@ -67,27 +59,20 @@ class BoneColors:
         self._levels = levels
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
-
-    def hideSegments(self, bone) -> None:
-        """Do not draw the segments of this bone in 3D, nor of any other one any more; once: what the user shows again stays."""
+        # Once: what the user shows again stays
         _hideSegments(bone)
+        return node
 
     def clear(self) -> None:
         """Remove everything, also what is left where somebody has deleted the model alone."""
-        for _step in self.stepsAway():
-            pass
-
-    def stepsAway(self):
-        """Steps that remove everything as `clear` does, an iterator; it is forgotten with the first."""
         scene = slicer.mrmlScene
         own = [scene.GetNodeByID(each) for each in self._ownIDs]
-        self._modelID, self._ownIDs, self._colored, self._levels = None, [], None, None
+        self._modelID, self._ownIDs, self._mesh, self._levels = None, [], None, None
         _hideSegments(None)
-        yield
-        yield from stepsWithout(own, scene)
+        removeNodes(own, scene)
 
-    def _made(self, colored, levels):
-        yield from self.stepsAway()
+    def _made(self, surface):
+        self.clear()
         scene = slicer.mrmlScene
         self._own(_colors())
         # With a display that is as it is to be, views look at the model once
@@ -101,24 +86,18 @@ class BoneColors:
             # Slices show bone already, and would have to cut this surface anew wherever the probe goes
             display.SetVisibility2D(False)
         self._own(display)
-        yield
-        if display.GetScene() is None:
-            return
         node = slicer.vtkMRMLModelNode()
         node.SetName("Bone met")
         node.SetSelectable(False)
         node.SetAndObserveDisplayNodeID(display.GetID())
-        node.SetAndObservePolyData(_surface(colored.mesh, levels))
+        node.SetAndObservePolyData(surface)
         self._own(scene.AddNode(node))
-        yield
-        if node.GetScene() is None:
-            return
         legend = slicer.modules.colors.logic().AddDefaultColorLegendDisplayNode(node)
         if legend is not None:
             _arrange(legend)
             self._own(legend)
-        self._modelID, self._colored, self._levels = node.GetID(), colored, levels
-        yield
+        self._modelID = node.GetID()
+        return node
 
     def _own(self, node) -> None:
         node.SetSaveWithScene(False)

@@ -3,10 +3,14 @@
 import slicer
 
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.worker.looking import imaging_of
 
 from ..inputs.parameters import ProbeShape, regionFrom, settingsFrom
 from ..panelWords import inPanelWords
+from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
+from ..work import inWorker
 from . import sliceDisplay, threeDViews
 from .probeOverlay import ProbeOverlay
 
@@ -23,7 +27,7 @@ class SceneDisplay:
     def __init__(self):
         self._overlay = None
         self._drawn = {}
-        self._imaging = (None, None)
+        self._imaging = (None, None, None)
 
     def showOutput(self, parameters, progress=None) -> None:
         """Show the output over the CT in the usual slice views, and bone in 3D. Views that show its place already stay where they are."""
@@ -67,7 +71,7 @@ class SceneDisplay:
             self._overlay.hide()
         self._overlay = None
         self._drawn = {}
-        self._imaging = (None, None)
+        self._imaging = (None, None, None)
 
     def _changed(self, what: str, state) -> bool:
         changed = self._drawn.get(what) != state
@@ -93,15 +97,12 @@ class SceneDisplay:
 
     def _drawProbe(self, parameters) -> None:
         try:
-            imaging = self._imagingOf(parameters)
-            self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, imaging.probe, imaging.region)
+            self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, *self._imagingOf(parameters))
         except AIFReconError as error:
             self._hide("Probe")
             slicer.util.showStatusMessage(inPanelWords(error), 5000)
 
     def _updateOutlines(self, parameters) -> None:
-        from ..sweep.sequenceReader import sequenceFromBrowser
-
         shown = parameters.showOutlines and parameters.sweep is not None
         if not self._changed("outlines", shown and (_sweepOf(parameters), regionFrom(parameters))):
             return
@@ -110,7 +111,7 @@ class SceneDisplay:
             return
         try:
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False).region)
+            self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False)[1])
         except AIFReconError as error:
             self._hide("Outlines")
             slicer.util.showStatusMessage(inPanelWords(error), 5000)
@@ -126,23 +127,14 @@ class SceneDisplay:
 
     def _imagingOf(self, parameters, needProbe: bool = True):
         """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""
-        from dataclasses import replace
-
-        from AIFReconLib import ProbeGeometry
-        from AIFReconLib.resolve import resolve_imaging
-        from AIFReconLib.sweep.poses import sweep_poses
-
-        from ..sweep.sequenceReader import sequenceFromBrowser
-
         recipe, key = settingsFrom(parameters), (_sweepOf(parameters), regionFrom(parameters))
         byHand = None if parameters.probe == ProbeShape.AUTOMATIC else ProbeGeometry(parameters.probe.value, recipe.apex_px)
-        if self._imaging[0] != key or (needProbe and byHand is None and self._imaging[1].probe is None):
+        probe, region = self._imaging[1:] if self._imaging[0] == key else (None, None)
+        if region is None or (needProbe and byHand is None and probe is None):
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            poses = sweep_poses(sequence)
-            poses.require_usable(sequence.name)
-            self._imaging = (key, resolve_imaging(sequence, poses, needProbe and byHand is None, recipe))
-        imaging = self._imaging[1]
-        return imaging if byHand is None else replace(imaging, probe=byHand)
+            probe, region = inWorker(imaging_of, sequence, needProbe and byHand is None, recipe)
+            self._imaging = key, probe, region
+        return byHand or probe, region
 
 
 def _boundsOf(node) -> list[float]:

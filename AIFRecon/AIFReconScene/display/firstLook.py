@@ -2,13 +2,10 @@
 
 import slicer
 
-from AIFReconLib.progress import report
-
 from . import sliceDisplay, threeDViews
-from .viewByView import drawnViewByView
 
 
-def showInputs(browserNode, ctNode=None, progress=None) -> None:
+def showInputs(browserNode, ctNode=None) -> None:
     """Show a sweep in the tool bar that replays it, its CT in the slice views, and the middle of what appears in 3D.
 
     Parameters
@@ -16,13 +13,9 @@ def showInputs(browserNode, ctNode=None, progress=None) -> None:
     browserNode : vtkMRMLSequenceBrowserNode
     ctNode : vtkMRMLScalarVolumeNode or None
         Slice views that show it already stay where they are.
-    progress : callable or None
-        Has windows go on between tool bar and views, and after them.
     """
     slicer.modules.sequences.showSequenceBrowser(browserNode)
-    report(progress, 0.5, "Showing the sweep")
-    with drawnViewByView(progress):
+    with slicer.util.RenderBlocker():
         if ctNode is not None:
             sliceDisplay.showBackground(ctNode)
         threeDViews.center()
-    report(progress, 1.0, "Showing the sweep")

@@ -6,7 +6,6 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.imaging.region import extreme_pixels
 
 from ..sceneNodes import removeNodes
 
@@ -15,12 +14,6 @@ COLOR = (1.00, 0.93, 0.25)
 
 LINES = 3
 """Pixels. It is drawn in lines, through which bone is seen: what is translucent takes a 3D view twice as long to draw, depth by depth."""
-
-BODY = 55.0, 14.0
-"""mm: how long and how thick the body is; it is as wide as its face."""
-
-MOST_ROWS = 24
-"""Of the image plane, between which its border runs straight."""
 
 
 class GhostProbe:
@@ -34,13 +27,13 @@ class GhostProbe:
         """The model node, or None where nothing is drawn."""
         return slicer.mrmlScene.GetNodeByID(self._modelID) if self._modelID else None
 
-    def show(self, image_to_world: np.ndarray, beams):
-        """Draw the probe whose image has this pose, (4, 4); `beams` (`SweepBeams`) know its images. The model node."""
+    def show(self, image_to_world: np.ndarray, shape):
+        """Draw the probe of this `ProbeShape` whose image has this pose, (4, 4); the model node."""
         node = self.node
         if node is not None and self._pose is not None and np.array_equal(self._pose, image_to_world):
             return node
         node = node or self._made()
-        node.SetAndObservePolyData(_probe(image_to_world, beams))
+        node.SetAndObservePolyData(_polyData(transform_points(image_to_world, shape.points_image), shape.polygons, shape.border))
         self._pose = np.array(image_to_world)
         return node
 
@@ -69,46 +62,7 @@ class GhostProbe:
         return node
 
 
-def _probe(image_to_world: np.ndarray, beams) -> vtk.vtkPolyData:
-    """Image plane with its outline, and a body behind its face."""
-    from AIFReconLib.guidance.probe import images_like
-
-    columns, rows = beams.frame_size
-    images = images_like(image_to_world, beams.frame_size, beams.probe, beams.region)
-    ends = extreme_pixels(beams.region.mask(columns, rows)).astype(np.float64)
-    left, right = ends[: len(ends) // 2], ends[len(ends) // 2 :]
-    chosen = np.unique(np.linspace(0, len(left) - 1, min(len(left), MOST_ROWS)).round().astype(int))
-    left, right = left[chosen], right[chosen]
-    border = np.concatenate([left, right[::-1], left[:1]])
-    count = len(chosen)
-    plane = [(n, n + 1, count + n + 1, count + n) for n in range(count - 1)]
-    width = np.ptp(_contact(images)[:, 0]) * images.spacing[0] / 2 + 4.0
-    body = _body(images, width)
-    faces = np.array([(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
-    flat = np.concatenate([left, right, border])
-    placed = transform_points(image_to_world, np.column_stack([flat, np.zeros(len(flat))]))
-    points = np.concatenate([placed, transform_points(image_to_world, body)])
-    return _polyData(points, [*plane, *(faces + len(flat)).tolist()], range(2 * count, 2 * count + len(border)))
-
-
-def _contact(images) -> np.ndarray:
-    """Pixels (column, row) of the part of the ultrasound that is nearest to the face, within some mm of it."""
-    rows, columns = np.nonzero(images.region.mask(*images.frame_size))
-    column, row = images.face_px
-    x, y = images.spacing
-    near = np.hypot((columns - column) * x, (rows - row) * y) < 8.0
-    return np.column_stack([columns[near], rows[near]])
-
-
-def _body(images, half: float) -> np.ndarray:
-    """Corners of the body in the image's coordinates, (8, 3): a block that stands on the face and narrows away from it."""
-    length, thickness = BODY
-    outward = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    corners = [(x * wide, back, z * thickness / 2) for back, wide in ((0.0, half), (-length, 0.6 * half)) for x, z in outward]
-    return transform_points(np.linalg.inv(images.image_to_face), np.array(corners))
-
-
-def _polyData(points: np.ndarray, polygons: list, line) -> vtk.vtkPolyData:
+def _polyData(points: np.ndarray, polygons, line) -> vtk.vtkPolyData:
     places, polys, lines = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkCellArray()
     places.SetData(numpy_support.numpy_to_vtk(np.ascontiguousarray(points), deep=True))
     for cells, corners in [*((polys, each) for each in polygons), (lines, line)]:

@@ -8,13 +8,15 @@ import slicer
 import vtk
 from vtk.util import numpy_support
 
+from AIFReconLib.bone.widths import SIGMA_VOXELS
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import listed
 from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.worker.reconstructing import PlacedBone, bone_map
 
-from ..background import inBackground
 from ..transforms import arrayOf, ijkToRAS, matrixToWorld
+from ..work import inWorker
 
 PADDING = 8
 """Voxels of nothing around segments that have no reference geometry, beyond what smoothing reaches."""
@@ -59,19 +61,15 @@ def boneMapFromNode(
     TransformError
         Names the parent transform that is not linear.
     """
-    from AIFReconLib.bone.map import SIGMA_VOXELS, BoneMap
-
     if not isLabeled(node):
-        with named(node):
-            return BoneMap.from_probability(_volumeOf(node), _worldOrNone(node))
-    sigma = SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels
-    if labels is None:
-        width = {"sigmaVoxels": sigmaVoxels, "sigmaMm": sigmaMm}
-        share, progress = part(progress, 0.0, 0.1), part(progress, 0.1, 1.0)
-        labels = ownLabels(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, progress=share, **width)
-    with named(node):
-        world = _worldOrNone(node)
-        return inBackground(lambda progress: BoneMap.from_labels(labels, sigma, sigmaMm, world, progress), progress)
+        bone = PlacedBone(probabilityFromNode(node), matrixToWorld(node), node.GetName(), is_labeled=False)
+    else:
+        if labels is None:
+            width = {"sigmaVoxels": sigmaVoxels, "sigmaMm": sigmaMm}
+            share = part(progress, 0.0, 0.1)
+            labels = ownLabels(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, progress=share, **width)
+        bone = PlacedBone(labels, matrixToWorld(node), node.GetName())
+    return inWorker(bone_map, bone, sigmaVoxels, sigmaMm, progress=part(progress, 0.1, 1.0))
 
 
 def probabilityFromNode(node) -> Volume:
@@ -95,8 +93,6 @@ def ownLabels(
     progress: Progress | None = None,
 ) -> Volume:
     """The labels of a node in its own coordinates, with room for the bone map that is made of them; arguments as for `boneMapFromNode`."""
-    from AIFReconLib.bone.map import SIGMA_VOXELS
-
     reach = _reach(SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels, sigmaMm)
     return labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach, progress=progress)
 
@@ -172,10 +168,6 @@ def named(node):
         yield
     except GeometryError as error:
         raise GeometryError(f"{node.GetName()}: {error}") from error
-
-
-def _worldOrNone(node) -> np.ndarray | None:
-    return matrixToWorld(node) if node.GetParentTransformNode() is not None else None
 
 
 def _volumeOf(node) -> Volume:

@@ -4,6 +4,10 @@ import numpy as np
 import slicer
 
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.worker.reconstructing import corners_of_sweep
+
+from ..work import inWorker
+from .inputs import Inputs
 
 
 def isEmpty(roiNode) -> bool:
@@ -41,28 +45,14 @@ def layAround(roiNode, parameters) -> bool:
 
 def _aroundSweep(parameters) -> tuple | None:
     """Least and most RAS coordinates, (3,) mm each, of the voxels that hold every pixel of the sweep that counts."""
-    from AIFReconLib.geometry.transforms import transform_points
-    from AIFReconLib.imaging.region import extreme_pixels
-    from AIFReconLib.resolve import resolve_imaging
-    from AIFReconLib.sweep.poses import sweep_poses
-
-    from .inputs import Inputs
-
     if parameters.sweep is None:
         return None
     try:
         inputs = Inputs.fromParameters(parameters)
-        sequence = inputs.sequence()
-        poses = sweep_poses(sequence)
-        usable = poses.require_usable(sequence.name)
-        region = resolve_imaging(sequence, poses, False, inputs.recipe).region
+        least, most = inWorker(corners_of_sweep, inputs.sequence(), inputs.recipe)
     except AIFReconError:
         return None  # the panel says what is wrong with the sweep
-    pixels = extreme_pixels(region.mask(*sequence.frame_size))
-    corners = np.column_stack([pixels, np.zeros(len(pixels))])
-    points = np.concatenate([transform_points(poses.image_to_reference[number], corners) for number in usable])
-    half = parameters.spacing / 2
-    return points.min(axis=0) - half, points.max(axis=0) + half
+    return least - parameters.spacing / 2, most + parameters.spacing / 2
 
 
 def _aroundVolume(volumeNode) -> tuple | None:

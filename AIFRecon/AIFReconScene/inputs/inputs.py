@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+import sys
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from AIFReconLib.compounding.methods.average import AVERAGE
-from AIFReconLib.compounding.methods.table import method_named
-from AIFReconLib.errors import InsufficientMemoryError, SettingsError
+from AIFReconLib.errors import SettingsError
 from AIFReconLib.progress import part, report
 from AIFReconLib.recipe.recipe import RULES, Recipe
+from AIFReconLib.registration.agreement import LARGEST_WIDTH
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.joined import joined
+from AIFReconLib.worker.reconstructing import Asked, PlacedBone
 
-from ..background import inBackground
 from ..sceneNodes import proxiesOf
+from ..sweep.predictions import predictionsFromNode
+from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.severalSweeps import furtherSweeps
 from ..transforms import matrixToWorld
-from .boneNodes import named
+from .boneNodes import isLabeled, ownLabels, probabilityFromNode
 from .boneSource import BoneSource
-from .parameters import Region, camelCase, fileFrom, needsBone, settingsFrom
-
-if TYPE_CHECKING:
-    from AIFReconLib import BoneMap, TrackedSequence, Volume
-    from AIFReconLib.geometry.volume import VoxelGrid
-    from AIFReconLib.inspection.shown_bone import ShownBone
-    from AIFReconLib.registration.labeled_bone import LabeledBone
+from .gridNodes import gridFromROI, gridFromVolume
+from .parameters import Region, camelCase, fileFrom, settingsFrom
 
 
 @dataclass(frozen=True)
@@ -105,38 +104,39 @@ class Inputs:
         AIFReconError
             With the sweep that cannot be used and what to do.
         """
-        from AIFReconLib.sweep.joined import joined
-
-        from ..sweep.sequenceReader import sequenceFromBrowser
-
         if self.sweep is None:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         others = (sequenceFromBrowser(sweep) for sweep in self.otherSweeps)
         return joined([sequenceFromBrowser(self.sweep, self.imageSequence), *others])
 
-    def prepared(self, settings, progress=None) -> PreparedInputs:
-        """Turn the nodes into the library's inputs, once for any number of reconstructions; nodes that change later change nothing.
-
-        `settings` give the spacing of the voxels.
+    def asked(self, progress=None) -> Asked:
+        """What the worker is asked for, of the nodes as they are now.
 
         Raises
         ------
         AIFReconError
             With the node that cannot be used and what to do.
         """
-        sequence, grid = self.sequence(), self.grid(settings)
-        if self.seesBone:
-            return PreparedInputs(sequence, self._boneOf(sequence, settings, progress), grid, recipe=settings)
-        labels = self.labels(part(progress, 0.0, 0.1))
-        progress = part(progress, 0.1, 1.0)
-        if labels is None:
-            return PreparedInputs(sequence, self.boneMap(progress), grid, recipe=settings)
-        from AIFReconLib.registration.labeled_bone import LabeledBone
+        sequence, grid = self.sequence(), self.grid(self.recipe)
+        images: list[Any] = [sweep.images for sweep in sequence.sweeps]
+        for number, each in enumerate(images):
+            each.shared(part(progress, 0.5 * number / len(images), 0.5 * (number + 1) / len(images)))
+        return Asked(
+            sequence,
+            self.recipe,
+            grid,
+            None if self.seesBone else self._placedBone(part(progress, 0.5, 1.0)),
+            None if self.boneFrames is None else predictionsFromNode(self.boneFrames),
+            self.boneModel,
+            tuple(sys.path),
+        )
 
-        labeled = LabeledBone(labels, matrixToWorld(self.bone), sequence, settings)
-        with named(self.bone):
-            inBackground(lambda progress: labeled.map(settings.method_for(True), progress), progress)
-        return PreparedInputs(sequence, None, grid, labeled, settings)
+    def _placedBone(self, progress) -> PlacedBone | None:
+        if self.bone is None:
+            return None
+        if not isLabeled(self.bone):
+            return PlacedBone(probabilityFromNode(self.bone), matrixToWorld(self.bone), self.bone.GetName(), is_labeled=False)
+        return PlacedBone(self.labels(progress), matrixToWorld(self.bone), self.bone.GetName())
 
     @property
     def seesBone(self) -> bool:
@@ -149,10 +149,6 @@ class Inputs:
 
     def labels(self, progress=None):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
-        from AIFReconLib.registration.agreement import LARGEST_WIDTH
-
-        from .boneNodes import isLabeled, ownLabels
-
         if self.bone is None or not isLabeled(self.bone):
             return None
         report(progress, 0.0, "Reading the CT's bone")
@@ -161,152 +157,17 @@ class Inputs:
         width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": widest}
         return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, progress=progress, **width)
 
-    def boneMap(self, progress=None, labels=None, method: str = ""):
-        """The `BoneMap` of the chosen bone in RAS, or None without; of its `labels()` where these are there already.
-
-        Before there is a sweep: where no width is chosen, `weighted` gets that of a CT whose agreement is not known.
-        """
-        from .boneNodes import boneMapFromNode
-
-        if self.bone is None:
-            return None
-        chosen, sigmaMm = list(self.boneSegments) or None, self._settingsOfMap(method).get("bone_sigma_mm")
-        width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": sigmaMm}
-        return boneMapFromNode(self.bone, chosen, referenceVolumeNode=self.ct, labels=labels, progress=progress, **width)
-
-    def boneSettings(self, method: str) -> dict:
-        """How the map of `boneMap` is made, as settings that repeat a reconstruction."""
-        from .boneNodes import isLabeled
-
-        return self._settingsOfMap(method) if not self.seesBone and self.bone is not None and isLabeled(self.bone) else {}
-
-    def _settingsOfMap(self, method: str) -> dict:
-        from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH
-
-        if not self._hasWidth:
-            return {"bone_sigma_mm": UNKNOWN_WIDTH} if method and method_named(method).follows_agreement else {}
-        return (
-            {"bone_sigma_voxels": self.recipe.bone_sigma_voxels}
-            if self.recipe.bone_sigma_mm is None
-            else {"bone_sigma_mm": self.recipe.bone_sigma_mm}
-        )
-
     @property
     def _hasWidth(self) -> bool:
         return self.recipe.bone_sigma_voxels is not None or self.recipe.bone_sigma_mm is not None
 
-    def _boneOf(self, sequence, recipe, progress):
-        from AIFReconLib import bone_from_sweep
-
-        if self._asksNetwork:
-            from ..sweep.predictedBone import predictedBone
-
-            return predictedBone(sequence, self.boneFrames, self.boneModel, recipe, progress)
-        return inBackground(lambda progress: bone_from_sweep(sequence, recipe=recipe, progress=progress), progress)
-
     def grid(self, settings):
         """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""
-        from .gridNodes import gridFromROI, gridFromVolume
-
         if self.region is None:
             return None
         if self.region.IsA("vtkMRMLMarkupsROINode"):
             return gridFromROI(self.region, settings.spacing_xyz())
         return gridFromVolume(self.region)
-
-
-@dataclass(frozen=True)
-class PreparedInputs:
-    """The library's inputs; `reconstruct` may be called with any settings that have the same spacing.
-
-    Where bone is labeled, `labeledBone` holds the labels as they were when they were read, and makes the map that a method wants; else it
-    is `bone`.
-    """
-
-    sequence: TrackedSequence
-    bone: BoneMap | None = None
-    grid: VoxelGrid | None = None
-    labeledBone: LabeledBone | None = None
-    recipe: Recipe = field(default_factory=Recipe)
-
-    def comparison(self, progress=None):
-        """The `Comparison` of the sweep's own bone with the labels; None without labels."""
-        labeled = self.labeledBone
-        return None if labeled is None else inBackground(labeled.comparison, progress)
-
-    def widthLines(self, method: str, progress=None) -> list:
-        """The width of the bone map that follows from that comparison, where it does: a line or none."""
-        if self.labeledBone is None or not self.labeledBone.is_automatic(method):
-            return []
-        return self.labeledBone.lines(method)[len(self.comparison(progress).lines) :]
-
-    def reconstruct(self, settings, progress=None, beside=()):
-        """One call of the library: `settings` to a `Reconstruction` in RAS, whose volumes know how they were made."""
-
-        from AIFReconLib import reconstruct
-        from AIFReconLib.provenance.record import with_settings
-
-        def work(progress):
-            bone, method = self.bone, settings.method_for(True)
-            ofMap = {}
-            if self.labeledBone is not None:
-                bone = self.labeledBone.map(method, part(progress, 0.0, 0.1))
-                ofMap = self.labeledBone.settings(method)
-            result = reconstruct(self.sequence, settings, bone, self.grid, beside=beside, progress=part(progress, 0.1, 1.0))
-            return with_settings(result, ofMap)
-
-        return inBackground(work, progress)
-
-    def measured(self, settings, result, progress=None) -> Volume:
-        """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
-
-        from AIFReconLib import reconstruct
-
-        plain = replace(settings, method=AVERAGE.name, best_cosine=False, hole_limit=result.hole_limit or settings.hole_limit)
-
-        def work(progress):
-            return reconstruct(self.sequence, plain, None, result.grid, beside=(), progress=progress).intensity
-
-        return inBackground(work, progress)
-
-    def shown(self, result, progress=None) -> ShownBone | None:
-        """The bone that a result shows, for 3D; None of one without score and hits."""
-        from AIFReconLib.inspection.shown_bone import shown_bone
-
-        if result.score is None or result.hits is None:
-            return None
-        labeled = (None, None) if self.labeledBone is None else (self.labeledBone.labels, self.labeledBone.labels_to_reference)
-        return inBackground(lambda _progress: shown_bone(result, *labeled), progress)
-
-    @property
-    def hasBone(self) -> bool:
-        """Whether there is any."""
-        return self.bone is not None or self.labeledBone is not None
-
-
-def reconstructed(inputs: Inputs, settings, progress=None, beside=(), wished=()) -> tuple:
-    """A `Reconstruction`, the `PreparedInputs` that it was made from, and what was done, a line each.
-
-    The volumes `beside` are made in any case; those that are `wished`, with a method that weights by bone and where memory allows.
-    """
-    from AIFReconLib.inspection.summary import summary_lines
-
-    from ..panelWords import inPanelWords, remedies
-
-    prepared = inputs.prepared(settings, part(progress, 0.0, 0.1))
-    asked = [name for name in beside if name in ("score", "hits")]
-    wished = wished if needsBone(settings.method_for(prepared.hasBone)) else ()
-    try:
-        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), sorted({*asked, *wished}))
-    except InsufficientMemoryError:
-        if not wished:
-            raise
-        result = prepared.reconstruct(settings, part(progress, 0.1, 0.95), asked)
-    lines = [
-        *summary_lines(result, len(prepared.sequence), words=remedies()),
-        *map(inPanelWords, prepared.widthLines(result.method, part(progress, 0.95, 1.0))),
-    ]
-    return result, prepared, "\n".join(lines)
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:

@@ -78,7 +78,7 @@ class LiveReconstruction:
 
     def __init__(self, parameters, progress=None, record=None):
         self._parameters, self._name, self._window = parameters, "Live", None
-        self.wasCanceled, self.guidance, self.lost, self.displayProblem = False, None, "", None
+        self.wasCanceled, self.guidance, self.lost, self._displayProblems = False, None, "", {}
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
         self._frame = ShownFrame(self._views)
         empty = parameters.output is not None and parameters.output.GetImageData() is None
@@ -272,16 +272,21 @@ class LiveReconstruction:
         self._frame.remove()
 
     def _attempt(self, show) -> bool:
-        """Do something with the scene; what goes wrong is kept until all goes right again, for nothing on the screen is worth the scan."""
+        """Do something with the scene; what goes wrong is kept until it goes right again, for nothing on the screen is worth the scan."""
         try:
             show()
         except Exception as error:
-            if self.displayProblem is None:
+            if show.__name__ not in self._displayProblems:
                 logging.exception("The scan goes on, but its display has failed.")
-            self.displayProblem = error
+            self._displayProblems[show.__name__] = error
         else:
-            self.displayProblem = None
+            self._displayProblems.pop(show.__name__, None)
         return True
+
+    @property
+    def displayProblem(self):
+        """The error that keeps something from being shown as it is now; None while all is. The scan goes on beside it."""
+        return next(iter(self._displayProblems.values()), None)
 
     def _fill(self, result) -> None:
         """Put a volume into its node, which is made where there is none, and fit what is shown of its gray levels."""

@@ -20,11 +20,17 @@ class ShownFrame:
     Parameters
     ----------
     views : LiveViews
+
+    Attributes
+    ----------
+    frame : SeenFrame or None
+        The one that is seen.
     """
 
     def __init__(self, views: LiveViews):
         self._views = views
         self._node: Any = None
+        self.frame = None
 
     @property
     def node(self):
@@ -42,10 +48,11 @@ class ShownFrame:
         # What is inserted lies where the exact matrix puts it
         updateVolumeNode(self._node, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
         self._views.follow(self._node)
+        self.frame = frame
 
     def remove(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""
         self._views.restore()
         if self.node is not None:
             removeNodes([self._node], self._node.GetScene())
-        self._node = None
+        self._node = self.frame = None

@@ -11,7 +11,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
-from ..sceneNodes import stepsWithout
+from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
 
 REACH = 0.6
@@ -24,66 +24,42 @@ COLOR = (1.0, 0.95, 0.6)
 
 
 class LevelNames:
-    """A markups node for each of the red, yellow and green view, whose points follow the slice; drawn for orientation, and never saved.
+    """A markups node for each of the red, yellow and green view, whose points follow the slice; drawn for orientation, and never saved."""
 
-    Parameters
-    ----------
-    inTurns : callable
-        Is given an iterator of steps, one for each view, and takes them by and by.
-    """
-
-    def __init__(self, inTurns):
-        self._inTurns = inTurns
+    def __init__(self):
         self._nodeIDs, self._observed, self._shown = {}, [], {}
-        # None: not looked up yet
-        self._levels, self._key = None, None
+        self._levels, self._key = [], None
 
     def update(self, parameters) -> None:
         """Follow the box and the bone."""
         bone = parameters.bone
-        wanted = parameters.showLevels and bone is not None and bone.IsA("vtkMRMLSegmentationNode")
-        if not wanted:
-            if self._key is not None:
-                self._inTurns(self._forgotten())
+        if not parameters.showLevels or bone is None or not bone.IsA("vtkMRMLSegmentationNode"):
+            self.clear()
             return
         key = _keyOf(bone)
         if key is None or key == self._key:
             return
-        self._key = key
+        self._key, self._levels = key, _levelsOf(bone)
         if not self._observed:
             for logic in _logics():
                 node = logic.GetSliceNode()
                 self._observed.append((node, node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: self._follow(caller))))
-        # A node of names costs every view tens of milliseconds, whichever shows it
-        self._inTurns(self._named(bone, key))
+        with slicer.util.RenderBlocker():
+            for node, _tag in self._observed:
+                self._follow(node)
 
     def clear(self) -> None:
         """Take the names out of the views and of the scene."""
-        for _step in self._forgotten():
-            pass
-
-    def _named(self, bone, key):
-        if key == self._key:
-            self._levels = _levelsOf(bone)
-            yield
-        for node, _tag in tuple(self._observed):
-            if key != self._key:
-                return
-            self._follow(node)
-            yield
-
-    def _forgotten(self):
-        """Forget at once; the names go with each step."""
         for node, tag in self._observed:
             node.RemoveObserver(tag)
-        scene, names = slicer.mrmlScene, [slicer.mrmlScene.GetNodeByID(each) for each in self._nodeIDs.values()]
+        names = [slicer.mrmlScene.GetNodeByID(each) for each in self._nodeIDs.values()]
         self._nodeIDs, self._observed, self._shown = {}, [], {}
-        self._levels, self._key = None, None
-        return stepsWithout(names, scene)
+        self._levels, self._key = [], None
+        if names:
+            with slicer.util.RenderBlocker():
+                removeNodes(names, slicer.mrmlScene)
 
     def _follow(self, sliceNode) -> None:
-        if self._levels is None:
-            return
         names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
         shown = [(name, tuple(np.round(place, 2))) for name, place in names]
         if self._shown.get(sliceNode.GetID()) == shown:

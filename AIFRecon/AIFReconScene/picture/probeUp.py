@@ -4,8 +4,10 @@ import numpy as np
 import slicer
 
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.sweep.poses import sweep_poses
 
 from ..display import sliceDisplay
+from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
 
@@ -16,19 +18,13 @@ LEAST = 0.3
 class ProbeUp:
     """Turns the red, yellow and green view when the choice or the sweep changes, and leaves a view alone that the user turns after that.
 
-    Parameters
-    ----------
-    inTurns : callable
-        Is given an iterator of steps, one for each view, and takes them by and by.
-
     Notes
     -----
     Red lies as the frames do, yellow along the sweep with the head on the left, green across the beams as one looks along them. The
     turns are orientations of the views, by name in their bars; the center of each view stays.
     """
 
-    def __init__(self, inTurns):
-        self._inTurns = inTurns
+    def __init__(self):
         self._turned = None
 
     def update(self, parameters) -> None:
@@ -40,38 +36,34 @@ class ProbeUp:
         if wanted == self._turned:
             return
         self._turned = wanted
-        turns = _turnsBack() if wanted is None else _turnsTo(parameters.sweep, parameters.imageSequence, parameters.bone)
-        self._inTurns(self._while(wanted, turns))
-
-    def _while(self, wanted, turns):
-        while wanted == self._turned and next(turns, turns) is not turns:
-            yield
+        with slicer.util.RenderBlocker():
+            if wanted is None:
+                _turnBack()
+            else:
+                _turnTo(parameters.sweep, parameters.imageSequence, parameters.bone)
 
     def clear(self) -> None:
         """The user leaves, or the scene goes with its views: what is turned stays so."""
         self._turned = None
 
 
-def _turnsBack():
+def _turnBack() -> None:
     for node in _views():
         if node.GetOrientation() == orientationName(node):
             node.SetOrientationToDefault()
-            yield
 
 
-def _turnsTo(browser, imageSequence, bone):
+def _turnTo(browser, imageSequence, bone) -> None:
     try:
         axes = sweepAxes(browser, imageSequence, _head(bone))
     except AIFReconError:
         return
-    yield
     for node, turn in zip(_views(), axes):
         name, matrix = orientationName(node), slicer.util.vtkMatrixFromArray(turn)
         if node.HasSliceOrientationPreset(name):
             node.RemoveSliceOrientationPreset(name)
         node.AddSliceOrientationPreset(name, matrix)
         node.SetOrientation(name)
-        yield
 
 
 def orientationName(sliceNode) -> str:
@@ -97,10 +89,6 @@ def sweepAxes(browser, imageSequence, head) -> tuple:
     AIFReconError
         When no frame of the sweep can be placed.
     """
-    from AIFReconLib.sweep.poses import sweep_poses
-
-    from ..sweep.sequenceReader import sequenceFromBrowser
-
     sequence = sequenceFromBrowser(browser, imageSequence)
     poses = sweep_poses(sequence)
     poses.require_usable(sequence.name)

@@ -13,7 +13,7 @@ from ..display.borrowed import Borrowed
 from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
 from ..volumes.volumeNodes import giveName, hasGivenName, intoFolder
-from .spineSurface import DISTANCE, FARTHEST, distanceColors
+from .spineSurface import DISTANCE, FARTHEST, distanceColors, surfaceOf
 
 SPINE_ROLE = "AIFRecon.spine"
 """Of the reference from a volume to the model of the bone that it shows."""
@@ -28,9 +28,9 @@ _COLORS = "AIFRecon.SpineColors"
 
 
 def keepSpine(node, surface, sweepName: str):
-    """The model of a `spineSurface`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
+    """The model of a `BoneSurface`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
     scene, model = node.GetScene(), spineOf(node)
-    if surface is None or not surface.GetNumberOfPolys():
+    if surface is None:
         node.SetNodeReferenceID(SPINE_ROLE, None)
         if model is not None and hasGivenName(model):
             removeNodes([model], scene)
@@ -40,7 +40,7 @@ def keepSpine(node, surface, sweepName: str):
         giveName(model, f"{sweepName} bone", scene)
         node.SetNodeReferenceID(SPINE_ROLE, model.GetID())
     model.SetAndObserveTransformNodeID(None)
-    model.SetAndObservePolyData(surface)
+    model.SetAndObservePolyData(surfaceOf(surface))
     model.SetDescription("Smoothed for display: not for measuring.")
     _show(model)
     intoFolder([model], sweepName, scene)

@@ -1,57 +1,22 @@
-"""Where the CT belongs on the chosen sweep: nodes to the library's inputs, one call, and what it found in a form to be shown."""
-
-from dataclasses import dataclass
+"""Where the CT belongs on the chosen sweep: nodes to arrays, and what the worker finds."""
 
 import numpy as np
 
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.transforms import why_not_rigid
 from AIFReconLib.progress import part
+from AIFReconLib.worker.placing import Found, Placed, Placing, echoes_in
 
-from ..background import inBackground
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import RegistrationStart, regionFrom
+from ..sweep.browserItems import checkRecorded
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
-
-MOST_DRAWN = 3000
-"""Echoes that are drawn, evenly in space: slices are cut anew whenever they move."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """How a place of the CT and the bone echoes agree.
-
-    Parameters
-    ----------
-    agreement : Agreement
-    labelsToWorld : (4, 4) array, mm
-        The place.
-    points : (n, 3) array, mm, RAS world
-        Echoes to be drawn, evenly in space.
-    distances : (n,) array, mm
-        From each of those to the CT's bone.
-    echoes : SweepEchoes
-        All of them.
-    bone : BoneField
-    registration : Registration or None
-        None where the place was merely checked.
-    """
-
-    agreement: object
-    labelsToWorld: np.ndarray
-    points: np.ndarray
-    distances: np.ndarray
-    echoes: object
-    bone: object
-    registration: object = None
-
-    def at(self, place: np.ndarray) -> "Finding":
-        """The same echoes and bone in another place (4, 4): in some ten milliseconds."""
-        return _finding(self.echoes, self.bone, place)
+from ..work import inWorker, worker
 
 
 class CTRegistration:
-    """Registers what the parameters name, and remembers the echoes of the sweep.
+    """Registers what the parameters name; the worker keeps the echoes of the sweep, and what was compared last.
 
     Notes
     -----
@@ -60,9 +25,9 @@ class CTRegistration:
     """
 
     def __init__(self):
-        self._key = self._echoes = None
+        self._key = self._echoes = self._placing = None
 
-    def check(self, parameters, progress=None, echoes=None) -> Finding:
+    def check(self, parameters, progress=None, echoes=None) -> Placed:
         """How well the CT agrees where it is.
 
         Parameters
@@ -78,54 +43,50 @@ class CTRegistration:
             With what cannot be used and what to do.
         """
         start = rigidPlace(parameters.bone)
-        bone = self._boneOf(parameters, part(progress, 0.0, 0.2))
-        echoes = self._echoesOf(parameters, part(progress, 0.2, 0.9)) if echoes is None else echoes
-        return inBackground(lambda _progress: _finding(echoes, bone, start), part(progress, 0.9, 1.0))
+        self._begin(parameters, part(progress, 0.0, 0.9), echoes)
+        return inWorker(Placing.at, self._placing, start, progress=part(progress, 0.9, 1.0))
 
-    def register(self, parameters, progress=None, echoes=None) -> Finding:
+    def register(self, parameters, progress=None, echoes=None) -> Found:
         """Where the CT belongs, from where it is or from anywhere; arguments and errors as for `check`."""
-        from AIFReconLib.registration.registration import register_echoes
+        place = rigidPlace(parameters.bone)
+        self._begin(parameters, part(progress, 0.0, 0.5), echoes)
+        start = None if parameters.registrationStart == RegistrationStart.ANYWHERE else place
+        return inWorker(Placing.find, self._placing, start, progress=part(progress, 0.5, 1.0))
 
-        start = rigidPlace(parameters.bone)
-        bone = self._boneOf(parameters, part(progress, 0.0, 0.1))
-        echoes = self._echoesOf(parameters, part(progress, 0.1, 0.5)) if echoes is None else echoes
-        anywhere = parameters.registrationStart == RegistrationStart.ANYWHERE
+    def at(self, place: np.ndarray) -> Placed:
+        """The echoes and the bone of the last call, in another place (4, 4)."""
+        return inWorker(Placing.at, self._placing, place)
 
-        def work(progress):
-            found = register_echoes(echoes, bone, None if anywhere else start, progress=progress)
-            return _finding(echoes, bone, found.transform, found)
+    def beginAt(self, place: np.ndarray):
+        """A `Task` that does the same beside the windows."""
+        return worker.begin(Placing.at, self._placing, place)
 
-        return inBackground(work, part(progress, 0.5, 1.0))
+    def forget(self) -> None:
+        """Have the worker forget all of it."""
+        for kept in (self._echoes, self._placing):
+            if kept is not None:
+                worker.forget(kept)
+        self._key = self._echoes = self._placing = None
 
-    def _boneOf(self, parameters, progress):
-        from AIFReconLib.registration.bone_field import BoneField
-
-        labels = Inputs.fromParameters(parameters).labels(part(progress, 0.0, 0.5))
-        return inBackground(lambda _progress: BoneField.from_labels(labels), part(progress, 0.5, 1.0))
+    def _begin(self, parameters, progress, echoes) -> None:
+        labels = Inputs.fromParameters(parameters).labels(part(progress, 0.0, 0.1))
+        echoes = self._echoesOf(parameters, part(progress, 0.1, 0.9)) if echoes is None else echoes
+        before, self._placing = self._placing, worker.keep(Placing, echoes, labels, progress=part(progress, 0.9, 1.0))
+        if before is not None:
+            worker.forget(before)
 
     def _echoesOf(self, parameters, progress):
-        from AIFReconLib.registration.echoes import sweep_echoes
-
-        from ..sweep.browserItems import checkRecorded
-
         inputs = Inputs.fromParameters(parameters)
         for sweep in inputs.sweeps:
             checkRecorded(sweep)
+        worker.listen()  # whether it has died
         asked = (parameters.probe, inputs.recipe.apex_px, *regionFrom(parameters).values())
         key = sweepKey(inputs.sweep, inputs.imageSequence), *map(sweepKey, inputs.otherSweeps), asked
-        if self._key != key:
-            sequence = inputs.sequence()
-            self._echoes = inBackground(lambda progress: sweep_echoes(sequence, inputs.recipe, progress=progress), progress)
-            self._key = key
+        if self._key != (worker.pid, key):
+            self.forget()
+            self._echoes = worker.keep(echoes_in, inputs.sequence(), inputs.recipe, progress=progress)
+            self._key = worker.pid, key
         return self._echoes
-
-
-def _finding(echoes, bone, place, registration=None) -> Finding:
-    from AIFReconLib.registration.agreement import check, fit_echoes
-
-    drawn = echoes.thinned(MOST_DRAWN)
-    distances = np.abs(fit_echoes(drawn, bone, place).distances)
-    return Finding(check(echoes, bone, place), np.asarray(place), drawn.points, distances, echoes, bone, registration)
 
 
 def rigidPlace(bone) -> np.ndarray:
@@ -138,8 +99,6 @@ def rigidPlace(bone) -> np.ndarray:
     GeometryError
         When the transforms scale, shear or mirror.
     """
-    from AIFReconLib.geometry.transforms import why_not_rigid
-
     place = matrixToWorld(bone)
     problem = why_not_rigid(place)
     if problem:

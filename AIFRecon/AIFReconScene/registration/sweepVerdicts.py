@@ -2,14 +2,21 @@
 
 import numpy as np
 
-from AIFReconLib.errors import AIFReconError, OperationCanceled
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.guidance.seen import GuidanceSeen
 from AIFReconLib.inspection.verdicts import Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import said
+from AIFReconLib.progress import part
+from AIFReconLib.worker.guiding import guidance_in_sweep, met_of_sweep
 
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
+from ..inputs.inputs import Inputs
+from ..sweep.browserItems import checkRecorded
 from ..sweep.severalSweeps import furtherSweeps
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import matrixToWorld
+from ..work import inWorker, worker
+from .ctRegistration import rigidPlace
 
 TRACKING, REGISTRATION, COVERAGE = NAMES = ("tracking", "registration", "coverage")
 
@@ -19,37 +26,32 @@ class SweepVerdicts:
 
     def __init__(self):
         self._known: dict[str, tuple] = {}
-        self._prepared = None
+        self._isOpen, self._looking = False, None
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
-        self._known, self._prepared = {}, None
+        self._known = {}
+        self.cancelCoverage()
 
     def of(self, parameters) -> dict[str, Verdict]:
         """The three verdicts by name; where one is not known, what to do to be told."""
         return {name: self._known_or(name, parameters) for name in NAMES}
 
-    def judge(self, parameters, prepared, report, progress=None) -> None:
+    def judge(self, parameters, comparison, report) -> None:
         """Judge what was reconstructed.
 
         Parameters
         ----------
         parameters : AIFReconParameterNode
-        prepared : PreparedInputs
-            Kept until the coverage is told.
+        comparison : Comparison or None
+            Of CT and sweep; None without labels.
         report : TrackingReport
-        progress : callable or None
-            A cancel leaves the registration open: the volume is there by now.
         """
-        self._known = {}
+        self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
-        if prepared.labeledBone is None:
+        self._isOpen = comparison is not None
+        if comparison is None:
             return
-        try:
-            comparison = prepared.comparison(progress)
-        except OperationCanceled:
-            return
-        self._prepared = prepared
         if comparison.agreement is None:
             self._tell(REGISTRATION, parameters, unknown(comparison.lines[0]))
         else:
@@ -60,30 +62,59 @@ class SweepVerdicts:
         names = boneNames(parameters.bone, list(parameters.boneSegments))
         self._tell(REGISTRATION, parameters, registration_verdict(agreement, names))
 
-    def coverageWork(self, parameters):
-        """What tells the coverage, to be called with a progress function on any thread; None where it cannot be told, or is told."""
-        prepared, self._prepared = self._prepared, None
-        if prepared is None or parameters.bone is None or _key(COVERAGE, parameters)[1:] != _key(REGISTRATION, parameters)[1:]:
-            return None
-        names, key = boneNames(parameters.bone, list(parameters.boneSegments)), _key(COVERAGE, parameters)
+    def beginCoverage(self, parameters) -> bool:
+        """Have the worker look at the coverage of what was reconstructed last; False where it cannot be told, or is told."""
+        isOpen, self._isOpen = self._isOpen, False
+        if not isOpen or parameters.bone is None:
+            return False
+        inputs = Inputs.fromParameters(parameters)
+        try:
+            task = worker.begin(met_of_sweep, inputs.sequence(), inputs.labels(), matrixToWorld(inputs.bone), inputs.recipe)
+        except AIFReconError as error:
+            self._tell(COVERAGE, parameters, unknown(said(error)))
+            return False
+        self._looking = task, _key(COVERAGE, parameters), boneNames(parameters.bone, list(parameters.boneSegments))
+        return True
 
-        def work(progress):
-            return key, _coverageOf(prepared, names, progress)
+    def takeCoverage(self) -> bool:
+        """Hear of it; whether it is known now."""
+        task, key, names = self._looking
+        if not task.is_done:
+            return False
+        self._looking = None
+        try:
+            self._known[COVERAGE] = key, _verdictOn(task.result(), names)
+        except AIFReconError as error:
+            self._known[COVERAGE] = key, unknown(said(error))
+        return True
 
-        return work
+    def cancelCoverage(self) -> None:
+        """Look no further."""
+        self._isOpen = False
+        if self._looking is not None:
+            self._looking[0].cancel()
+            self._looking = None
 
-    def takeCoverage(self, told: tuple) -> None:
-        """What `coverageWork` has returned."""
-        key, verdict = told
-        self._known[COVERAGE] = key, verdict
+    def guide(self, parameters, progress=None) -> GuidanceSeen:
+        """What the chosen sweeps have met, and the next move from where the last one ended; with that, the coverage is known.
 
-    def takeGuidance(self, parameters, guidance) -> None:
-        """What `guidanceOfSweep` knows of the chosen sweep and CT: the coverage, and where to move the probe next."""
-        if guidance.coverage is not None:
+        Raises
+        ------
+        AIFReconError
+            With what cannot be used and what to do.
+        """
+        inputs = Inputs.fromParameters(parameters)
+        for sweep in inputs.sweeps:
+            checkRecorded(sweep)
+        place, labels = rigidPlace(inputs.bone), inputs.labels(part(progress, 0.0, 0.1))
+        asked = inputs.sequence(), labels, place, inputs.recipe, inputs.grid(inputs.recipe)
+        seen, back = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
+        if back:
             names = boneNames(parameters.bone, list(parameters.boneSegments))
-            advice = guidance.advice
-            move = "" if advice is None or advice.move is None else _inWords(advice, names)
-            self._tell(COVERAGE, parameters, _verdictOn(guidance.coverage, names, move))
+            move = seen.move
+            words = "" if move is None else f"Next: {move.directions[0].words} over {inNames(move.over, names)}."
+            self._tell(COVERAGE, parameters, _verdictOn(back, names, words))
+        return seen
 
     def _tell(self, name: str, parameters, verdict: Verdict) -> None:
         self._known[name] = _key(name, parameters), verdict
@@ -114,29 +145,7 @@ def _key(name: str, parameters) -> tuple:
     return (name, *sweeps, bone.GetID(), tuple(parameters.boneSegments), place)
 
 
-def _coverageOf(prepared, names: dict, progress) -> Verdict:
-    from AIFReconLib.guidance.coverage import coverage
-
-    bone = prepared.labeledBone
-    try:
-        return _verdictOn(
-            coverage(prepared.sequence, bone.labels, bone.labels_to_reference, recipe=prepared.recipe, progress=progress), names
-        )
-    except OperationCanceled:
-        raise
-    except AIFReconError as error:
-        return unknown(said(error))
-
-
-def _verdictOn(found, names: dict, move: str = "") -> Verdict:
-    from AIFReconLib.guidance.coverage import back_of_labels
-
-    shares = {nameOf(int(label), names): share for label, share in back_of_labels(found.met).items()}
+def _verdictOn(back: dict, names: dict, move: str = "") -> Verdict:
+    shares = {nameOf(int(label), names): share for label, share in back.items()}
     shown = {name: share.expected_visibility for name, share in shares.items()}
     return coverage_verdict(shown, {name: share.met for name, share in shares.items()}, move)
-
-
-def _inWords(advice, names: dict) -> str:
-    """Where to move the probe next, in a few words."""
-    over = inNames(advice.over, names)
-    return f"Next: {advice.directions[0].words} over {over}."

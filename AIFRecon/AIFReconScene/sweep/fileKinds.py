@@ -2,6 +2,12 @@
 
 from pathlib import Path
 
+from AIFReconLib.io.sequence.files import recording_suffixes
+from AIFReconLib.worker.recordings import frame_fields
+
+from ..work import inWorker
+from .sequenceNodes import COVERS_ATTRIBUTE
+
 RECORDING, CONFIGURATION, VOLUME, SEGMENTATION, TRANSFORM = "recording", "configuration", "volume", "segmentation", "transform"
 PREDICTIONS = "predictions"
 """What a network has said of a recording, as a scan records it."""
@@ -20,8 +26,6 @@ SUFFIXES = {
 
 def opened() -> tuple[str, ...]:
     """Suffixes of all files that are opened."""
-    from AIFReconLib.io.sequence.files import recording_suffixes
-
     return (*SUFFIXES, *recording_suffixes())
 
 
@@ -33,13 +37,10 @@ def kindOf(path: Path) -> str:
     FileFormatError
         When it is none that is known, or cannot be read.
     """
-    from AIFReconLib.bone.recorded_predictions import COVERS
-    from AIFReconLib.io.sequence.files import kind_of_recording
-
     told = next((kind for suffix, kind in SUFFIXES.items() if path.name.lower().endswith(suffix)), None)
     if told is not None:
         return told
-    ofFrames = kind_of_recording(path).frame_fields(path)
+    ofFrames = inWorker(frame_fields, path)
     if ofFrames is None:
         return VOLUME
-    return PREDICTIONS if COVERS in ofFrames else RECORDING
+    return PREDICTIONS if COVERS_ATTRIBUTE in ofFrames else RECORDING

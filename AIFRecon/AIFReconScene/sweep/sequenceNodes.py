@@ -20,7 +20,6 @@ from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
-from ..background import inBackground
 from ..sceneNodes import freeName, removeNodes
 from ..transforms import vtkMatrixOf
 from .sweepRecord import ATTRIBUTE, recordText
@@ -102,7 +101,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
         node = _sequenceNode(f"{name}-{poseName}", str(poseName), unit)
         _fillPoses(node, poseName, poses, index)
         transforms = {poseName: node, **transforms}
-    record = inBackground(lambda _progress: recordText(_record(sequence, poses, poseName, index)), part(progress, 0.98, 1.0))
+    record = recordText(_record(sequence, poses, poseName, index, part(progress, 0.98, 1.0)))
     report(progress, 1.0, "Added the sweep")
     browser = _addToScene(scene, name, images, transforms, transforms.get(poseName) if poses is not None else None, record)
     if unit and len(index) > 1:
@@ -264,11 +263,13 @@ def _display(proxy, imageData) -> None:
     display.SetInterpolate(True)
 
 
-def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: TransformName, index: list[str]) -> dict:
+def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: TransformName, index: list[str], progress) -> dict:
     """What `sequenceFromBrowser` needs and MRML does not keep, frame by frame under the text that numbers it."""
     names = [name for name in sequence.transform_names() if name not in sequence.transforms]
     frames = {}
     for number, record in enumerate(sequence.records):
+        if number % REPORTED_EVERY == 0:
+            report(progress, number / len(sequence), "Adding transforms")
         frame: dict[str, object] = {"time": record.timestamp}
         if record.unfiltered_timestamp is not None:
             frame["unfiltered"] = record.unfiltered_timestamp

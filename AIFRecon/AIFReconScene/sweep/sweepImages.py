@@ -1,12 +1,18 @@
 """The images of a sequence node as the library reads them: one at a time, when asked for."""
 
+import math
 import operator
 
 import numpy as np
 from vtk.util import numpy_support
 
-from AIFReconLib.errors import SequenceFormatError
+from AIFReconLib.errors import GeometryError, SequenceFormatError
 from AIFReconLib.imaging.images import luminance
+from AIFReconLib.progress import report
+from AIFReconLib.worker.channel import shared_array
+
+REPORTED_EVERY = 1 << 22
+"""Bytes that are copied between two reports: some milliseconds."""
 
 
 class SweepImages:
@@ -34,6 +40,7 @@ class SweepImages:
 
     def __init__(self, nodes: list, name: str, *, flipColumns: bool = False, flipRows: bool = False):
         self._nodes = nodes
+        self._shared: np.ndarray | None = None
         self._name = name
         self._flips = (slice(None, None, -1 if flipRows else 1), slice(None, None, -1 if flipColumns else 1))
         first = next((number for number, node in enumerate(nodes) if hasImage(node)), None)
@@ -63,6 +70,34 @@ class SweepImages:
         if copy is False:
             raise ValueError("Images in nodes cannot become an array without a copy.")
         return np.stack([self[index] for index in range(len(self))]).astype(self.dtype if dtype is None else dtype, copy=False)
+
+    def shared(self, progress=None) -> np.ndarray:
+        """All images (frames, rows, columns) in memory that the worker sees as well; they are copied once.
+
+        Raises
+        ------
+        GeometryError
+            When they are not alike.
+        """
+        if self._shared is None:
+            images = shared_array(self.shape, self.dtype)
+            few = max(1, REPORTED_EVERY // max(1, math.prod(self.shape[1:]) * self.dtype.itemsize))
+            for number in range(len(self)):
+                if number % few == 0:
+                    report(progress, number / len(self), "Reading the frames")
+                image = self[number]
+                if image.shape != self.shape[1:] or image.dtype != self.dtype:
+                    raise GeometryError(
+                        f"{self._name}: images must all be alike; got {image.shape} {image.dtype} in frame {number} after "
+                        f"{self.shape[1:]} {self.dtype}."
+                    )
+                images[number] = image
+            self._shared = images
+        return self._shared
+
+    def __reduce__(self):
+        # Another process has no nodes
+        return np.asarray, (self.shared(),)
 
     def _image(self, number: int):
         """The vtkImageData of an item that has one, checked."""

@@ -1,7 +1,10 @@
 """How well a sweep was tracked: the library's report, kept from the last reconstruction or made when it is asked for."""
 
-from ..background import inBackground
+from AIFReconLib.inspection.tracking_report import tracking_report
+from AIFReconLib.sweep.poses import sweep_poses
+
 from .browserItems import checkRecorded
+from .sequenceReader import sequenceFromBrowser
 from .sweepStatus import sweepKey
 
 
@@ -9,24 +12,13 @@ class SweepReport:
     """Remembers the `TrackingReport` of one sweep, and what was made of it."""
 
     def __init__(self):
-        self._key = None
-        self._report = None
+        self._key = self._report = None
         self._title = ""
 
-    def remember(self, inputs, sequence, result, progress=None) -> None:
-        """Keep the report of a reconstruction.
-
-        Parameters
-        ----------
-        inputs : Inputs
-        sequence : TrackedSequence
-            What was reconstructed from them; of several sweeps the report is that of the first.
-        result : Reconstruction
-            Only numbers are kept of it.
-        progress : callable or None
-            A cancel leaves what was kept before.
-        """
-        self._make(inputs.sweep, inputs.imageSequence, sequence.sweeps[0], result, progress)
+    def remember(self, inputs, method: str, report) -> None:
+        """Keep the `TrackingReport` of what a method made of `Inputs`; of several sweeps that of the first."""
+        self._key = sweepKey(inputs.sweep, inputs.imageSequence)
+        self._title, self._report = f"{inputs.sweep.GetName()} {method}", report
 
     def of(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep; without a reconstruction of it, the coverage is not known.
@@ -36,18 +28,9 @@ class SweepReport:
         AIFReconError
             When the sweep cannot be read, or is still being recorded.
         """
-        from .sequenceReader import sequenceFromBrowser
-
         checkRecorded(parameters.sweep)
-        if self._key != sweepKey(parameters.sweep, parameters.imageSequence):
+        key = sweepKey(parameters.sweep, parameters.imageSequence)
+        if self._key != key:
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            self._make(parameters.sweep, parameters.imageSequence, sequence)
+            self._report, self._title, self._key = tracking_report(sequence, sweep_poses(sequence)), parameters.sweep.GetName(), key
         return self._title, self._report
-
-    def _make(self, sweep, imageSequence, sequence, result=None, progress=None) -> None:
-        from AIFReconLib.inspection.tracking_report import tracking_report
-        from AIFReconLib.sweep.poses import sweep_poses
-
-        self._report = inBackground(lambda _progress: tracking_report(sequence, sweep_poses(sequence), result), progress)
-        self._title = sweep.GetName() if result is None else f"{sweep.GetName()} {result.method}"
-        self._key = sweepKey(sweep, imageSequence)

@@ -1,15 +1,18 @@
 """Several methods on one sweep: volumes to be seen side by side, and how well each shows bone."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import slicer
 
-from AIFReconLib.compounding.methods.table import COMPARED_METHODS
-from AIFReconLib.inspection.summary import summary_lines
-from AIFReconLib.message import listed
 from AIFReconLib.progress import part, report
+from AIFReconLib.worker.reconstructing import compared_methods
 
+from ..inputs.boneNodes import isLabeled, labelsFromNode
+from ..panelWords import remedies
 from ..sceneNodes import nodesOfClass, removeNodes
+from ..work import inWorker
+from .metricsTable import updateMetricsTable
+from .volumeNodes import COMPARED_ROLE, giveName, hasGivenName, intoFolder, outputNodes
 
 
 @dataclass(frozen=True)
@@ -31,15 +34,8 @@ class Comparison:
     report: str
 
 
-def compareMethods(inputs, settings, progress=None) -> Comparison:
+def compareMethods(inputs, progress=None) -> Comparison:
     """Reconstruct with every compared method and measure the volumes; nodes are made when all of it is done.
-
-    Parameters
-    ----------
-    inputs : Inputs
-    settings : Recipe
-        Its method is replaced by each in turn.
-    progress : callable or None
 
     Notes
     -----
@@ -51,41 +47,20 @@ def compareMethods(inputs, settings, progress=None) -> Comparison:
     AIFReconError
         As a reconstruction; OperationCanceled after a cancel. The scene is as before.
     """
-    prepared, labels = inputs.prepared(settings, part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
-    results = {}
-    for number, method in enumerate(COMPARED_METHODS):
-        step = part(progress, 0.05 + 0.65 * number / len(COMPARED_METHODS), 0.05 + 0.65 * (number + 1) / len(COMPARED_METHODS))
-        results[method] = prepared.reconstruct(replace(settings, method=method), step)
-    metrics = _metrics(labels, prepared, results, part(progress, 0.7, 0.98))
+    asked, labels = inputs.asked(part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
+    compared = inWorker(compared_methods, asked, labels, remedies(), progress=part(progress, 0.05, 0.98))
     report(progress, 0.98, "Showing the volumes")
-    volumes = _volumes(results, inputs)
+    volumes = _volumes(compared.results, inputs)
     _shareWindow(volumes.values())
-    table = _table(metrics, inputs) if metrics else None
-    lines = [summary_lines(result, len(prepared.sequence))[0] for result in results.values()]
-    return Comparison(volumes, table, listed(lines, "\n"))
+    table = _table(compared.metrics, inputs) if compared.metrics else None
+    return Comparison(volumes, table, "\n".join(compared.lines))
 
 
 def _labels(inputs, progress):
     """The labels of the bone as it is when the comparison begins; None where it has no surface."""
-    from ..inputs.boneNodes import labelsFromNode
-
-    if inputs.bone is None:
-        return None
-    if not inputs.bone.IsA("vtkMRMLSegmentationNode") and not inputs.bone.IsA("vtkMRMLLabelMapVolumeNode"):
+    if inputs.bone is None or not isLabeled(inputs.bone):
         return None
     return labelsFromNode(inputs.bone, list(inputs.boneSegments) or None, referenceVolumeNode=inputs.ct, progress=progress)
-
-
-def _metrics(labels, prepared, results, progress) -> dict:
-    """Bone metrics of every volume, by method; none where the bone has no surface."""
-    from .metricsTable import measureVolumes
-
-    if labels is None:
-        return {}
-    # Every method fills the same voxels, so one mask tells for all of them
-    mask = next(iter(results.values())).mask
-    volumes = {method: result.intensity for method, result in results.items()}
-    return measureVolumes(volumes, labels, prepared.sequence, mask=mask, recipe=prepared.recipe, progress=progress)
 
 
 def _shareWindow(nodes) -> None:
@@ -98,8 +73,6 @@ def _shareWindow(nodes) -> None:
 
 def _volumes(results: dict, inputs) -> dict:
     """A volume node for each result, by method; new ones go again when one of them cannot be made."""
-    from .volumeNodes import COMPARED_ROLE, outputNodes
-
     scene = slicer.mrmlScene
     earlier = {node.GetAttribute("AIFRecon.Method"): node for node in _earlier("vtkMRMLScalarVolumeNode", inputs)}
     scene.SaveStateForUndo()
@@ -124,16 +97,11 @@ def _nameOf(inputs) -> str:
 
 def _earlier(className: str, inputs) -> list:
     """What the last comparison of this sweep has left and the user has not made his own."""
-    from .volumeNodes import COMPARED_ROLE, hasGivenName
-
     nodes = [node for node in nodesOfClass(className, slicer.mrmlScene) if node.GetNodeReference(COMPARED_ROLE) is inputs.sweep]
     return [node for node in nodes if hasGivenName(node) and not any(node is each for each in inputs.nodes())]
 
 
 def _table(metrics: dict, inputs):
-    from .metricsTable import updateMetricsTable
-    from .volumeNodes import COMPARED_ROLE, giveName, intoFolder
-
     node = next(iter(_earlier("vtkMRMLTableNode", inputs)), None)
     if node is None:
         node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTableNode")

@@ -5,12 +5,14 @@ import re
 import slicer
 import vtk
 
+from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.progress import Progress
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.worker.evaluating import measured_volumes
 
-from ..background import inBackground
+from ..work import inWorker
 
 
 def measureVolumes(
@@ -37,20 +39,7 @@ def measureVolumes(
         As for `reconstruct`.
     progress : Progress or None
     """
-    from AIFReconLib.evaluation.metrics import evaluate
-    from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
-
-    def work(progress):
-        beams = SweepBeams.of_sequence(sequence, recipe) if sequence is not None else None
-        truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
-        results = {}
-        for number, (name, volume) in enumerate(volumes.items()):
-            report(progress, 0.6 + 0.4 * number / len(volumes), f"Measuring {name}")
-            results[name] = evaluate(volume, truth, mask)
-        report(progress, 1.0, "Measured")
-        return results
-
-    return inBackground(work, progress)
+    return inWorker(measured_volumes, volumes, labels, sequence, mask, recipe, progress=progress)
 
 
 def updateMetricsTable(tableNode, metrics: dict) -> None:
@@ -67,8 +56,6 @@ def updateMetricsTable(tableNode, metrics: dict) -> None:
     Numbers are doubles with the digits that are printed, shares from 0 to 1;
     NaN where a number is not known.
     """
-    from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
-
     rows = {name: result.to_dict() for name, result in metrics.items()}
     names = vtk.vtkStringArray()
     names.SetName("volume")

@@ -1,19 +1,17 @@
 """A simulated patient as nodes: the CT of a lumbar spine, its segmentation and registration, and a tracked sweep. Made on the spot."""
 
-import tempfile
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
-import numpy as np
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.worker.evaluating import simulated_patient
 
-from ..background import inBackground
 from ..sceneNodes import addedTogether
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
+from ..work import inWorker
 from .segments import addSegments
 from .volumeNodes import updateVolumeNode
 
@@ -76,50 +74,23 @@ def loadPhantom(
     OperationCanceled
         The scene is then as it was.
     """
-    phantom, sweep = inBackground(
-        lambda progress: simulatedPatient(progress, seed=seed, frames=frames, spacing=spacing), part(progress, 0.0, 0.95)
-    )
-    return addPatient(phantom, sweep, part(progress, 0.95, 1.0), scene)
+    share = part(progress, 0.0, 0.95)
+    return addPatient(inWorker(simulated_patient, seed, len(LEVELS), frames, spacing, progress=share), part(progress, 0.95, 1.0), scene)
 
 
-def simulatedPatient(progress: Progress | None = None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING) -> tuple:
-    """The `LumbarPhantom` and the `TrackedSequence` of a patient; arguments as for `loadPhantom`."""
-    from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
-    from AIFReconLib.simulation.phased_array import PhasedArray
-    from AIFReconLib.simulation.scan import multi_angle_sweep, random_rigid, simulate_sweep
-
-    ctToReference = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
-    anatomy = LumbarAnatomy.from_seed(seed, vertebrae=len(LEVELS))
-    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=ctToReference, progress=part(progress, 0.0, 0.55))
-    probe = PhasedArray()
-    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.55, 1.0))
-    return phantom, replace(sweep, configuration=_configuration(probe), path=Path("lumbar phantom"))
-
-
-def addPatient(phantom, sweep, progress: Progress | None = None, scene=None) -> PhantomNodes:
-    """Add a simulated patient to a scene; arguments as for `loadPhantom`."""
+def addPatient(patient, progress: Progress | None = None, scene=None) -> PhantomNodes:
+    """Add a `SimulatedPatient` to a scene; arguments as for `loadPhantom`."""
     scene = scene or slicer.mrmlScene
     with addedTogether(scene):
-        browser = browserFromSequence(sweep, "Lumbar sweep", part(progress, 0.0, 0.4), scene)
+        browser = browserFromSequence(patient.sweep, "Lumbar sweep", part(progress, 0.0, 0.4), scene)
         report(progress, 0.4, "Adding the CT")
         transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
-        transform.SetMatrixTransformToParent(vtkMatrixOf(phantom.ct_to_reference))
-        ct = _ctNode(phantom.ct, scene)
+        transform.SetMatrixTransformToParent(vtkMatrixOf(patient.ct_to_reference))
+        ct = _ctNode(patient.ct, scene)
         ct.SetAndObserveTransformNodeID(transform.GetID())
-        segmentation = _segmentationNode(phantom.labels, ct, scene, part(progress, 0.6, 1.0))
+        segmentation = _segmentationNode(patient.labels, ct, scene, part(progress, 0.6, 1.0))
         segmentation.SetAndObserveTransformNodeID(transform.GetID())
     return PhantomNodes(ct, segmentation, transform, browser)
-
-
-def _configuration(probe):
-    """The probe's Plus configuration, read as one from a file."""
-    from AIFReconLib.io.plus.configuration import read_plus_configuration
-    from AIFReconLib.simulation.scan import plus_configuration_xml
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "PlusDeviceSet.xml"
-        path.write_text(plus_configuration_xml(probe), encoding="utf-8")
-        return read_plus_configuration(path)
 
 
 def _ctNode(ct: Volume, scene):

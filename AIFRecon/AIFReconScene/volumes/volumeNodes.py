@@ -11,9 +11,11 @@ from vtk.util import numpy_support
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.worker.evaluating import write_settings
 
 from ..sceneNodes import freeName, nodesOfClass, removeNodes
 from ..transforms import vtkMatrixOf
+from ..work import inWorker
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
 KINDS = (INTENSITY, SCORE, HITS, COSINE, MASK)
@@ -76,12 +78,10 @@ def saveSettings(node, path) -> None:
     OutputError
         When the file cannot be written.
     """
-    from AIFReconLib.provenance.settings_files import write_settings
-
     text = node.GetAttribute(SETTINGS_ATTRIBUTE)
     if text is None:
         raise SettingsError(f"{node.GetName()} does not say how it was made. Choose a volume that AIFRecon reconstructed.")
-    write_settings(json.loads(text), path)
+    inWorker(write_settings, json.loads(text), path)
 
 
 def outputNodes(

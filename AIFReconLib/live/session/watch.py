@@ -59,6 +59,11 @@ class Watch(ABC):
         self._logged: str | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
+    @property
+    def looked_at(self) -> int:
+        """Number of the last frame that was looked at, -1 before the first."""
+        return -1 if self._last is None else self._last.number
+
     def stop(self, wait: bool = True) -> None:
         """Look at no more frames; where asked to, it waits for the step under way."""
         self._closing.set()

@@ -9,7 +9,8 @@ import pytest
 from scipy import ndimage
 from sweeps import rigid
 
-from AIFReconLib.evaluation.metrics import BoneMetrics, evaluate, shown_points
+from AIFReconLib.evaluation.metrics import evaluate, shown_points
+from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface
 from AIFReconLib.evaluation.visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transforms import transform_points

@@ -15,8 +15,7 @@ import pytest
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import OutputError
 from AIFReconLib.evaluation.figures import within_spinous_process
-from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics
-from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, best_of, metrics_csv
+from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, BoneMetrics, SurfaceMetrics, best_of, metrics_csv
 from AIFReconLib.evaluation.report import Report, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.holes import nearest as holes
-from AIFReconLib.holes.nearest import EMPTY, FILLED, MEASURED
+from AIFReconLib.holes.filling import EMPTY, FILLED, MEASURED
 from AIFReconLib.machine.threads import optional_module
 
 CUBE = np.array([1.0, 1.0, 1.0])

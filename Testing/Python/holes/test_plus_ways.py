@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from AIFReconLib.errors import SettingsError
-from AIFReconLib.holes.filling import HoleFilling
-from AIFReconLib.holes.nearest import FILLED, MEASURED
+from AIFReconLib.holes.filling import FILLED, MEASURED, HoleFilling
 from AIFReconLib.holes.plus_ways import fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
 

@@ -39,6 +39,7 @@ PACKAGES = {
     "batch": {"cryptography", "dask", "distributed", "pyarrow"},
     "bone": {"onnxruntime"},
     "evaluation": {"matplotlib", "vtk"},
+    "inspection": {"vtkmodules"},
     "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},
     "live": {"pyigtl"},
 }

@@ -72,15 +72,13 @@ def test_a_third_column_that_is_nothing_or_leans_does_not_matter():
 
 
 def test_an_image_under_a_transform_that_warps_is_refused_and_the_scan_goes_on(scene):
-    from AIFReconScene.live.nodeSource import NodeSource
+    from AIFReconScene.live.nodeImages import NodeImages
     from scene_host import volume_node, warping_node
 
     image = volume_node(scene, np.ones((1, 4, 5), np.uint8), np.eye(4))
-    source = NodeSource(image)
-    source.start()
+    images = NodeImages(image)
     image.SetAndObserveTransformNodeID(warping_node(scene).GetID())
     image.GetImageData().Modified()
-    source.collect()
-    message = source.get(0.0)
-    source.stop()
+    message = images.take()
+    images.stop()
     assert (message.kind, "must be linear" in str(message.detail)) == ("refused", True)

@@ -16,6 +16,7 @@ from AIFReconLib.bone.recorded_predictions import RecordedPredictions  # noqa: E
 from AIFReconLib.errors import GeometryError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
+from AIFReconLib.worker.reconstructing import Asked, bone_in_frames  # noqa: E402
 
 SWEEP = PlaneSweep(count=5)
 SAID = (255 * SWEEP.predictions()).astype(np.uint8)
@@ -34,13 +35,20 @@ def browsers(scene):
     return browser(SWEEP.images, "Sweep"), browser(SAID[:4], "Predictions")
 
 
+def bone_told_by(browser, predictions, recipe):
+    """The bone that the worker is asked for."""
+    from AIFReconScene.sweep.predictions import predictionsFromNode
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+
+    return bone_in_frames(Asked(sequenceFromBrowser(browser), recipe, predictions=predictionsFromNode(predictions)))
+
+
 def test_predictions_in_the_scene_are_those_of_a_file(browsers):
-    from AIFReconScene.sweep.predictedBone import predictedBone
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     sweep, predictions = browsers
+    found = bone_told_by(sweep, predictions.GetMasterSequenceNode(), Recipe(**imaging_fields(IMAGING.region, IMAGING.probe)))
     sequence = sequenceFromBrowser(sweep)
-    found = predictedBone(sequence, predictions.GetMasterSequenceNode(), recipe=Recipe(**imaging_fields(IMAGING.region, IMAGING.probe)))
     times = [record.timestamp for record in sequence.records][:4]
     expected = bone_from_frames(sequence, RecordedPredictions(sequence, as_sequence(SAID[:4], times)), imaging=IMAGING)
     np.testing.assert_allclose(found.probability.array, expected.probability.array, atol=1e-6)
@@ -48,10 +56,8 @@ def test_predictions_in_the_scene_are_those_of_a_file(browsers):
 
 
 def test_predictions_that_do_not_fit_are_refused(browsers):
-    from AIFReconScene.sweep.predictedBone import predictedBone
     from AIFReconScene.sweep.sequenceNodes import browserFromSequence
-    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
     small = browserFromSequence(as_sequence(SAID[:3, ::2]), "Small").GetMasterSequenceNode()
     with pytest.raises(GeometryError, match="do not fit frames"):
-        predictedBone(sequenceFromBrowser(browsers[0]), small, recipe=Recipe(**imaging_fields(probe=IMAGING.probe)))
+        bone_told_by(browsers[0], small, Recipe(**imaging_fields(probe=IMAGING.probe)))

@@ -12,8 +12,11 @@ import vtk  # noqa: E402
 from scene_host import class_counts  # noqa: E402
 
 from AIFReconLib.errors import OperationCanceled  # noqa: E402
-from AIFReconLib.evaluation.metrics import BoneMetrics, SurfaceMetrics  # noqa: E402
-from AIFReconLib.evaluation.quantities import HEADINGS  # noqa: E402
+from AIFReconLib.evaluation.quantities import (  # noqa: E402
+    HEADINGS,
+    BoneMetrics,
+    SurfaceMetrics,
+)
 from AIFReconLib.recipe.recipe import ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 

@@ -9,13 +9,13 @@ import pytest
 from files import tracked_sequence, write_patient
 
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.widths import UNKNOWN_WIDTH
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.registration.agreement import EchoFit, agreement_of
-from AIFReconLib.registration.comparison import compared
-from AIFReconLib.registration.labeled_bone import UNKNOWN_WIDTH, LabeledBone
+from AIFReconLib.registration.comparison import EchoFit, agreement_of, compared
+from AIFReconLib.registration.labeled_bone import LabeledBone
 
 
 @pytest.fixture

@@ -7,8 +7,9 @@ import pytest
 
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.registration import echoes
-from AIFReconLib.registration.echoes import SweepEchoes, sweep_echoes
+from AIFReconLib.registration import echo_search
+from AIFReconLib.registration.echo_search import sweep_echoes
+from AIFReconLib.registration.echoes import SweepEchoes
 
 
 def scattered(count=700) -> SweepEchoes:
@@ -40,7 +41,7 @@ def test_one_core_and_many_find_the_same_echoes_in_the_same_order(tmp_path, monk
     patient = write_simulated_patient(tmp_path, 0, "multi-angle", 20)
     found = []
     for cores in (1, 3):
-        monkeypatch.setattr(echoes, "usable_cores", lambda cores=cores: cores)
+        monkeypatch.setattr(echo_search, "usable_cores", lambda cores=cores: cores)
         found.append(sweep_echoes(read_sequence(patient.sequence, config=patient.configuration)))
     for name in ("points", "beams", "scores", "frames"):
         np.testing.assert_array_equal(getattr(found[0], name), getattr(found[1], name))

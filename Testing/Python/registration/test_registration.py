@@ -13,9 +13,9 @@ from sweeps import rigid
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.registration.agreement import check
 from AIFReconLib.registration.bone_field import FARTHEST_KNOWN, BoneField
 from AIFReconLib.registration.certainty import not_held
+from AIFReconLib.registration.comparison import check
 from AIFReconLib.registration.echoes import SweepEchoes
 from AIFReconLib.registration.refine import refine
 from AIFReconLib.registration.registration import register, register_echoes

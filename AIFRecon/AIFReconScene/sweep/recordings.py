@@ -1,0 +1,71 @@
+"""Recordings become sequence browsers: the worker reads the file, and its images cross some at a time."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from AIFReconLib.progress import Progress, part, report
+from AIFReconLib.worker.recordings import images_between, read_recording, without_images
+
+from ..work import inWorker, worker
+from .sequenceNodes import browserFromSequence
+
+BYTES_AT_ONCE = 1 << 25
+"""Of images: they need memory twice."""
+
+
+def openRecording(path, configuration=None, progress: Progress | None = None, **reading):
+    """A new sequence browser of a recording; further arguments as for `read_recording`, errors as for `browserFromSequence`."""
+    report(progress, 0.0, "Opening the recording")
+    file = worker.keep(read_recording, path, configuration, progress=part(progress, 0.0, 0.05), **reading)
+    try:
+        sequence = inWorker(without_images, file, progress=part(progress, 0.05, 0.1))
+        images = FetchedImages(file, sequence.images, part(progress, 0.1, 0.9))
+        name = Path(path).name.split(".")[0]
+        return browserFromSequence(replace(sequence, images=images), name, part(progress, 0.1, 1.0))
+    finally:
+        worker.forget(file)
+
+
+class FetchedImages:
+    """Images of a recording that the worker has open, an `ImageStack`: to be read in their order.
+
+    Parameters
+    ----------
+    file : Kept
+    stack : ImageStack
+        Tells their shape and type.
+    progress : callable or None
+        Hears of waiting.
+    """
+
+    def __init__(self, file, stack, progress=None):
+        self.shape, self.dtype = stack.shape, stack.dtype
+        self._file, self._progress = file, progress
+        self._count = max(1, BYTES_AT_ONCE // max(1, math.prod(stack.shape[1:]) * stack.dtype.itemsize))
+        self._start, self._images, self._ahead = 0, np.empty(0), None
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int) -> np.ndarray:
+        if not self._start <= index < self._start + len(self._images):
+            self._fetch(index - index % self._count)
+        return self._images[index - self._start]
+
+    def _fetch(self, start: int) -> None:
+        """Take what was asked for, and ask for what comes after it, which is read meanwhile."""
+        task = self._ahead[1] if self._ahead is not None and self._ahead[0] == start else self._ask(start)
+        # Before memory is taken for more
+        self._images = np.empty(0)
+        self._images, self._start = task.result(self._wait), start
+        after = start + self._count
+        self._ahead = (after, self._ask(after)) if after < len(self) else None
+
+    def _ask(self, start: int):
+        return worker.begin(images_between, self._file, start, min(start + self._count, len(self)))
+
+    def _wait(self, _fraction: float, _step: str) -> bool:
+        return self._progress is None or self._progress(self._start / len(self), "Loading frames") is not False

@@ -1,0 +1,81 @@
+"""What else a program with windows has done for it: measuring, simulating, and keeping settings.
+
+What computes is imported where it is used: who asks does not load it.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..arrays import Matrix
+from ..evaluation.quantities import BoneMetrics
+from ..geometry.volume import Volume
+from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
+from ..sweep.frames import TrackedSequence
+
+
+def measured_volumes(
+    volumes: Mapping[str, Volume],
+    labels: Volume,
+    sequence: TrackedSequence | None = None,
+    mask: Volume | None = None,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+) -> dict[str, BoneMetrics]:
+    """Bone metrics of several volumes of one sweep, by name; arguments as for `bone_truth` and `evaluate`."""
+    from ..evaluation.metrics import evaluate
+    from ..evaluation.visibility import SweepBeams, bone_truth
+
+    beams = SweepBeams.of_sequence(sequence, recipe) if sequence is not None else None
+    truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.6))
+    results = {}
+    for number, (name, volume) in enumerate(volumes.items()):
+        report(progress, 0.6 + 0.4 * number / len(volumes), f"Measuring {name}")
+        results[name] = evaluate(volume, truth, mask)
+    report(progress, 1.0, "Measured")
+    return results
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedPatient:
+    """The CT of a lumbar spine, its labels 1, 2, ..., where they lie, and a sweep of it."""
+
+    ct: Volume
+    labels: Volume
+    ct_to_reference: Matrix
+    sweep: TrackedSequence
+
+
+def simulated_patient(
+    seed: int = 0, vertebrae: int = 3, frames: int = 21, spacing: float = 1.25, progress: Progress | None = None
+) -> SimulatedPatient:
+    """A patient, by `seed`: the CT has voxels of `spacing` mm, 0.2 to 3, the sweep so many frames, 9 or more."""
+    from ..io.plus.configuration import read_plus_configuration
+    from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+    from ..simulation.phased_array import PhasedArray
+    from ..simulation.scan import multi_angle_sweep, plus_configuration_xml, random_rigid, simulate_sweep
+
+    place = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
+    anatomy = LumbarAnatomy.from_seed(seed, vertebrae=vertebrae)
+    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=place, progress=part(progress, 0.0, 0.55))
+    probe = PhasedArray()
+    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.55, 1.0))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "PlusDeviceSet.xml"
+        path.write_text(plus_configuration_xml(probe), encoding="utf-8")
+        configuration = read_plus_configuration(path)
+    sweep = replace(sweep, configuration=configuration, path=Path("lumbar phantom"))
+    return SimulatedPatient(phantom.ct, phantom.labels, phantom.ct_to_reference, sweep)
+
+
+def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
+    """Write the settings of a volume, as `provenance.settings_files.write_settings` does."""
+    from ..provenance import settings_files
+
+    settings_files.write_settings(settings, path)

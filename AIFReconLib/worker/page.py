@@ -1,0 +1,180 @@
+"""What is to be known of a reconstruction, on a page or in a line: pictures, sweep, agreement of the CT, coverage, settings, software."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..arrays import Matrix
+from ..errors import AIFReconError, OperationCanceled
+from ..geometry.volume import Volume
+from ..inspection.tracking_report import TrackingReport
+from ..inspection.verdicts import registration_verdict
+from ..message import advised
+from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
+from ..remedies import IN_PYTHON, Remedy
+from ..sweep.frames import TrackedSequence
+
+if TYPE_CHECKING:
+    from ..evaluation.report import Section
+
+DASH = "\N{EN DASH}"
+
+
+@dataclass(frozen=True, eq=False)
+class Pictured:
+    """What is drawn."""
+
+    shown: Volume
+    window: tuple[float, float]  #: Gray levels shown black and white
+    plain: Volume | None = None  #: The plain mean of the echoes, on the same voxels
+    ct: Volume | None = None
+    spine: bytes | None = None  #: A PNG file of the bone in 3D
+
+
+@dataclass(frozen=True, eq=False)
+class PageAbout:
+    """A reconstruction and what it was made of."""
+
+    name: str
+    method: str
+    settings: str  #: Those that it says it was made with, as JSON
+    spacing: tuple[float, ...]  #: mm
+    sweep: str  #: Its name
+    tracking: TrackingReport
+    sequence: TrackedSequence
+    recipe: Recipe
+    labels: Volume | None = None  #: Of the CT, in coordinates of their own
+    labels_to_reference: Matrix | None = None
+    names: Mapping[int, str] = field(default_factory=dict)  #: Of the labels
+    problem: str = "No segmentation was chosen: nothing says where bone should be."  #: Why there are none
+    version: str | None = None  #: Of the AIFRecon that made it, where it says
+    program: Mapping[str, str] = field(default_factory=dict)  #: Names and versions of what shows it
+    pictured: Pictured | None = None
+
+
+def tell(about: PageAbout, path: Path | None = None, words: Mapping[Remedy, str] = IN_PYTHON, progress: Progress | None = None) -> str:
+    """Write the page, completely or not at all, where a path is given; the same comes back in one line.
+
+    `words` say what to do about what is found. Raises AIFReconError with what cannot be told or written.
+    """
+    from ..evaluation.report import Report, Section, software_versions, write_report
+    from ..io.disk.atomic import check_writable
+    from ..provenance.kept import understood
+
+    if path is not None:
+        check_writable(path)
+    report(progress, 0.0, "Drawing the pictures")
+    tracking, pictures = about.tracking, () if path is None else _pictures(about)
+    rows = tuple((name[:1].upper() + name[1:], value) for name, value in tracking.rows())
+    sections = [Section("Sweep", rows, tuple(advised(sentence, words) for sentence in tracking.findings()))]
+    said = []
+    for section, of_line in (_agreement(about, words, part(progress, 0.2, 0.6)), _coverage(about, words, part(progress, 0.6, 1.0))):
+        sections += [] if section is None else [section]
+        said += [of_line] if of_line else []
+    versions = software_versions()
+    voxels = f"voxels of {' x '.join(f'{size:.3g}' for size in about.spacing)} mm"
+    if path is not None:
+        page = Report(
+            title=about.name,
+            date=f"{datetime.now():%Y-%m-%d %H:%M}",
+            metrics={},
+            frames=None,
+            facts={"Sweep": about.sweep, "Voxels": voxels},
+            settings={about.method: understood(Path(about.name), json.loads(about.settings), "", ()).recipe},
+            versions={**versions, **about.program},
+            sections=(*pictures, *sections),
+        )
+        write_report(path, page)
+    speed = "" if tracking.median_speed is None else f" at {tracking.median_speed:.0f} mm/s"
+    frames, software = f"{tracking.used} of {tracking.frames} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
+    return f"{about.name}: {'; '.join([frames, *said, voxels, software])}. Research use only: not for guiding a needle."
+
+
+def _pictures(about: PageAbout) -> tuple[Section, ...]:
+    """Cuts through the reconstruction and, where it was kept, the same through its plain echo; bone in 3D."""
+    from ..evaluation.cuts import Scene, cut_pictures
+    from ..evaluation.report import Section
+    from ..inspection.raised import raised_bands
+
+    drawn = about.pictured
+    if drawn is None:
+        return ()
+    labels = None if about.labels is None or about.labels_to_reference is None else about.labels.placed_by(about.labels_to_reference)
+    bands = None if drawn.plain is None else Volume(raised_bands(drawn.shown, drawn.plain), drawn.shown.ijk_to_reference)
+    kinds = [(about.method, Scene(drawn.shown, drawn.window, labels, drawn.ct, bands))]
+    said = ["Orange: bone of the CT. Where nothing was scanned the CT is seen, darker."]
+    if drawn.plain is not None:
+        kinds.append(("as measured", Scene(drawn.plain, drawn.window, labels, drawn.ct)))
+        said.append(
+            "Violet: the method has made the picture brighter there than the echoes are on the mean; the stronger, the more. What was "
+            "measured alone is shown as well."
+        )
+    middle = kinds[0][1].middle()
+    pictures = [(f"{caption}; {kind}", data) for kind, scene in kinds for caption, data in cut_pictures(scene, middle)]
+    if drawn.spine is not None:
+        pictures.append(("Bone of the ultrasound, from behind; the CT's is translucent", drawn.spine))
+    return (Section("Pictures", said=tuple(said), pictures=tuple(pictures)),)
+
+
+def _agreement(about: PageAbout, words: Mapping[Remedy, str], progress: Progress | None) -> tuple[Section, str]:
+    """How CT and sweep agree: a section, and words for the line."""
+    from ..evaluation.report import Section
+    from ..registration.bone_field import BoneField
+    from ..registration.comparison import check
+    from ..registration.echo_search import sweep_echoes
+
+    title = "CT and sweep"
+    if about.labels is None or about.labels_to_reference is None:
+        return Section(title, said=(about.problem,)), ""
+    try:
+        echoes = sweep_echoes(about.sequence, about.recipe, progress=progress)
+        agreement = check(echoes, BoneField.from_labels(about.labels), about.labels_to_reference)
+    except OperationCanceled:
+        raise
+    except AIFReconError as error:
+        return Section(title, said=(advised(error, words),)), ""
+    rows = [
+        (about.names.get(label) or f"label {label}", f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm", f"{own.echoes:,}")
+        for label, own in sorted(agreement.per_label.items())
+    ]
+    table = (("Bone", "Echoes that agree", "Median distance", "Echoes"), *rows) if rows else ()
+    warning = agreement.warning(about.names)
+    said = (agreement.sentence(), *(() if warning is None else (warning,)))
+    return Section(title, said=said, table=table), registration_verdict(agreement, about.names).finding
+
+
+def _coverage(about: PageAbout, words: Mapping[Remedy, str], progress: Progress | None) -> tuple[Section | None, str]:
+    """How much of each bone the sweep met: a section, and words for the line."""
+    from ..evaluation.report import Section
+    from ..guidance.coverage import coverage
+
+    title, labels = "Bone hit by the beams", about.labels
+    if labels is None:
+        return None, ""
+    try:
+        found = coverage(about.sequence, labels, about.labels_to_reference, about.recipe, names=about.names, progress=progress)
+    except OperationCanceled:
+        raise
+    except AIFReconError as error:
+        return Section(title, said=(advised(error, words),)), ""
+    by_name = [(name if about.names else f"label {name}", share) for name, share in found.by_label.items()]
+    rows = [
+        (name, *map(_percent, (share.met, share.below_45_deg, share.expected_visibility))) for name, share in [*by_name, ("all", found.all)]
+    ]
+    said = (
+        "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what faces the back.",
+        *(advised(note, words) for note in found.notes),
+    )
+    of_line = ", ".join(f"{name}: {_percent(share.met)}" for name, share in by_name)
+    table = (("Bone", "Hit", "Squarely, below 45°", "Expected to show"), *rows)
+    return Section(title, said=said, table=table), f"bone hit, its sides included: {of_line}"
+
+
+def _percent(share: float) -> str:
+    return DASH if share != share else f"{share:.0%}"

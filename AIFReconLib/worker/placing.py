@@ -1,0 +1,87 @@
+"""Where a CT lies on a sweep, asked for again and again: echoes and bone stay here, and what is to be shown goes back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Floats, Matrix
+from ..geometry.volume import Volume
+from ..progress import Progress
+from ..recipe.recipe import Recipe
+from ..registration.agreement import Agreement
+from ..registration.echoes import SweepEchoes
+from ..sweep.frames import TrackedSequence
+
+MOST_DRAWN = 3000
+"""Echoes that are drawn, evenly in space: slices are cut anew whenever they move."""
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """How a place of the CT and the bone echoes agree."""
+
+    labels_to_reference: Matrix  #: (4, 4), mm. The place.
+    agreement: Agreement
+    points: Floats  #: (n, 3), mm in Reference. Echoes to be drawn.
+    distances: Floats  #: (n,), mm. From each of those to the CT's bone.
+
+
+@dataclass(frozen=True, eq=False)
+class Offered:
+    """Another place that the user may choose."""
+
+    labels_to_reference: Matrix  #: (4, 4), mm
+    agreement: Agreement
+    levels: int | None  #: How many levels higher (+) or lower (-) the CT lies there; None: elsewhere
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Where the CT belongs; see `Registration`."""
+
+    placed: Placed
+    said: str | None  #: Why the answer must not be used unseen
+    agreement: Agreement
+    moved: float | None  #: mm
+    uncertain: tuple[str, ...]  #: What the sweep does not hold, in words
+    alternatives: tuple[Offered, ...]  #: The best first
+
+
+class Placing:
+    """The echoes of a sweep or of a scan, and the bone of a CT that is to lie on them.
+
+    Parameters
+    ----------
+    echoes : SweepEchoes
+    labels : Volume of integers
+    """
+
+    def __init__(self, echoes: SweepEchoes, labels: Volume):
+        from ..registration.bone_field import BoneField
+
+        self._echoes, self._bone = echoes, BoneField.from_labels(labels)
+        self._drawn = echoes.thinned(MOST_DRAWN)
+
+    def at(self, place: Matrix) -> Placed:
+        """How well the CT agrees in a place, (4, 4) rigid."""
+        from ..registration.comparison import check, fit_echoes
+
+        distances = np.abs(fit_echoes(self._drawn, self._bone, place).distances)
+        return Placed(np.asarray(place), check(self._echoes, self._bone, place), self._drawn.points, distances)
+
+    def find(self, start: Matrix | None, progress: Progress | None = None) -> Found:
+        """Where it belongs, from a place or, without one, from anywhere."""
+        from ..registration.registration import register_echoes
+
+        found = register_echoes(self._echoes, self._bone, start, progress=progress)
+        others = tuple(Offered(other.transform, other.agreement, other.levels) for other in found.alternatives)
+        return Found(self.at(found.transform), found.said, found.agreement, found.moved, tuple(found.uncertain), others)
+
+
+def echoes_in(sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None) -> SweepEchoes:
+    """The bone echoes of a recorded sweep; arguments as of `sweep_echoes`."""
+    from ..registration.echo_search import sweep_echoes
+
+    return sweep_echoes(sequence, recipe, progress=progress)

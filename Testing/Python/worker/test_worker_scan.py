@@ -1,0 +1,185 @@
+"""A scan in the worker: the voxels of offline, and nothing lost when the worker dies."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from files import LABELS_TO_REFERENCE, tracked_sequence, write_patient
+from live_messages import streamed
+from sweeps import sphere_bone
+from waiting import until
+
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.errors import OutputError, WorkerDiedError
+from AIFReconLib.geometry.transform_graph import TransformStatus
+from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.live.session.recording import growing_files
+from AIFReconLib.live.session.taken_up import TakenUp
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.worker.scan import Scan
+from AIFReconLib.worker.scan_request import ScanRequest, begin_scan
+
+GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
+SEQUENCE = tracked_sequence(24, statuses={5: TransformStatus.OUT_OF_VIEW})
+RECIPE = Recipe(method="weighted", output_type="float32", bone_sigma_voxels=1.0)
+
+
+@pytest.fixture
+def request_of(tmp_path):
+    """Makes requests for scans of images that are given, in a box, by bone, recorded."""
+    folder = tmp_path / "patient"
+    folder.mkdir()
+    patient = write_patient(folder)
+    configuration, labels = read_plus_configuration(patient.config), read_volume(patient.labels)
+    made = ScanRequest(
+        RECIPE, None, configuration, GRID, labels, bone_to_reference=LABELS_TO_REFERENCE, record=tmp_path / "scans" / "scan.mhd"
+    )
+    made.record.parent.mkdir()
+    return lambda **changed: replace(made, **changed)
+
+
+def messages(first, stop):
+    """What a server sends of these frames of the sweep."""
+    return [message for message in streamed(SEQUENCE) if first <= round((message.timestamp - 10.0) / 0.05) < stop]
+
+
+def give(worker, scan, first, stop) -> None:
+    """Send these frames, no faster than they are inserted: else some would be left out to keep up."""
+    for number in range(first, stop):
+        for message in messages(number, number + 1):
+            worker.begin("put", scan, message).result()
+        assert until(lambda number=number: is_taken(worker.call("look", scan).statistics, number))
+
+
+def is_taken(statistics, number) -> bool:
+    """Whether a frame was recorded, and none waits to be inserted."""
+    return statistics.recorded > number and statistics.waiting == 0
+
+
+def offline(request, frames):
+    """The volume of these frames, with the bone of the request."""
+    chosen = replace(SEQUENCE, images=SEQUENCE.images[frames], records=[SEQUENCE.records[n] for n in frames])
+    bone = BoneMap.from_labels(request.labels, 1.0, None, request.bone_to_reference)
+    return reconstruct(replace(chosen, configuration=request.configuration), RECIPE, bone, GRID).intensity.array
+
+
+def killed(worker, scan) -> None:
+    """Kill it, and hear of that."""
+    os.kill(worker.pid, signal.SIGKILL)
+    with pytest.raises(WorkerDiedError):
+        until(lambda: worker.call("look", scan) is None)
+
+
+def test_a_scan_in_the_worker_gives_the_voxels_of_offline(worker, request_of):
+    scan = worker.keep(begin_scan, request_of())
+    give(worker, scan, 0, 24)
+    ended = worker.call("finish", scan)
+    assert (ended.statistics.inserted, ended.statistics.frames_skipped) == (23, 1)
+    np.testing.assert_array_equal(ended.result.intensity.array, offline(request_of(), np.arange(24)))
+    assert "bone_sigma_voxels" in ended.result.intensity.fields["AIFRecon_settings"]
+    assert len(read_sequence(ended.recorded)) == 24
+
+
+def test_a_look_tells_what_is_new_and_no_more(request_of):
+    scan = Scan(request_of(record=None))
+    try:
+        for message in messages(0, 24):
+            scan.put(message)
+        assert until(lambda: scan.look(-1).statistics.inserted == 23)
+        seen = scan.look(-1)
+        assert seen.frame.number == 23
+        np.testing.assert_array_equal(seen.frame.image, SEQUENCE.images[23])
+        assert scan.look(23).frame is None
+        assert until(lambda: scan.look(23).result is None)
+    finally:
+        scan.close()
+
+
+@pytest.mark.parametrize("paused", [False, True])
+def test_a_scan_whose_worker_is_killed_is_taken_up_with_nothing_lost(paused, worker, request_of):
+    request = request_of()
+    scan = worker.keep(begin_scan, request)
+    give(worker, scan, 0, 8)
+    # An image is decided by what comes after it
+    assert until(lambda: worker.call("look", scan).statistics.recorded == 8)
+    if paused:
+        worker.call("pause", scan, True)
+        give(worker, scan, 8, 12)
+        assert until(lambda: worker.call("look", scan).statistics.recorded == 12)
+        worker.call("pause", scan, False)
+    seen = worker.call("look", scan)
+    killed(worker, scan)
+    assert [path.exists() for path in growing_files(request.record)] == [True, True]
+    scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans, grid=seen.grid))
+    give(worker, scan, 12 if paused else 8, 24)
+    ended = worker.call("finish", scan)
+    counted = np.array([*range(8), *range(12, 24)]) if paused else np.arange(24)
+    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, counted))
+    recorded = read_sequence(ended.recorded)
+    np.testing.assert_array_equal(np.array(recorded.images), SEQUENCE.images)
+    assert sorted(path.name for path in request.record.parent.iterdir()) == ["scan.mhd", "scan.raw"]
+    assert ended.statistics.frames_received == 24
+    assert ended.statistics.skipped.get("paused", 0) == (4 if paused else 0)
+
+
+def test_a_volume_that_was_begun_anew_is_taken_up_from_there(worker, request_of):
+    request = request_of()
+    scan = worker.keep(begin_scan, request)
+    give(worker, scan, 0, 8)
+    assert until(lambda: worker.call("look", scan).statistics.recorded == 8)
+    worker.call("reset", scan)
+    seen = worker.call("look", scan)
+    killed(worker, scan)
+    scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans))
+    give(worker, scan, 8, 24)
+    ended = worker.call("finish", scan)
+    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, np.arange(8, 24)))
+    assert len(read_sequence(ended.recorded)) == 24
+
+
+def test_a_recording_that_was_being_taken_up_when_the_worker_died_again_is_whole(worker, request_of, tmp_path):
+    request = request_of()
+    scan = worker.keep(begin_scan, request)
+    give(worker, scan, 0, 24)
+    assert until(lambda: worker.call("look", scan).statistics.recorded == 24)
+    killed(worker, scan)
+    # As it is left where that happens in the middle: all set aside, and a beginning of the new one
+    TakenUp(request.record, request.configuration)
+    aside = next(path for path in request.record.parent.iterdir() if path.is_dir())
+    for path in growing_files(request.record):
+        shutil.copy(aside / path.name, path)
+    scan = worker.keep(begin_scan, replace(request, takes_up=True))
+    ended = worker.call("finish", scan)
+    assert len(read_sequence(ended.recorded)) == 24
+    assert sorted(path.name for path in request.record.parent.iterdir()) == ["scan.mhd", "scan.raw"]
+
+
+def test_a_scan_that_cannot_begin_leaves_nothing_running(worker, request_of):
+    request = request_of(record=request_of().record.parent / "nowhere" / "scan.mhd")
+    with pytest.raises(OutputError):
+        worker.keep(begin_scan, request)
+    assert list(request_of().record.parent.iterdir()) == []
+
+
+def test_the_bone_of_a_scan_may_be_moved_and_drawn_anew(request_of):
+    request = request_of(record=None, guidance=True)
+    scan = Scan(request)
+    try:
+        moved = LABELS_TO_REFERENCE.copy()
+        moved[:3, 3] += 5.0
+        scan.place(moved, sphere_bone(center=(0.0, 0.0, 0.0)).inside)
+        scan.follow_bone(moved)
+        assert scan.look().guidance is not None
+        scan.guide(False)
+        assert scan.look().guidance is None
+    finally:
+        scan.close()
