@@ -39,6 +39,9 @@ BEAT = 10
 LIMITS = 50, 150
 """ms."""
 
+SIZE = 480, 640
+"""Rows and columns of a frame."""
+
 ONE_SWEEP = 9.0
 """s that the scanner takes for one sweep, and a little more."""
 
@@ -102,6 +105,7 @@ class Screen:
     def __init__(self, folder: pathlib.Path):
         self._folder = folder
         told = json.loads((folder / "frames.json").read_text("utf-8"))
+        self.count = len(told)
         self._numbers = {each["checksum"]: number for number, each in enumerate(told)}
         self._points = np.array([[*point, 1.0] for each in told for point in each["points"]])
         self._of = np.array([number for number, each in enumerate(told) for _point in each["points"]])
@@ -117,8 +121,8 @@ class Screen:
         node = shown("Red")
         if node is not None and self._isNew("frame", node):
             array = slicer.util.arrayFromVolume(node)
-            number = self._numbers.get(zlib.crc32(array.tobytes()))
-            if array.shape[0] == 1 and number is not None:
+            number = self.number(array)
+            if number is not None:
                 self.frames.append((number, now))
         node = parameters().output
         if self.begin and node is not None and self._isNew("volume", node):
@@ -130,6 +134,10 @@ class Screen:
             filled = array[tuple(places[inside].T)] > 0
             for number in np.unique(self._of[inside][filled]):
                 self.voxels.setdefault(int(number), now)
+
+    def number(self, image: np.ndarray) -> int | None:
+        """That of a frame of the sweep; None of another image."""
+        return self._numbers.get(zlib.crc32(image.tobytes())) if image.size == SIZE[0] * SIZE[1] else None
 
     def _isNew(self, what: str, node) -> bool:
         changed = node.GetImageData().GetMTime() if node.GetImageData() is not None else 0
@@ -262,16 +270,13 @@ class Walk:
         for button in (ui.livePlaceButton, ui.undoPlaceButton, *twice, *twice):
             self.press(f"scan: {button.text}", button)
         self.beat.also = lambda: None
-        sent = len(screen.sent())
         self.press("scan: Stop", ui.liveStopButton)
         said = ui.liveStatisticsLabel.text
         inserted, received = map(int, re.search(r"(\d+) of (\d+) frames", said).groups())  # type: ignore[union-attr]
-        headers = [path.read_text("latin-1") for path in self.folder.glob("Scan*.mhd")]
-        recorded = sum(int(count) for header in headers for count in re.findall(r"DimSize = 640 480 (\d+)", header))
-        # One may be under way, or sent after Stop was pressed
-        lost = max(sent - received - 1, 0) + abs(received - recorded)
-        told: dict[str, float | str] = {"frames sent": sent, "frames received": received, "frames recorded": recorded}
-        return told | {"frames inserted": inserted, "frames lost": lost, "said": said} | screen.told()
+        numbers = [screen.number(image) for path in self.folder.glob("Scan*.raw") for image in np.memmap(path, np.uint8).reshape(-1, *SIZE)]
+        left_out = int(sum((np.diff(numbers) - 1) % screen.count)) if None not in numbers else -1
+        told: dict[str, float | str] = {"frames received": received, "frames recorded": len(numbers), "frames inserted": inserted}
+        return told | {"frames lost": left_out + abs(received - len(numbers)), "said": said} | screen.told()
 
 
 @contextlib.contextmanager
