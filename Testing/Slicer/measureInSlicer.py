@@ -19,6 +19,7 @@ import subprocess
 import sys
 import time
 import zlib
+from typing import Any
 
 import numpy as np
 
@@ -273,7 +274,9 @@ class Walk:
         self.press("scan: Stop", ui.liveStopButton)
         said = ui.liveStatisticsLabel.text
         inserted, received = map(int, re.search(r"(\d+) of (\d+) frames", said).groups())  # type: ignore[union-attr]
-        numbers = [screen.number(image) for path in self.folder.glob("Scan*.raw") for image in np.memmap(path, np.uint8).reshape(-1, *SIZE)]
+        numbers: list[Any] = [
+            screen.number(image) for path in self.folder.glob("Scan*.raw") for image in np.memmap(path, np.uint8).reshape(-1, *SIZE)
+        ]
         left_out = int(sum((np.diff(numbers) - 1) % screen.count)) if None not in numbers else -1
         told: dict[str, float | str] = {"frames received": received, "frames recorded": len(numbers), "frames inserted": inserted}
         return told | {"frames lost": left_out + abs(received - len(numbers)), "said": said} | screen.told()
