@@ -25,6 +25,9 @@ LIBRARY = "AIFReconLib"
 REPORT_EVERY = 0.05
 """s between two reports of a call."""
 
+GIVES_WAY = 5
+"""Of 0, as a program begins, to 19: where all cores are wanted, the program's windows are drawn first."""
+
 LONGEST_END = 60.0
 """s that what is kept has to finish, such as the recording of a scan, when the program has ended."""
 
@@ -38,6 +41,7 @@ def main() -> None:
     handle, level = int(sys.argv[1]), int(sys.argv[2])
     faulthandler.enable()
     if os.name != "nt":
+        os.nice(GIVES_WAY)
         # No program that is started from here keeps the connection
         os.set_inheritable(handle, False)
     server = _Server(Channel(getattr(connection, "PipeConnection", connection.Connection)(handle)))

@@ -224,7 +224,7 @@ class Worker:
             os.set_handle_inheritable(theirs.fileno(), True)
             streams = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
             handles = subprocess.STARTUPINFO(lpAttributeList={"handle_list": [theirs.fileno()]})
-            options = {"startupinfo": handles, "creationflags": NO_WINDOW, **streams}
+            options = {"startupinfo": handles, "creationflags": NO_WINDOW | subprocess.BELOW_NORMAL_PRIORITY_CLASS, **streams}
         command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
         try:
             # In a session of its own: Ctrl-C and the end of a terminal are for the program, which says when the worker ends

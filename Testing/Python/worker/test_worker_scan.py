@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -57,11 +58,12 @@ def give(worker, scan, first, stop) -> None:
     for number in range(first, stop):
         for message in messages(number, number + 1):
             worker.begin("put", scan, message).result()
-        assert until(lambda number=number: is_taken(worker.call("look", scan).statistics, number))
+        assert until(partial(is_taken, worker, scan, number))
 
 
-def is_taken(statistics, number) -> bool:
+def is_taken(worker, scan, number) -> bool:
     """Whether a frame was recorded, and none waits to be inserted."""
+    statistics = worker.call("look", scan).statistics
     return statistics.recorded > number and statistics.waiting == 0
 
 
