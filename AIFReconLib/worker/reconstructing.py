@@ -21,7 +21,10 @@ from ..compounding.methods.average import AVERAGE
 from ..compounding.methods.table import COMPARED_METHODS, is_own_method, method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, GeometryError, InsufficientMemoryError, MethodError, OperationCanceled
+from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.beams import ProbeGeometry
+from ..imaging.region import ImageRegion, extreme_pixels
 from ..inspection.bone_surface import BoneSurface, bone_surface
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
@@ -162,29 +165,26 @@ def compared_methods(
     return Compared({method: _with(result, ()) for method, result in results.items()}, metrics, tuple(lines))
 
 
-def bone_map(bone: PlacedBone, sigma_voxels: float | None, sigma_mm: float | None, progress: Progress | None = None) -> BoneMap:
-    """The map of bone that is given, with labels smoothed as `BoneMap.from_labels` does."""
-    from ..bone.map import BoneMap
-    from ..bone.widths import SIGMA_VOXELS
+def imaging_of(sequence: TrackedSequence, needs_probe: bool, recipe: Recipe) -> tuple[ProbeGeometry | None, ImageRegion]:
+    """Probe and region as a reconstruction would use them; the probe is looked for in the images where it is needed.
 
-    with _about(bone.name):
-        if not bone.is_labeled:
-            return BoneMap.from_probability(bone.volume, bone.to_reference)
-        voxels = SIGMA_VOXELS if sigma_voxels is None else sigma_voxels
-        return BoneMap.from_labels(bone.volume, voxels, sigma_mm, bone.to_reference, progress)
+    Raises AIFReconError when no frame can be placed, or nothing tells what is needed.
+    """
+    from ..resolve import resolve_imaging
+
+    poses = sweep_poses(sequence)
+    poses.require_usable(sequence.name)
+    imaging = resolve_imaging(sequence, poses, needs_probe, recipe)
+    return imaging.probe, imaging.region
 
 
 def corners_of_sweep(sequence: TrackedSequence, recipe: Recipe) -> tuple[Floats, Floats]:
     """Least and most coordinates in Reference, (3,) mm each, of the pixels that count."""
-    from ..geometry.transforms import transform_points
-    from ..imaging.region import extreme_pixels
-    from ..resolve import resolve_imaging
-
-    poses = sweep_poses(sequence)
-    usable = poses.require_usable(sequence.name)
-    pixels = extreme_pixels(resolve_imaging(sequence, poses, False, recipe).region.mask(*sequence.frame_size))
+    _probe, region = imaging_of(sequence, False, recipe)
+    pixels = extreme_pixels(region.mask(*sequence.frame_size))
     corners = np.column_stack([pixels, np.zeros(len(pixels))])
-    points = np.concatenate([transform_points(poses.image_to_reference[number], corners) for number in usable])
+    poses = sweep_poses(sequence)
+    points = np.concatenate([transform_points(poses.image_to_reference[number], corners) for number in poses.usable])
     return points.min(axis=0), points.max(axis=0)
 
 

@@ -1,11 +1,10 @@
 """Self tests of the panel: nodes to widgets and back, what can be pressed and why not, cancel, a scene that is closed or saved, reload."""
 
+import importlib
 import logging
 import pathlib
 import sys
 import tempfile
-import threading
-import time
 import unittest
 
 import numpy as np
@@ -14,6 +13,7 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
+import workerStates
 
 
 class AIFReconPanelTest(unittest.TestCase):
@@ -45,21 +45,16 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertEqual(settingsFrom(self.parameters).method, "aif-compensated")
 
     def test_a_method_that_was_registered_meanwhile_is_in_the_list_and_makes_the_volume(self):
-        from AIFReconLib import register_method
-
-        @register_method
-        def own_of_the_panel_test(intensity, probability):
-            return 0.1 + probability, 0 * intensity + 77
-
+        own = importlib.import_module("ownMethod").flat
         self.addInputs()
         self.widget.enter()
-        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText(own_of_the_panel_test.name)
-        self.assertEqual(self.parameters.ownMethod, own_of_the_panel_test.name)
+        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText(own.name)
+        self.assertEqual(self.parameters.ownMethod, own.name)
         self.ui.applyButton.click()
-        self.assertEqual(self.parameters.output.GetAttribute("AIFRecon.Method"), own_of_the_panel_test.name)
+        self.assertEqual(self.parameters.output.GetAttribute("AIFRecon.Method"), own.name)
         self.assertEqual(set(np.unique(slicer.util.arrayFromVolume(self.parameters.output))), {0, 77})
         self.parameters.bone = None
-        self.assertIn(f"{own_of_the_panel_test.name} needs bone", self.ui.statusLabel.text)
+        self.assertIn(f"{own.name} needs bone", self.ui.statusLabel.text)
         self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("average")
         self.assertEqual(self.parameters.ownMethod, "")
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
@@ -189,50 +184,12 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertFalse(self.ui.applyButton.enabled)
         self.assertIsNone(self.widget._parameterNode.sweep)
 
-    def test_what_a_thread_of_the_library_notes_reaches_the_application_s_log_on_the_main_thread(self):
-        seen = self.logged()
-        self.noteFromAThread("noted")
-        self.assertNotIn("noted", dict(seen))
-        while "noted" not in dict(seen):
-            slicer.app.processEvents()
-            time.sleep(0.01)
-        # What runs before this one may still be noted
-        self.assertEqual([each for each in seen if each[0] == "noted"], [("noted", True)])
+    def test_what_the_library_notes_in_the_worker_reaches_the_application_s_log(self):
+        from AIFReconScene.work import inWorker
 
-    def test_what_the_panel_s_own_thread_notes_is_logged_at_once_and_in_order(self):
-        seen = self.logged()
-        self.noteFromAThread("first")
-        logging.getLogger("AIFReconLib.io").error("second")
-        self.assertEqual([text for text, _onMainThread in seen if text in ("first", "second")], ["first", "second"])
-
-    def test_nothing_that_was_noted_is_lost_when_the_panel_is_reloaded_and_nothing_is_logged_twice(self):
-        seen = self.logged()
-        self.noteFromAThread("before")
-        self.widget.onReload()
-        logging.getLogger("AIFReconLib.io").error("after")
-        # Slicer notes the reload as well
-        self.assertEqual([text for text, _onMainThread in seen if text in ("before", "after")], ["before", "after"])
-
-    def logged(self) -> list:
-        """What reaches the root logger, by which Slicer's application log gets it, and whether on the main thread."""
-        seen = []
-
-        class Catch(logging.Handler):
-            """Keeps what comes."""
-
-            def emit(self, record):
-                seen.append((record.getMessage(), threading.current_thread() is threading.main_thread()))
-
-        handler = Catch()
-        logging.getLogger().addHandler(handler)
-        self.addCleanup(logging.getLogger().removeHandler, handler)
-        return seen
-
-    def noteFromAThread(self, text: str) -> None:
-        """As the threads of a live scan do."""
-        thread = threading.Thread(target=logging.getLogger("AIFReconLib.live").error, args=(text,))
-        thread.start()
-        thread.join()
+        with self.assertLogs("AIFReconLib.live", logging.ERROR) as seen:
+            inWorker(workerStates.note, "noted")
+        self.assertEqual(seen.output, ["ERROR:AIFReconLib.live:noted"])
 
     def test_the_module_can_be_reloaded(self):
         self.widget.onReload()

@@ -1,12 +1,9 @@
 """Self tests of the picture: measured or enhanced, the tint, bone in 3D, the probe's side up, names of levels, and the report."""
 
-import contextlib
 import pathlib
 import sys
 import tempfile
-import threading
 import unittest
-from unittest import mock
 
 import numpy as np
 import slicer
@@ -111,10 +108,10 @@ class AIFReconPictureTest(unittest.TestCase):
     def showBone(self):
         """Reconstruct is pressed, and bone shows as a plate on the near face of the slab; the model that is kept beside the output."""
         from AIFReconScene.inputs.boneNodes import labelsFromNode
-        from AIFReconScene.picture.spineSurface import spineSurface
         from AIFReconScene.picture.spineView import keepSpine
 
         from AIFReconLib.geometry.volume import Volume
+        from AIFReconLib.inspection.bone_surface import bone_surface
         from AIFReconLib.inspection.shown_bone import ShownBone
         from AIFReconLib.registration.bone_field import BoneField
 
@@ -123,31 +120,9 @@ class AIFReconPictureTest(unittest.TestCase):
         plate[4:20, 3:6, 4:20] = 1.0
         bone = BoneField.from_labels(labelsFromNode(self.parameters.bone))
         field = Volume(plate, tinyScene.moved(-12.0, tinyScene.FACE - 4.0, -12.0))
-        model = keepSpine(self.parameters.output, spineSurface(ShownBone(field, 1, 0, bone, np.eye(4))), "Sweep")
+        model = keepSpine(self.parameters.output, bone_surface(ShownBone(field, 1, 0, bone, np.eye(4))), "Sweep")
         self.parameters.opacity = 0.5
         return model
-
-    def test_windows_stay_alive_while_sweep_and_shown_bone_are_looked_at(self):
-        from AIFReconScene.picture import kept
-
-        from AIFReconLib.inspection import tracking_report
-
-        threads = []
-
-        def noted(work):
-            def done(*arguments):
-                threads.append(threading.current_thread())
-                return work(*arguments)
-
-            return done
-
-        patched = ((module, name) for module, name in ((tracking_report, "tracking_report"), (kept, "spineSurface")))
-        with contextlib.ExitStack() as within:
-            for module, name in patched:
-                within.enter_context(mock.patch.object(module, name, noted(getattr(module, name))))
-            self.reconstruct()
-        self.assertEqual(len(threads), 2)
-        self.assertNotIn(threading.main_thread(), threads)
 
     def test_the_bone_that_shows_is_a_surface_in_3d_and_the_ct_s_bone_is_translucent_behind(self):
         model, bone = self.showBone(), self.parameters.bone.GetDisplayNode()

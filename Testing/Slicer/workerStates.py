@@ -1,6 +1,7 @@
 """What may go wrong in the process that works for Slicer, brought about for a test."""
 
 import contextlib
+import logging
 import os
 
 from AIFReconLib.machine import memory
@@ -33,3 +34,8 @@ def killWorker() -> None:
     from AIFReconScene.work import worker
 
     worker.begin(_end)
+
+
+def note(text: str) -> None:
+    """Have the library note something."""
+    logging.getLogger("AIFReconLib.live").error(text)

@@ -4,7 +4,7 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.worker.looking import imaging_of
+from AIFReconLib.worker.reconstructing import imaging_of
 
 from ..inputs.parameters import ProbeShape, regionFrom, settingsFrom
 from ..panelWords import inPanelWords

@@ -20,10 +20,8 @@ OPACITIES = (0.0, 0.16, 0.30, 0.42, 0.52)
 class EchoView:
     """Keeps the slice views in step with two choices: the plain echo in the reconstruction's place, and the tint over the reconstruction.
 
-    Notes
-    -----
-    The plain echo is a volume of the scene that was kept when the reconstruction was made. The tint is told from the two, for display only:
-    it is neither saved with the scene nor offered where a volume can be chosen, and lies in the label layer of views that have that free.
+    The plain echo is a volume that was kept when the reconstruction was made. The tint is told from the two, for display only: it is
+    neither saved with the scene nor offered where a volume can be chosen, and lies in the label layer of views that have that free.
     """
 
     def __init__(self):

@@ -1,0 +1,65 @@
+"""What computes stays out of Slicer's process: all of it is done by the worker, which ends with the application."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+
+SCRIPT = """
+import sys
+sys.path[:0] = ["Testing", "Testing/Slicer"]
+from host import runHost
+host = runHost()
+host.start("AIFRecon/AIFRecon.py")
+widget = host.open("AIFRecon")
+import pathlib, qt, slicer
+from AIFReconScene.work import worker
+from AIFReconScene.volumes.volumeNodes import saveSettings
+
+ui, parameters = widget.ui, widget._parameterNode
+ui.sampleButton.click()
+assert parameters.output is not None, host.dialogs.messages()
+while widget._recorded.lights.isLooking:
+    slicer.app.processEvents()
+saveSettings(parameters.output, pathlib.Path(sys.argv[1]) / "settings.json")
+ui.compareButton.click()
+assert slicer.util.getNodesByClass("vtkMRMLTableNode"), host.dialogs.messages()
+widget.logic.reconstruct(parameters.sweep, method="average", spacing=3.0)
+packages = ("scipy", "SimpleITK", "numba", "llvmlite", "onnxruntime", "matplotlib")
+print("loaded:", [name for name in packages if name in sys.modules])
+print("worker:", worker.pid)
+print("errors:", host.dialogs.messages(), [repr(error) for error in host.take_slot_errors()])
+qt.QTimer.singleShot(0, slicer.util.exit)
+host.run()
+"""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def host_packages():
+    for package, name in (("PySide6", "PySide6-Essentials"), ("slicer", "slicer-core")):
+        if importlib.util.find_spec(package) is None:
+            pytest.skip(f"{name} is not installed: pip install '.[test]'")
+
+
+def test_nothing_that_computes_is_loaded_by_sample_reconstruction_and_comparison_and_the_worker_ends_with_the_application(tmp_path):
+    environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
+    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
+    done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", timeout=600)
+    if "cannot run here" in done.stderr:
+        pytest.skip(done.stderr.strip().splitlines()[-1])
+    said = dict(line.split(": ", 1) for line in done.stdout.splitlines() if ": " in line)
+    assert said.get("errors") == "[] []", done.stdout + done.stderr
+    assert said["loaded"] == "[]"
+    assert (tmp_path / "settings.json").is_file()
+    deadline = time.monotonic() + 60
+    while Path(f"/proc/{said['worker']}").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
