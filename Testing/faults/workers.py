@@ -25,7 +25,8 @@ from AIFReconLib.errors import WorkerDiedError
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.session.recording import growing_files
 from AIFReconLib.live.session.statistics import LiveStatistics
-from AIFReconLib.worker.scan_request import ScanRequest, begin_scan
+from AIFReconLib.worker.scan_request import ScanRequest
+from AIFReconLib.worker.scanning import begin_scan
 from AIFReconLib.worker.worker import Worker
 
 from .ledger import Entry, Ledger

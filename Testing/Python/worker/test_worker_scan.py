@@ -27,7 +27,8 @@ from AIFReconLib.live.session.taken_up import TakenUp
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.worker.scan import Scan
-from AIFReconLib.worker.scan_request import ScanRequest, begin_scan
+from AIFReconLib.worker.scan_request import ScanRequest
+from AIFReconLib.worker.scanning import begin_scan
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 SEQUENCE = tracked_sequence(24, statuses={5: TransformStatus.OUT_OF_VIEW})
