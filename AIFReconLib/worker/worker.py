@@ -124,7 +124,8 @@ class Worker:
         Parameters
         ----------
         function : callable or str
-            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`.
+            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`; those that take no
+            progress are called one after the other.
         keep : bool
             What it returns stays in the worker; the task's result is `Kept`.
         """
