@@ -4,7 +4,6 @@ Slicer 5.12 brought `slicer.packaging`, which asks, installs with progress, and 
 and installs.
 """
 
-import contextlib
 import importlib
 import importlib.metadata
 import logging
@@ -14,11 +13,10 @@ import subprocess
 import slicer
 from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import LiveSource
-from AIFReconScene.work import worker
+from AIFReconScene.work import warmUp, worker
 from slicer.i18n import tr as _
 
-from AIFReconLib.errors import AIFReconError, WorkerDiedError
-from AIFReconLib.worker.reconstructing import warm_up
+from AIFReconLib.errors import AIFReconError
 
 from .errorsShown import errorsShown
 
@@ -139,5 +137,4 @@ def _install(requirements: list[str], ask: bool = True) -> None:
     importlib.invalidate_caches()
     # One that was started before does not find it
     worker.close()
-    with contextlib.suppress(WorkerDiedError):  # the next call will tell
-        worker.begin(warm_up)
+    warmUp()

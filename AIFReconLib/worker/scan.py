@@ -35,6 +35,7 @@ from ..registration.echoes import FEWEST, SweepEchoes
 from ..registration.labeled_bone import LabeledBone
 from ..registration.live import SECONDS
 from ..resolve import Imaging
+from .reconstructing import know_method
 from .scan_request import ECHOES, MODEL, Ended, ScanRequest, Seen, SeenFrame
 
 SCOUT_MARGIN = 5.0
@@ -62,13 +63,14 @@ class Scan:
     def __init__(self, request: ScanRequest, progress: Progress | None = None):
         self._request, self._labels, self._place = request, request.labels, request.bone_to_reference
         recipe, configuration = request.recipe, request.configuration
+        know_method(recipe.method, request.search_path)
         self._given = None if request.server is not None else _Given()
         self._labeled: LabeledBone | None = None
         self._growing = GrowingBone() if request.bone_from is not None else None
         # Refused before the scan, not in it
         self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
         self._method = recipe.method_for(True)
-        earlier = TakenUp(request.record, configuration) if request.takes_up and request.record is not None else None
+        earlier = TakenUp(request.record, configuration, request.spans) if request.takes_up and request.record is not None else None
         self.session = LiveSession(
             self._given or OpenIGTLinkClient(*request.server or ("", 0)),
             recipe,
@@ -99,7 +101,7 @@ class Scan:
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
             if earlier is not None:
-                self.session.take_up(earlier, request.spans)
+                self.session.take_up(earlier)
                 self._spans = list(request.spans)
             self.session.start()
         except BaseException:

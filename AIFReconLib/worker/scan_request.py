@@ -11,13 +11,11 @@ from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume, VoxelGrid
 from ..live.pairing.synchronizer import LiveFrame
 from ..live.session.statistics import ALL, LiveStatistics, Spans
-from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 
 if TYPE_CHECKING:
     from ..guidance.seen import GuidanceSeen
-    from .scan import Scan
 
 ECHOES, PREDICTIONS, MODEL = BONE_FROM = "echoes", "predictions", "model"
 """What in the frames themselves says where bone is."""
@@ -54,6 +52,8 @@ class ScanRequest:
         Tell what is met of the labels, and where to look next.
     takes_up : bool
         Go on with the recording that was not finished: its frames come first, those of `spans` into the volume.
+    search_path : tuple of str
+        Folders in which a method of the user's own is looked for.
     """
 
     recipe: Recipe
@@ -71,6 +71,7 @@ class ScanRequest:
     guidance: bool = False
     takes_up: bool = False
     spans: Spans = ALL
+    search_path: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,10 +150,3 @@ class Ended:
     recorded: Path | None = None
     predictions: Path | None = None
     problems: tuple[str, ...] = ()
-
-
-def begin_scan(request: ScanRequest, progress: Progress | None = None) -> Scan:
-    """Begin a scan; to be kept in the worker."""
-    from .scan import Scan
-
-    return Scan(request, progress)

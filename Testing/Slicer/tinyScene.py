@@ -37,7 +37,7 @@ def requireLivePackages() -> None:
 
 def recordElsewhere(test) -> None:
     """Have scans that name no file recorded into a folder that goes with this test, not where the user's are."""
-    folder, scene = tempfile.TemporaryDirectory(), slicer.mrmlScene
+    folder, scene = tempfile.TemporaryDirectory(ignore_cleanup_errors=True), slicer.mrmlScene
     test.addCleanup(folder.cleanup)
     test.addCleanup(scene.SetRootDirectory, scene.GetRootDirectory())
     scene.SetRootDirectory(folder.name)

@@ -6,8 +6,9 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from ..sceneNodes import nodesOfClass, removeNodes
+from ..sceneNodes import nodesOfClass
 from .borrowed import Borrowed
+from .ownNodes import OwnNodes, colorBy, polyData, setScalars
 
 MET = "Met"
 """The array of the model's points."""
@@ -28,97 +29,70 @@ class BoneColors:
 
     Notes
     -----
-    It is drawn from the scan, so it is neither saved with the scene nor offered where a model can be chosen. While nothing but colors
-    changes, one array is written anew and nothing else is touched. Segments are not drawn in 3D meanwhile: their surface is the same, so
-    that its color would show through in specks, and where it is translucent it takes a view several times as long to draw.
+    While nothing but colors changes, one array is written anew and nothing else is touched. Segments are not drawn in 3D meanwhile: their
+    surface is the same, so that its color would show through in specks, and where it is translucent it takes a view several times as long
+    to draw.
     """
 
     def __init__(self):
-        self._modelID, self._ownIDs = None, []
+        self._own = OwnNodes()
         self._mesh = self._levels = None
 
     @property
     def node(self):
         """The model node, or None where nothing is drawn."""
-        return slicer.mrmlScene.GetNodeByID(self._modelID) if self._modelID else None
+        return self._own.get("bone")
 
-    def show(self, bone, mesh, levels: np.ndarray):
-        """Draw a `BoneMesh` of a node of bone, with the level of each corner (n,); the model node."""
+    def show(self, bone, mesh, levels: np.ndarray) -> None:
+        """Draw a `BoneMesh` of a node of bone, with the level of each corner (n,)."""
         node = self.node
         if node is None:
             node = self._made(_surface(mesh, levels))
-            self._mesh = mesh
         elif node.GetPolyData() is None or self._mesh is not mesh:
             node.SetAndObservePolyData(_surface(mesh, levels))
-            self._mesh = mesh
         elif not np.array_equal(levels, self._levels):
             array = node.GetPolyData().GetPointData().GetArray(MET)
             numpy_support.vtk_to_numpy(array)[:] = levels
             array.Modified()
             node.GetPolyData().Modified()
-        self._levels = levels
+        self._mesh, self._levels = mesh, levels
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
         # Once: what the user shows again stays
         _hideSegments(bone)
-        return node
 
     def clear(self) -> None:
         """Remove everything, also what is left where somebody has deleted the model alone."""
-        scene = slicer.mrmlScene
-        own = [scene.GetNodeByID(each) for each in self._ownIDs]
-        self._modelID, self._ownIDs, self._mesh, self._levels = None, [], None, None
+        self._mesh = self._levels = None
         _hideSegments(None)
-        removeNodes(own, scene)
+        self._own.remove()
 
     def _made(self, surface):
         self.clear()
-        scene = slicer.mrmlScene
-        self._own(_colors())
+        colors = self._own.colors("colors", "Colors of bone met", [(name, (*color, 1.0)) for name, color in zip(levelNames(), COLORS)])
         # With a display that is as it is to be, views look at the model once
-        display = scene.AddNewNodeByClass("vtkMRMLModelDisplayNode")
+        display = self._own.add("display", slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelDisplayNode"))
         with slicer.util.NodeModify(display):
-            display.SetAndObserveColorNodeID(self._ownIDs[0])
-            display.SetActiveScalar(MET, vtk.vtkAssignAttribute.POINT_DATA)
-            display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
-            display.SetScalarRange(-0.5, len(COLORS) - 0.5)
-            display.SetScalarVisibility(True)
+            colorBy(display, MET, colors, -0.5, len(COLORS) - 0.5)
             # Slices show bone already, and would have to cut this surface anew wherever the probe goes
             display.SetVisibility2D(False)
-        self._own(display)
         node = slicer.vtkMRMLModelNode()
         node.SetName("Bone met")
         node.SetSelectable(False)
         node.SetAndObserveDisplayNodeID(display.GetID())
         node.SetAndObservePolyData(surface)
-        self._own(scene.AddNode(node))
+        node = self._own.add("bone", node)
         legend = slicer.modules.colors.logic().AddDefaultColorLegendDisplayNode(node)
         if legend is not None:
             _arrange(legend)
-            self._own(legend)
-        self._modelID = node.GetID()
+            self._own.add("legend", legend)
         return node
-
-    def _own(self, node) -> None:
-        node.SetSaveWithScene(False)
-        self._ownIDs.append(node.GetID())
 
 
 def _hideSegments(bone) -> None:
     """Do not draw these segments in 3D, but draw all others again that were hidden here."""
     isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
     HIDDEN.follow(bone.GetDisplayNode() if isSegmented else None)
-
-
-def _colors():
-    node = slicer.vtkMRMLColorTableNode()
-    node.SetName("Colors of bone met")
-    node.SetTypeToUser()
-    node.SetHideFromEditors(True)
-    node.SetNumberOfColors(len(COLORS))
-    for number, (name, color) in enumerate(zip(levelNames(), COLORS)):
-        node.SetColor(number, name, *color, 1.0)
-    return slicer.mrmlScene.AddNode(node)
 
 
 def levelNames() -> tuple:
@@ -144,12 +118,7 @@ def _arrange(legend) -> None:
 
 def _surface(mesh, levels: np.ndarray) -> vtk.vtkPolyData:
     """Triangles as polydata with normals, which would otherwise be made at every change of color."""
-    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
-    points.SetData(numpy_support.numpy_to_vtk(np.ascontiguousarray(mesh.points_reference, dtype=np.float32), deep=True))
-    cells.SetData(3, numpy_support.numpy_to_vtkIdTypeArray(np.ascontiguousarray(mesh.triangles.ravel(), dtype=np.int64), deep=True))
-    drawn = vtk.vtkPolyData()
-    drawn.SetPoints(points)
-    drawn.SetPolys(cells)
+    drawn = polyData(mesh.points_reference.astype(np.float32), mesh.triangles)
     normals = vtk.vtkPolyDataNormals()
     normals.SetInputData(drawn)
     normals.SplittingOff()
@@ -157,7 +126,5 @@ def _surface(mesh, levels: np.ndarray) -> vtk.vtkPolyData:
     normals.Update()
     result = vtk.vtkPolyData()
     result.ShallowCopy(normals.GetOutput())
-    scalars = numpy_support.numpy_to_vtk(levels.astype(np.int16), deep=True)
-    scalars.SetName(MET)
-    result.GetPointData().SetScalars(scalars)
+    setScalars(result.GetPointData(), MET, levels.astype(np.int16))
     return result

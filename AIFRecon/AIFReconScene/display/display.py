@@ -91,7 +91,7 @@ class SceneDisplay:
         if not self._changed("probe", state):
             return
         if not shown:
-            self._hide("Probe")
+            self._hide("probe")
         else:
             self._drawProbe(parameters)
 
@@ -99,7 +99,7 @@ class SceneDisplay:
         try:
             self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, *self._imagingOf(parameters))
         except AIFReconError as error:
-            self._hide("Probe")
+            self._hide("probe")
             slicer.util.showStatusMessage(inPanelWords(error), 5000)
 
     def _updateOutlines(self, parameters) -> None:
@@ -107,13 +107,13 @@ class SceneDisplay:
         if not self._changed("outlines", shown and (_sweepOf(parameters), regionFrom(parameters))):
             return
         if not shown:
-            self._hide("Outlines")
+            self._hide("outlines")
             return
         try:
             sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
             self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False)[1])
         except AIFReconError as error:
-            self._hide("Outlines")
+            self._hide("outlines")
             slicer.util.showStatusMessage(inPanelWords(error), 5000)
 
     def _theOverlay(self):
@@ -123,7 +123,7 @@ class SceneDisplay:
 
     def _hide(self, what: str) -> None:
         if self._overlay is not None:
-            getattr(self._overlay, f"hide{what}")()
+            self._overlay.hide(what)
 
     def _imagingOf(self, parameters, needProbe: bool = True):
         """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""

@@ -2,10 +2,8 @@
 
 import numpy as np
 import slicer
-import vtk
-from vtk.util import numpy_support
 
-from ..sceneNodes import removeNodes
+from .ownNodes import OwnNodes, colorBy, polyData, setScalars
 
 DISTANCE = "Distance (mm)"
 FARTHEST = 5.0
@@ -28,29 +26,26 @@ class EchoPoints:
     Notes
     -----
     The echoes are the sweep's, in RAS world: the node is under no transform, and stays where it is when the CT is moved; `show` colors it
-    anew then. It is neither saved with the scene nor offered where a model can be chosen.
+    anew then.
     """
 
     def __init__(self):
-        self._modelID = self._colorsID = None
+        self._own = OwnNodes()
 
     @property
     def node(self):
         """The model node, or None where nothing is drawn."""
-        return slicer.mrmlScene.GetNodeByID(self._modelID) if self._modelID else None
+        return self._own.get("echoes")
 
     def show(self, points: np.ndarray, distances: np.ndarray, visible: bool = True):
         """Draw echoes at points (n, 3) of RAS world in mm, colored by their distances (n,) in mm; the model node."""
-        node = self.node or self._made()
+        colors = self._own.colors("colors", "Distance to bone", _colors())
+        node = self._own.model("echoes", "Bone echoes")
         node.SetAndObservePolyData(_octahedra(points, np.abs(distances)))
         node.SetAndObserveTransformNodeID(None)
         display = node.GetDisplayNode()
         with slicer.util.NodeModify(display):
-            display.SetAndObserveColorNodeID(self._colors().GetID())
-            display.SetActiveScalar(DISTANCE, vtk.vtkAssignAttribute.POINT_DATA)
-            display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
-            display.SetScalarRange(0.0, FARTHEST)
-            display.SetScalarVisibility(True)
+            colorBy(display, DISTANCE, colors, 0.0, FARTHEST)
             display.SetVisibility2D(True)
             display.SetSliceIntersectionThickness(3)
             display.SetVisibility(visible)
@@ -64,48 +59,18 @@ class EchoPoints:
 
     def clear(self) -> None:
         """Remove everything."""
-        scene = slicer.mrmlScene
-        removeNodes([scene.GetNodeByID(each) for each in (self._colorsID, self._modelID) if each], scene)
-        self._modelID = self._colorsID = None
-
-    def _made(self):
-        node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", "Bone echoes")
-        node.SetSaveWithScene(False)
-        node.SetSelectable(False)
-        node.CreateDefaultDisplayNodes()
-        node.GetDisplayNode().SetSaveWithScene(False)
-        self._modelID = node.GetID()
-        return node
-
-    def _colors(self):
-        node = slicer.mrmlScene.GetNodeByID(self._colorsID) if self._colorsID else None
-        if node is not None:
-            return node
-        node = slicer.vtkMRMLColorTableNode()
-        node.SetName("Distance to bone")
-        node.SetTypeToUser()
-        node.SetHideFromEditors(True)
-        node.SetSaveWithScene(False)
-        node.SetNumberOfColors(256)
-        shares = np.linspace(0.0, 1.0, 256)
-        for number, color in enumerate(np.column_stack([np.interp(shares, (0.0, 0.5, 1.0), channel) for channel in zip(*COLORS)])):
-            node.SetColor(number, f"{FARTHEST * shares[number]:.1f} mm", *color, 1.0)
-        slicer.mrmlScene.AddNode(node)
-        self._colorsID = node.GetID()
-        return node
+        self._own.remove()
 
 
-def _octahedra(points: np.ndarray, distances: np.ndarray) -> vtk.vtkPolyData:
+def _colors():
+    shares = np.linspace(0.0, 1.0, 256)
+    channels = [np.interp(shares, (0.0, 0.5, 1.0), channel) for channel in zip(*COLORS)]
+    return [(f"{FARTHEST * share:.1f} mm", (*color, 1.0)) for share, *color in zip(shares, *channels)]
+
+
+def _octahedra(points: np.ndarray, distances: np.ndarray):
     """A small octahedron at each point, with its distance at every corner."""
     corners = (points[:, None] + RADIUS * CORNERS).reshape(-1, 3)
-    faces = (FACES + len(CORNERS) * np.arange(len(points))[:, None, None]).reshape(-1, 3)
-    places, cells = vtk.vtkPoints(), vtk.vtkCellArray()
-    places.SetData(numpy_support.numpy_to_vtk(np.ascontiguousarray(corners), deep=True))
-    cells.SetData(3, numpy_support.numpy_to_vtkIdTypeArray(np.ascontiguousarray(faces.ravel(), dtype=np.int64), deep=True))
-    scalars = numpy_support.numpy_to_vtk(np.repeat(distances, len(CORNERS)).astype(np.float32), deep=True)
-    scalars.SetName(DISTANCE)
-    drawn = vtk.vtkPolyData()
-    drawn.SetPoints(places)
-    drawn.SetPolys(cells)
-    drawn.GetPointData().SetScalars(scalars)
+    drawn = polyData(corners, (FACES + len(CORNERS) * np.arange(len(points))[:, None, None]).reshape(-1, 3))
+    setScalars(drawn.GetPointData(), DISTANCE, np.repeat(distances, len(CORNERS)).astype(np.float32))
     return drawn

@@ -1,11 +1,10 @@
 """The probe on the screen: its sector and some beams on the current frame, and the outlines of all frames in 3D."""
 
+import itertools
 import math
 
 import numpy as np
-import slicer
 import vtk
-from vtk.util import numpy_support
 
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
@@ -13,10 +12,10 @@ from AIFReconLib.imaging.region import ImageRegion, extreme_pixels
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from ..sceneNodes import removeNodes
 from ..sweep.browserItems import BrowserItems
 from ..sweep.sequenceReader import orientationFlips
 from ..transforms import ijkToRAS
+from .ownNodes import OwnNodes, polyData, setScalars
 
 BEAMS = 9
 MOST_OUTLINES = 300
@@ -45,8 +44,7 @@ class ProbeOverlay:
     """
 
     def __init__(self, scene=None) -> None:
-        self._scene = scene or slicer.mrmlScene
-        self._ids: dict[str, str] = {}
+        self._own = OwnNodes(scene)
 
     def showProbe(self, browser, imageSequence, probe: ProbeGeometry, region: ImageRegion):
         """Draw the area that is ultrasound and some beams; the model node, made or brought up to date.
@@ -70,7 +68,8 @@ class ProbeOverlay:
         lines = [outline(region.mask(columns, rows)), *beams(region.mask(columns, rows), probe)]
         toRAS = ijkToRAS(image) @ toStored
         drawn = _upright(_polyLines([_place(toRAS, line) for line in lines], [0]), np.cross(toRAS[:3, 0], toRAS[:3, 1]))
-        node = self._model("probe", f"{browser.GetName()} beams", drawn)
+        node = self._own.model("probe", f"{browser.GetName()} beams")
+        node.SetAndObservePolyData(drawn)
         proxy = items.proxyOf(items.images)
         parent = proxy.GetParentTransformNode() if proxy is not None else None
         node.SetAndObserveTransformNodeID(parent.GetID() if parent is not None else None)
@@ -102,7 +101,8 @@ class ProbeOverlay:
         points = np.concatenate([points, points[:1]])
         shown = usable[:: math.ceil(len(usable) / MOST_OUTLINES)]
         lines = [_place(poses.image_to_reference[number], points) for number in shown]
-        node = self._model("outlines", f"{browser.GetName()} outlines", _polyLines(lines, shown))
+        node = self._own.model("outlines", f"{browser.GetName()} outlines")
+        node.SetAndObservePolyData(_polyLines(lines, shown))
         node.SetAndObserveTransformNodeID(None)
         display = node.GetDisplayNode()
         display.SetActiveScalar("frame", vtk.vtkAssignAttribute.CELL_DATA)
@@ -113,35 +113,9 @@ class ProbeOverlay:
         display.SetVisibility2D(False)
         return node
 
-    def hideProbe(self) -> None:
-        """Remove the sector and its beams."""
-        self._remove("probe")
-
-    def hideOutlines(self) -> None:
-        """Remove the outlines of the frames."""
-        self._remove("outlines")
-
-    def hide(self) -> None:
-        """Remove everything."""
-        for role in list(self._ids):
-            self._remove(role)
-
-    def _model(self, role: str, name: str, polyData):
-        node = self._scene.GetNodeByID(self._ids[role]) if role in self._ids else None
-        if node is None:
-            node = self._scene.AddNewNodeByClass("vtkMRMLModelNode", name)
-            # Drawn from the sweep whenever it is wanted: nothing to save, and no target for volumes or segments
-            node.SetSaveWithScene(False)
-            node.SetSelectable(False)
-            node.CreateDefaultDisplayNodes()
-            node.GetDisplayNode().SetSaveWithScene(False)
-            self._ids[role] = node.GetID()
-        node.SetAndObservePolyData(polyData)
-        return node
-
-    def _remove(self, role: str) -> None:
-        if role in self._ids:
-            removeNodes([self._scene.GetNodeByID(self._ids.pop(role))], self._scene)
+    def hide(self, *what: str) -> None:
+        """Remove the "probe", the "outlines", or everything."""
+        self._own.remove(*what)
 
 
 def outline(mask: np.ndarray) -> np.ndarray:
@@ -199,19 +173,8 @@ def _upright(lines: vtk.vtkPolyData, normal: np.ndarray) -> vtk.vtkPolyData:
 
 def _polyLines(lines: list[np.ndarray], numbers) -> vtk.vtkPolyData:
     """Lines of points (n, 3) as one polydata; the cell array "frame" holds the number of each, where there is one per line."""
-    points, cells = vtk.vtkPoints(), vtk.vtkCellArray()
-    points.SetData(numpy_support.numpy_to_vtk(np.concatenate(lines), deep=True))
-    start = 0
-    for line in lines:
-        cells.InsertNextCell(len(line))
-        for index in range(start, start + len(line)):
-            cells.InsertCellPoint(index)
-        start += len(line)
-    polyData = vtk.vtkPolyData()
-    polyData.SetPoints(points)
-    polyData.SetLines(cells)
+    ends = np.cumsum([0, *map(len, lines)])
+    drawn = polyData(np.concatenate(lines), lines=[np.arange(*each) for each in itertools.pairwise(ends)])
     if len(numbers) == len(lines):
-        frame = numpy_support.numpy_to_vtk(np.asarray(numbers, dtype=np.float32), deep=True)
-        frame.SetName("frame")
-        polyData.GetCellData().AddArray(frame)
-    return polyData
+        setScalars(drawn.GetCellData(), "frame", np.asarray(numbers, dtype=np.float32))
+    return drawn

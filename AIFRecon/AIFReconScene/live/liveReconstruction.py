@@ -2,6 +2,7 @@
 
 import collections
 import logging
+import sys
 import time
 from dataclasses import replace
 
@@ -13,7 +14,8 @@ from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
-from AIFReconLib.worker.scan_request import ECHOES, MODEL, PREDICTIONS, ScanRequest, begin_scan
+from AIFReconLib.worker.scan_request import ECHOES, MODEL, PREDICTIONS, ScanRequest
+from AIFReconLib.worker.scanning import begin_scan
 
 from ..inputs.boneNodes import isLabeled, probabilityFromNode
 from ..inputs.boneSource import BoneSource
@@ -323,4 +325,5 @@ def _requestOf(parameters, bone: FollowedBone, record) -> ScanRequest:
         image_device=parameters.liveImageDevice.strip() or None,
         record=record,
         guidance=parameters.guidance and bone.labels is not None,
+        search_path=tuple(sys.path),
     )

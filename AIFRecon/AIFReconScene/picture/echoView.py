@@ -4,9 +4,10 @@ import slicer
 from slicer.i18n import tr as _
 
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.raised import BANDS, raised_bands
 
 from ..display import sliceDisplay
-from ..sceneNodes import removeNodes
+from ..display.ownNodes import OwnNodes
 from ..transforms import ijkToRAS
 from ..volumes.volumeNodes import measuredOf, updateVolumeNode
 
@@ -20,19 +21,21 @@ OPACITIES = (0.0, 0.16, 0.30, 0.42, 0.52)
 class EchoView:
     """Keeps the slice views in step with two choices: the plain echo in the reconstruction's place, and the tint over the reconstruction.
 
-    The plain echo is a volume that was kept when the reconstruction was made. The tint is told from the two, for display only: it is
-    neither saved with the scene nor offered where a volume can be chosen, and lies in the label layer of views that have that free.
+    Notes
+    -----
+    The plain echo is a volume of the scene that was kept when the reconstruction was made. The tint is told from the two, for display only,
+    and lies in the label layer of views that have that free.
     """
 
     def __init__(self):
-        self._tintID = self._colorsID = None
+        self._own = OwnNodes()
         self._tintOf: tuple | None = None
         self._opacity: tuple | None = None
 
     @property
     def tintNode(self):
         """The labelmap node of the tint, or None where nothing is marked."""
-        return slicer.mrmlScene.GetNodeByID(self._tintID) if self._tintID else None
+        return self._own.get("tint")
 
     def update(self, parameters) -> None:
         """Show what is chosen, in every slice view that shows the reconstruction or its plain echo."""
@@ -52,18 +55,15 @@ class EchoView:
 
     def clear(self) -> None:
         """Take the tint out of the views and of the scene."""
-        scene = slicer.mrmlScene
         self._untint()
-        removeNodes([scene.GetNodeByID(each) for each in (self._colorsID, self._tintID) if each], scene)
-        self._tintID = self._colorsID = self._tintOf = self._opacity = None
+        self._own.remove()
+        self._tintOf = self._opacity = None
 
     def _untint(self) -> None:
         if self.tintNode is not None:
             sliceDisplay.showLabels(self.tintNode, None)
 
     def _tint(self, output, plain) -> None:
-        from AIFReconLib.inspection.raised import raised_bands
-
         node = self.tintNode or self._made()
         key = (output.GetID(), output.GetImageData().GetMTime(), plain.GetImageData().GetMTime())
         if self._tintOf != key:
@@ -73,29 +73,20 @@ class EchoView:
         sliceDisplay.showLabels(node, output)
 
     def _made(self):
-        scene = slicer.mrmlScene
-        node = scene.AddNewNodeByClass("vtkMRMLLabelMapVolumeNode", "Raised brightness")
-        colors = slicer.vtkMRMLColorTableNode()
-        colors.SetName("Raised brightness")
-        colors.SetTypeToUser()
-        colors.SetNumberOfColors(len(OPACITIES))
-        for number, opacity in enumerate(OPACITIES):
-            colors.SetColor(number, bandNames()[number], *TINT, opacity)
-        scene.AddNode(colors)
+        colors = self._own.colors("colors", "Raised brightness", [(name, (*TINT, each)) for name, each in zip(bandNames(), OPACITIES)])
+        node = self._own.add("tint", slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLabelMapVolumeNode", "Raised brightness"))
         node.CreateDefaultDisplayNodes()
         node.GetDisplayNode().SetAndObserveColorNodeID(colors.GetID())
-        for each in (node, colors, node.GetDisplayNode()):
-            each.SetSaveWithScene(False)
+        node.GetDisplayNode().SetSaveWithScene(False)
+        for each in (node, node.GetDisplayNode()):
             each.SetHideFromEditors(True)
         node.SetSelectable(False)
-        self._tintID, self._colorsID, self._tintOf = node.GetID(), colors.GetID(), None
+        self._tintOf = None
         return node
 
 
 def bandNames() -> list:
     """What the strengths of the tint stand for, in the user's language."""
-    from AIFReconLib.inspection.raised import BANDS
-
     names = [_("as bright as its echoes")]
     return names + [_("at least {share:.0%} of the brightness was added").format(share=band) for band in BANDS]
 

@@ -11,7 +11,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
-from ..sceneNodes import removeNodes
+from ..display.ownNodes import OwnNodes
 from ..transforms import matrixToWorld
 
 REACH = 0.6
@@ -27,7 +27,7 @@ class LevelNames:
     """A markups node for each of the red, yellow and green view, whose points follow the slice; drawn for orientation, and never saved."""
 
     def __init__(self):
-        self._nodeIDs, self._observed, self._shown = {}, [], {}
+        self._own, self._observed, self._shown = OwnNodes(), [], {}
         self._levels, self._key = [], None
 
     def update(self, parameters) -> None:
@@ -52,12 +52,9 @@ class LevelNames:
         """Take the names out of the views and of the scene."""
         for node, tag in self._observed:
             node.RemoveObserver(tag)
-        names = [slicer.mrmlScene.GetNodeByID(each) for each in self._nodeIDs.values()]
-        self._nodeIDs, self._observed, self._shown = {}, [], {}
+        self._observed, self._shown = [], {}
         self._levels, self._key = [], None
-        if names:
-            with slicer.util.RenderBlocker():
-                removeNodes(names, slicer.mrmlScene)
+        self._own.remove()
 
     def _follow(self, sliceNode) -> None:
         names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
@@ -73,17 +70,18 @@ class LevelNames:
             node.SetLocked(True)
 
     def _nodeOf(self, sliceNode):
-        scene = slicer.mrmlScene
-        node = scene.GetNodeByID(self._nodeIDs.get(sliceNode.GetID(), ""))
+        node = self._own.get(sliceNode.GetLayoutName())
         if node is not None:
             return node
         node = slicer.vtkMRMLMarkupsFiducialNode()
         node.SetName(f"Levels {sliceNode.GetLayoutName()}")
         node.SetHideFromEditors(True)
         with _placingKept():
-            node = scene.AddNode(node)
+            node = self._own.add(sliceNode.GetLayoutName(), node)
+        node.SetSelectable(False)
         node.CreateDefaultDisplayNodes()
         display = node.GetDisplayNode()
+        display.SetSaveWithScene(False)
         with slicer.util.NodeModify(display):
             display.AddViewNodeID(sliceNode.GetID())
             display.SetPointLabelsVisibility(True)
@@ -91,10 +89,6 @@ class LevelNames:
             display.SetGlyphSize(0.1)
             display.SetTextScale(LETTERS)
             display.SetSelectedColor(*COLOR)
-        for each in (node, display):
-            each.SetSaveWithScene(False)
-        node.SetSelectable(False)
-        self._nodeIDs[sliceNode.GetID()] = node.GetID()
         return node
 
 

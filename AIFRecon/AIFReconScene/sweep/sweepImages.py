@@ -19,7 +19,7 @@ class SweepImages:
     """Images in volume nodes (None where a frame has no image), an `ImageStack` (frames, rows, columns) of gray levels.
 
     Flips bring the stored images to MF orientation; colors are reduced to luminance as those of files are. A frame without an image reads
-    as zeros; its status keeps it out of a volume. Frames are looked at when they are read: asking every node for its image takes long.
+    as zeros; its status keeps it out of a volume. Frames are looked at when they are read: asking every node takes long in VTK.
 
     Raises SequenceFormatError when there is no image at all; so does a frame when it is read and is not 2D, or neither gray nor color.
     """

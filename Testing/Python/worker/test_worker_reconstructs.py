@@ -11,7 +11,6 @@ from sweeps import oblique_frames, two_vertebrae
 
 from AIFReconLib.compounding.state import BESIDE
 from AIFReconLib.errors import MethodError, SequenceFormatError
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.inspection.tracking_report import tracking_report
 from AIFReconLib.io.sequence.writer import write_sequence
@@ -19,18 +18,16 @@ from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.worker.reconstructing import Asked, PlacedBone, know_method, reconstructed
 from AIFReconLib.worker.recordings import frame_fields, images_between, read_recording, without_images
 
-POSE = TransformName("Image", "Reference")
-
 
 def sweep(count: int = 5) -> TrackedSequence:
     frames = oblique_frames(count=count)
-    records = [FrameRecord(frame.timestamp, transforms={POSE: TransformSample(frame.image_to_reference)}) for frame in frames]
-    return TrackedSequence(np.stack([frame.image for frame in frames]), records)
+    images, poses = ([getattr(frame, name) for frame in frames] for name in ("image", "image_to_reference"))
+    return TrackedSequence.from_arrays(np.stack(images), np.stack(poses), np.array([frame.timestamp for frame in frames]))
 
 
 def test_voxels_score_and_hits_are_those_of_the_library_and_the_report_is_of_the_sweep(worker):
@@ -78,10 +75,8 @@ def test_a_method_of_one_s_own_is_imported_where_it_lies_and_anew_when_its_file_
 
 
 def test_a_method_that_was_written_into_the_console_is_refused_in_a_sentence():
-    asked = Asked(sweep(), object.__new__(Recipe))
-    vars(asked.recipe)["method"] = "__main__:flat"
     with pytest.raises(MethodError, match=r"was written into the console\. Write it into a file"):
-        know_method(asked)
+        know_method("__main__:flat")
 
 
 def test_a_recording_comes_in_pieces_that_are_its_images(worker, tmp_path):

@@ -1,0 +1,97 @@
+"""Nodes that are drawn for a while: neither saved with the scene nor offered where a node can be chosen."""
+
+import numpy as np
+import slicer
+import vtk
+from vtk.util import numpy_support
+
+from ..sceneNodes import removeNodes
+
+
+class OwnNodes:
+    """Nodes by what they are for, made when they are first wanted, and anew where somebody has deleted them.
+
+    Parameters
+    ----------
+    scene : vtkMRMLScene or None
+        Default: Slicer's scene.
+    """
+
+    def __init__(self, scene=None):
+        self._scene, self._ids = scene, {}
+
+    @property
+    def scene(self):
+        """The scene that they are in."""
+        return self._scene or slicer.mrmlScene
+
+    def get(self, what: str):
+        """The node; None where there is none."""
+        return self.scene.GetNodeByID(self._ids[what]) if what in self._ids else None
+
+    def add(self, what: str, node):
+        """Put a node into the scene, if it is in none, and keep it; returns it."""
+        node.SetSaveWithScene(False)
+        node = node if node.GetScene() is not None else self.scene.AddNode(node)
+        self._ids[what] = node.GetID()
+        return node
+
+    def model(self, what: str, name: str):
+        """A model node with its display."""
+        node = self.get(what)
+        if node is None:
+            node = self.add(what, self.scene.AddNewNodeByClass("vtkMRMLModelNode", name))
+            node.SetSelectable(False)
+            node.CreateDefaultDisplayNodes()
+            node.GetDisplayNode().SetSaveWithScene(False)
+        return node
+
+    def colors(self, what: str, name: str, colors):
+        """A table of colors, each a name and (red, green, blue, opacity)."""
+        node = self.get(what)
+        if node is None:
+            node = slicer.vtkMRMLColorTableNode()
+            node.SetName(name)
+            node.SetTypeToUser()
+            node.SetHideFromEditors(True)
+            colors = list(colors)
+            node.SetNumberOfColors(len(colors))
+            for number, (called, color) in enumerate(colors):
+                node.SetColor(number, called, *color)
+            self.add(what, node)
+        return node
+
+    def remove(self, *what: str) -> None:
+        """Take these out of the scene, or all of them, the last one first."""
+        taken = [self._ids.pop(each) for each in what or tuple(self._ids) if each in self._ids]
+        removeNodes([self.scene.GetNodeByID(each) for each in taken], self.scene)
+
+
+def polyData(points: np.ndarray, polygons=(), lines=()) -> vtk.vtkPolyData:
+    """Points (n, 3), and polygons and lines, each the numbers of its points."""
+    places, drawn = vtk.vtkPoints(), vtk.vtkPolyData()
+    places.SetData(numpy_support.numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    drawn.SetPoints(places)
+    for cells, take in ((polygons, drawn.SetPolys), (lines, drawn.SetLines)):
+        if len(cells):
+            starts = np.cumsum([0, *map(len, cells)])
+            array = vtk.vtkCellArray()
+            array.SetData(*(numpy_support.numpy_to_vtkIdTypeArray(each, deep=True) for each in (starts, np.concatenate(cells))))
+            take(array)
+    return drawn
+
+
+def setScalars(attributes, name: str, values: np.ndarray) -> None:
+    """Give the points or the cells of polydata a value each."""
+    array = numpy_support.numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+    array.SetName(name)
+    attributes.SetScalars(array)
+
+
+def colorBy(display, name: str, colors, low: float, high: float) -> None:
+    """Color a model by the scalars of its points, from `low` to `high`."""
+    display.SetAndObserveColorNodeID(colors.GetID())
+    display.SetActiveScalar(name, vtk.vtkAssignAttribute.POINT_DATA)
+    display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
+    display.SetScalarRange(low, high)
+    display.SetScalarVisibility(True)
