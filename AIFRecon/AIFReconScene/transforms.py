@@ -18,13 +18,7 @@ def vtkMatrixOf(array):
 
 
 def matrixToParent(transformNode) -> np.ndarray:
-    """The (4, 4) matrix of a linear transform node, from its children to its parent, mm.
-
-    Raises
-    ------
-    TransformError
-        When the transform is not linear.
-    """
+    """The (4, 4) matrix of a linear transform node, from its children to its parent, mm; a TransformError for another."""
     if not transformNode.IsLinear():
         raise TransformError(
             f"Transform {transformNode.GetName()!r} must be linear; got a warping one, which cannot place an image or a grid. Harden "
@@ -46,13 +40,7 @@ def parentTransforms(node) -> list:
 
 
 def matrixToWorld(node) -> np.ndarray:
-    """From a node's own coordinates to RAS world: the product of its parent transforms, (4, 4) float64, mm.
-
-    Raises
-    ------
-    TransformError
-        Names the transform that is not linear.
-    """
+    """From a node's own coordinates to RAS world: the product of its parent transforms, (4, 4), mm; errors as of `matrixToParent`."""
     matrix = np.eye(4)
     for parent in parentTransforms(node):
         matrix = matrixToParent(parent) @ matrix
@@ -69,16 +57,8 @@ def ijkToRAS(volumeNode) -> np.ndarray:
 def atRightAngles(imageToWorld: np.ndarray, columns: int, rows: int) -> np.ndarray:
     """The placement of an image that is nearest to an affine one among those that a volume node can hold, for display.
 
-    Parameters
-    ----------
-    imageToWorld : (4, 4) array
-        Pixel (column, row) to RAS world, mm. Calibrations are affine fits: axes some degrees off a right angle are usual.
-    columns, rows : int
-
-    Returns
-    -------
-    placement : (4, 4) float64 array
-        The same plane, pixel sizes and middle of the image; axes at right angles.
+    `imageToWorld` (4, 4) takes pixels (column, row) to RAS world, mm. Calibrations are affine fits: axes some degrees off a right angle are
+    usual. What comes back has the same plane, pixel sizes and middle of the image.
 
     Notes
     -----

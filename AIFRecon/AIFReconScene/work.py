@@ -11,25 +11,10 @@ worker = Worker()
 
 
 def inWorker(function, *arguments, progress=None, **named):
-    """What ``function(*arguments, **named)`` of the library returns, called in the worker.
+    """What ``function(*arguments, **named)`` of the library returns, called in the worker, or raises.
 
-    Parameters
-    ----------
-    function : callable
-        Of AIFReconLib: its name is what the worker is told. Given `progress` there, where it takes that.
-    *arguments, **named
-        Whatever can be pickled; arrays cross in shared memory.
-    progress : callable or None
-        As everywhere; hears of the call every 20 ms. None: nobody waits for events.
-
-    Raises
-    ------
-    OperationCanceled
-        When `progress` returns False.
-    WorkerDiedError
-        When the process has died.
-    Exception
-        Whatever the function raises.
+    Its name is what the worker is told, and arguments are what can be pickled; arrays cross in shared memory. `progress` hears of the call
+    every 20 ms, and may cancel it; without it nobody waits for events. Raises WorkerDiedError when the process has died.
     """
     return worker.call(function, *arguments, progress=progress, **named)
 

@@ -6,16 +6,7 @@ from .choosers import Follower
 
 
 class BoneSourceChooser(Follower):
-    """Keeps a list and the parameter `boneSource` alike, and shows the fields of the source that is chosen.
-
-    Parameters
-    ----------
-    comboBox : QComboBox
-    fieldsOf : dict from BoneSource to tuple of widgets
-        Shown with that source alone.
-    live : bool
-        Whether it is about a scan.
-    """
+    """Keeps a list and the parameter `boneSource` alike, and shows those of `fieldsOf` that belong to the source that is chosen."""
 
     def __init__(self, comboBox, fieldsOf, live=False):
         self._comboBox, self._fieldsOf = comboBox, fieldsOf

@@ -13,12 +13,7 @@ from slicer.i18n import tr as _
 class CheckableList:
     """Items of a combo box, each with a check mark; hidden with its label where there are none.
 
-    Parameters
-    ----------
-    comboBox : ctkCheckableComboBox
-    label : QLabel
-    onChecked : callable
-        Called with the keys of the checked items when the user changes them.
+    `onChecked` is called with the keys of the checked items when the user changes them.
     """
 
     def __init__(self, comboBox, label, onChecked):
@@ -60,16 +55,7 @@ class Follower:
 
 
 class SweepsChooser(Follower):
-    """Shows the other sweeps of the scene that have frames which can be placed; those that are checked enter the volume too.
-
-    Parameters
-    ----------
-    comboBox : ctkCheckableComboBox
-    label : QLabel
-        Hidden with the list where there is no other sweep.
-    offered : callable
-        From the parameters to the sequence browsers that can be chosen.
-    """
+    """Shows the other sweeps of the scene that have frames which can be placed, as `offered` tells; those that are checked enter too."""
 
     def __init__(self, comboBox, label, offered):
         self._offered = offered
@@ -96,14 +82,7 @@ class SweepsChooser(Follower):
 
 
 class SegmentsChooser(Follower):
-    """Shows the segments of the chosen segmentation with check marks; none checked means all.
-
-    Parameters
-    ----------
-    comboBox : ctkCheckableComboBox
-    label : QLabel
-        Hidden with the list where the bone is no segmentation.
-    """
+    """Shows the segments of the chosen segmentation with check marks; none checked means all."""
 
     def __init__(self, comboBox, label):
         self._list = CheckableList(comboBox, label, self._onChecked)
@@ -153,12 +132,7 @@ class SegmentsChooser(Follower):
 
 
 class MethodChooser(Follower):
-    """Keeps the list and two parameters alike: `method`, and `ownMethod`, which comes before it where it is not empty.
-
-    Parameters
-    ----------
-    comboBox : QComboBox
-    """
+    """Keeps the list and two parameters alike: `method`, and `ownMethod`, which comes before it where it is not empty."""
 
     def __init__(self, comboBox):
         self._comboBox = comboBox
@@ -190,12 +164,7 @@ class MethodChooser(Follower):
 
 
 class PresetChooser(Follower):
-    """Sets many parameters at once, and says which preset they are now; "own settings" where they are none.
-
-    Parameters
-    ----------
-    comboBox : QComboBox
-    """
+    """Sets many parameters at once, and says which preset they are now; "own settings" where they are none."""
 
     def __init__(self, comboBox):
         self._comboBox = comboBox

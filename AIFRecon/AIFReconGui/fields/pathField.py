@@ -9,14 +9,7 @@ PATHS = ("recordingPath", "configurationPath", "liveRecordPath", "importanceMask
 
 
 class PathField:
-    """Follows one `pathlib.Path` parameter; the empty path is an empty line.
-
-    Parameters
-    ----------
-    lineEdit : ctkPathLineEdit
-    name : str
-        Of the parameter.
-    """
+    """Follows the `pathlib.Path` parameter of a name; the empty path is an empty line."""
 
     def __init__(self, lineEdit, name: str):
         # Qt's loader translates the strings of a .ui file, but not its lists of strings

@@ -29,13 +29,7 @@ def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
 def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
     """Enable what can be done, and say what is missing for the rest.
 
-    Parameters
-    ----------
-    ui, logic, parameters
-    waits : str
-        Why everything has to wait; empty where it need not.
-    report : str
-        What was done last; it stays to be read where something is missing for the next.
+    `waits` says why everything has to wait, `report` what was done last, which stays to be read where something is missing for the next.
     """
     cannot = logic.whyNotReconstruct(parameters)
     for button, missing, does in (

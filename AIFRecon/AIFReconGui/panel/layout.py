@@ -9,17 +9,9 @@ SETTLED = 100
 def say(label, text: str, keepsRoom: bool = False) -> None:
     """Show a text in a label that wraps its words, with room for all of its lines.
 
-    Parameters
-    ----------
-    label : QLabel
-    text : str
-    keepsRoom : bool
-        Room that was needed once stays until there is no text: what lies below would jump with every text.
-
-    Notes
-    -----
-    The panel's layouts hear of a least height at once, but go by what they knew of the height that a width asks for: without a least
-    height a text that grows squeezes the sections around it, in Slicer itself though not everywhere.
+    Where it `keepsRoom`, room that was needed once stays until there is no text: what lies below would jump with every text. The panel's
+    layouts hear of a least height at once, but go by what they knew of the height that a width asks for: without a least height a text that
+    grows squeezes the sections around it, in Slicer itself though not everywhere.
     """
     label.text = text
     least = label.minimumHeight if keepsRoom and text else 0
@@ -42,11 +34,6 @@ class RoomForTexts(qt.QObject):
 
     The user makes it narrower, or the scroll bar comes that a longer text has called for. Labels keep the room that the .ui file gives them
     at least: below the large letters of a scan are its buttons, which must not jump from under the finger.
-
-    Parameters
-    ----------
-    panel : QWidget
-    ui : namespace of the widgets in it
     """
 
     def __init__(self, panel, ui):
@@ -71,11 +58,7 @@ class RoomForTexts(qt.QObject):
 class Tabs:
     """The tabs Recorded and Live. The panel is as high as the one that is shown: Qt asks for the room of the highest.
 
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    onShown : callable
-        Called without arguments when another is shown: its texts need their room anew.
+    `onShown` is called when another is shown: its texts need their room anew.
     """
 
     def __init__(self, ui, onShown):
