@@ -28,9 +28,8 @@ except ImportError:
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.sweep.severalSweeps import offered
 from AIFReconScene.sweep.sweepReport import SweepReport
-from AIFReconScene.sweep.sweepStatus import SweepStatus
+from AIFReconScene.sweep.sweepStatus import SweepStatus, offered
 from AIFReconScene.work import inWorker, worker
 
 from AIFReconLib.errors import OperationCanceled
@@ -273,7 +272,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         given = Inputs(sweep=sweep, bone=bone, recipe=Recipe(**{"best_cosine": "cosine" in keep, **settings}), **more)
         with progressOr(progress, _("Reconstruction")) as progress:
             made = self._made(given, keep, progress)
-        return self._kept(made, given, output, keep)["intensity"]
+        return self._kept(made, given, output, keep)
 
     # ---- for the panel
 
@@ -325,7 +324,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
         # Drawn once, when all of it is shown
         with slicer.util.RenderBlocker():
-            node = self._kept(made, inputs, parameters.output, keep)["intensity"]
+            node = self._kept(made, inputs, parameters.output, keep)
             if progress is not None:
                 progress(0.85, "Showing the volume")  # it is there: too late to cancel
             if node.GetScene() is None or parameters.sweep is None:
@@ -361,11 +360,17 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self._tracking.remember(inputs, made.result.method, made.tracking)
         return made
 
-    def _kept(self, made, inputs, output, keep) -> dict:
-        from AIFReconScene.picture.kept import keptNodes
+    def _kept(self, made, inputs, output, keep):
+        """The volume node of what was `Made`, with what is kept beside it; None as `output`: a new one."""
+        from AIFReconScene.picture.spineView import keepSpine
+        from AIFReconScene.volumes.volumeNodes import outputNodes
 
         slicer.mrmlScene.SaveStateForUndo()
-        return keptNodes(made, inputs, output, keep)
+        kinds, given = ("intensity", *keep), {"intensity": output}
+        with slicer.util.RenderBlocker():
+            nodes = outputNodes(made.result, inputs.name, kinds, given, inputs=inputs.nodes(), measured=made.measured)
+            keepSpine(nodes["intensity"], made.surface, inputs.name)
+        return nodes["intensity"]
 
 
 class AIFReconTest(ScriptedLoadableModuleTest):
@@ -379,10 +384,10 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         """The peaks across the segmented surface lie on it."""
         from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.transforms import ijkToRAS
-        from AIFReconScene.volumes.metricsTable import measureVolumes
         from AIFReconScene.volumes.phantomSample import loadPhantom
 
         from AIFReconLib import Volume
+        from AIFReconLib.worker.evaluating import measured_volumes
 
         loadPhantom()
         logic = AIFReconLogic()
@@ -390,5 +395,5 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         readiness.chooseDefaults(parameters)
         node = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
         volume = Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))
-        bone = measureVolumes({"": volume}, labelsFromNode(parameters.bone))[""].bone
+        bone = inWorker(measured_volumes, {"": volume}, labelsFromNode(parameters.bone))[""].bone
         self.assertTrue(bone.coverage > 0.1 and bone.localization_error < 1.0, bone)

@@ -9,13 +9,7 @@ from AIFReconLib.errors import AIFReconError, OperationCanceled
 
 
 class Outcome:
-    """What became of a block.
-
-    Parameters
-    ----------
-    error : AIFReconError or None
-        What was shown; OperationCanceled is not.
-    """
+    """What became of a block: its `error` is what was shown, or a cancel."""
 
     def __init__(self):
         self.error = None
@@ -23,21 +17,8 @@ class Outcome:
 
 @contextlib.contextmanager
 def errorsShown(failure: str, waitCursor: bool = False):
-    """Errors of the library end the block and are shown in the panel's words, without the marks of a bug; others are raised.
+    """Errors of the library end the block and are shown under `failure`, in the panel's words; others are raised. Yields the `Outcome`.
 
-    Parameters
-    ----------
-    failure : str
-        What could not be done, translated; it stands above the error.
-    waitCursor : bool
-
-    Yields
-    ------
-    outcome : Outcome
-        Its `error` tells after the block how it ended.
-
-    Notes
-    -----
     Slicer's error display leaves a traceback and marks the application's error log, and so does its warning: right for a bug, wrong for
     a calibration that was not given. A bug still goes that way.
     """

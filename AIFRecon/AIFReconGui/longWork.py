@@ -11,13 +11,7 @@ from .progressDialog import ProgressDialog
 
 
 class LongWork:
-    """Does one thing at a time, and stops it when a node that it needs is deleted or the panel goes.
-
-    Parameters
-    ----------
-    panel : QWidget
-        Takes no input while work goes on.
-    """
+    """Does one thing at a time, and stops it when a node that it needs is deleted or the panel goes, which takes no input meanwhile."""
 
     def __init__(self, panel):
         self._panel = panel

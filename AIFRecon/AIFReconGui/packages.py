@@ -60,32 +60,30 @@ def isInstalled(requirement: str) -> bool:
 def ensureLivePackages() -> None:
     """Make sure that pyigtl is there, asking the user first; then offer what makes a scan faster.
 
-    Raises
-    ------
-    PackageMissingError
-        When the user declines, the installation fails, or Slicer runs tests: it installs nothing then.
+    Raises PackageMissingError when the user declines, the installation fails, or Slicer runs tests: it installs nothing then.
     """
-    error = _installedIfWanted(
-        missingLivePackages(),
-        _("To receive live images, AIFRecon needs the Python package pyigtl, a small download from the internet. Install it now?"),
-    )
-    if error is not None:
-        raise PackageMissingError(f"pyigtl was not installed, and live reconstruction needs it: {error}") from error
-    if missing := missingLivePackages():
-        raise PackageMissingError("{packages} is not installed, and live reconstruction needs it.".format(packages=", ".join(missing)))
+    question = _("To receive live images, AIFRecon needs the Python package pyigtl, a small download from the internet. Install it now?")
+    _ensure(missingLivePackages, question, "live reconstruction needs it")
     offerSpeed()
 
 
 def ensureModelPackages() -> None:
     """Make sure that onnxruntime is there, asking the user first; errors as for `ensureLivePackages`."""
-    missing = [] if isInstalled(MODEL) else [MODEL]
-    error = _installedIfWanted(
-        missing, _("An AI model in a file needs the Python package onnxruntime, a download from the internet. Install it now?")
-    )
-    if error is not None:
-        raise PackageMissingError(f"onnxruntime was not installed, and an AI model in a file needs it: {error}") from error
-    if not isInstalled(MODEL):
-        raise PackageMissingError(f"{MODEL} is not installed, and an AI model in a file needs it.")
+    question = _("An AI model in a file needs the Python package onnxruntime, a download from the internet. Install it now?")
+    _ensure(lambda: [] if isInstalled(MODEL) else [MODEL], question, "an AI model in a file needs it")
+
+
+def _ensure(missing, question: str, need: str) -> None:
+    """Install what is missing where the user agrees."""
+    names = ", ".join(missing())
+    try:
+        # slicer.packaging asks on its own
+        if names and (_slicerPackaging() is not None or slicer.util.confirmOkCancelDisplay(question)):
+            _install(missing())
+    except (RuntimeError, subprocess.CalledProcessError) as error:
+        raise PackageMissingError(f"{names} was not installed, and {need}: {error}") from error
+    if missing():
+        raise PackageMissingError(f"{names} is not installed, and {need}.")
 
 
 def packagesAreThere(parameters, failure: str, live: bool = False) -> bool:
@@ -121,17 +119,6 @@ def offerSpeed() -> None:
         except (RuntimeError, subprocess.CalledProcessError) as error:
             # Slicer has shown why; the work goes on without it
             logging.getLogger(__name__).info("numba was not installed: %s", error)
-
-
-def _installedIfWanted(missing: list[str], question: str) -> "Exception | None":
-    """Install what is missing where the user agrees; the error where that fails."""
-    try:
-        # slicer.packaging asks on its own
-        if missing and (_slicerPackaging() is not None or slicer.util.confirmOkCancelDisplay(question)):
-            _install(missing)
-    except (RuntimeError, subprocess.CalledProcessError) as error:
-        return error
-    return None
 
 
 def _slicerPackaging():

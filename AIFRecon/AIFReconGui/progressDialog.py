@@ -7,15 +7,8 @@ import slicer
 
 
 class ProgressDialog:
-    """Shows progress and asks for cancel; use it as a context manager and pass it on as `progress`.
+    """Shows progress under a title and asks for cancel; use it as a context manager and pass it on as `progress`.
 
-    Parameters
-    ----------
-    title : str
-        What is being done, translated.
-
-    Notes
-    -----
     This is the only place below the widget's slots that lets Qt handle events while work goes on, so that the views stay alive and
     Cancel is heard. `cancel` may be called from outside as well, as the widget does when the scene is closed. The application may end
     in those events: it destroys its panels at once and lets Python go on, so nothing of Qt is touched after a cancel but what is still

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import itertools
 import logging
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -18,9 +16,6 @@ from ..errors import SettingsError
 from ..progress import Progress, report
 
 logger = logging.getLogger(__name__)
-
-NICE = 10
-"""Of 0, as every thread begins, to 19: where all cores are wanted, such a thread has about a tenth of what others have."""
 
 STEP = 0.05
 """s of a step of work; after each a cancel can be heard."""
@@ -84,20 +79,6 @@ def start(thread: threading.Thread) -> bool:
         logger.warning("The system allows no more threads (%s): %s does without", error, thread.name)
         return False
     return True
-
-
-def give_way() -> None:
-    """Let the calling thread, and those that it starts, have a core only where no other thread wants one, or nearly so.
-
-    For work that nobody waits for within moments, beside windows that are drawn. Linux alone knows a priority of each thread (its "nice"
-    value, `setpriority(2)`); elsewhere nothing changes, nor where the thread gives way by as much already.
-    """
-    if sys.platform != "linux":
-        return
-    thread = threading.get_native_id()
-    # A system may forbid what it knows
-    with contextlib.suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, thread, max(os.getpriority(os.PRIO_PROCESS, thread), NICE))
 
 
 def checked_threads(threads: int | None) -> int:

@@ -165,18 +165,6 @@ def compared_methods(
     return Compared({method: _with(result, ()) for method, result in results.items()}, metrics, tuple(lines))
 
 
-def bone_map(bone: PlacedBone, sigma_voxels: float | None, sigma_mm: float | None, progress: Progress | None = None) -> BoneMap:
-    """The map of bone that is given, with labels smoothed as `BoneMap.from_labels` does."""
-    from ..bone.map import BoneMap
-    from ..bone.widths import SIGMA_VOXELS
-
-    with _about(bone.name):
-        if not bone.is_labeled:
-            return BoneMap.from_probability(bone.volume, bone.to_reference)
-        voxels = SIGMA_VOXELS if sigma_voxels is None else sigma_voxels
-        return BoneMap.from_labels(bone.volume, voxels, sigma_mm, bone.to_reference, progress)
-
-
 def imaging_of(sequence: TrackedSequence, needs_probe: bool, recipe: Recipe) -> tuple[ProbeGeometry | None, ImageRegion]:
     """Probe and region as a reconstruction would use them; the probe is looked for in the images where it is needed.
 

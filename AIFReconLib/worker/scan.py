@@ -68,7 +68,7 @@ class Scan:
         # Refused before the scan, not in it
         self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
         self._method = recipe.method_for(True)
-        earlier = TakenUp(request.record, configuration) if request.takes_up and request.record is not None else None
+        earlier = TakenUp(request.record, configuration, request.spans) if request.takes_up and request.record is not None else None
         self.session = LiveSession(
             self._given or OpenIGTLinkClient(*request.server or ("", 0)),
             recipe,
@@ -99,7 +99,7 @@ class Scan:
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
             if earlier is not None:
-                self.session.take_up(earlier, request.spans)
+                self.session.take_up(earlier)
                 self._spans = list(request.spans)
             self.session.start()
         except BaseException:

@@ -11,13 +11,11 @@ from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume, VoxelGrid
 from ..live.pairing.synchronizer import LiveFrame
 from ..live.session.statistics import ALL, LiveStatistics, Spans
-from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 
 if TYPE_CHECKING:
     from ..guidance.seen import GuidanceSeen
-    from .scan import Scan
 
 ECHOES, PREDICTIONS, MODEL = BONE_FROM = "echoes", "predictions", "model"
 """What in the frames themselves says where bone is."""
@@ -149,10 +147,3 @@ class Ended:
     recorded: Path | None = None
     predictions: Path | None = None
     problems: tuple[str, ...] = ()
-
-
-def begin_scan(request: ScanRequest, progress: Progress | None = None) -> Scan:
-    """Begin a scan; to be kept in the worker."""
-    from .scan import Scan
-
-    return Scan(request, progress)

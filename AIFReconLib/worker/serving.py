@@ -8,10 +8,12 @@ import inspect
 import logging
 import os
 import pickle
+import queue
 import sys
 import threading
 import time
 import traceback
+from collections.abc import Callable
 from multiprocessing import connection
 from typing import Any
 
@@ -24,6 +26,9 @@ LIBRARY = "AIFReconLib"
 
 REPORT_EVERY = 0.05
 """s between two reports of a call."""
+
+GIVES_WAY = 5
+"""Of 0, as a program begins, to 19: where all cores are wanted, the program's windows are drawn first."""
 
 LONGEST_END = 60.0
 """s that what is kept has to finish, such as the recording of a scan, when the program has ended."""
@@ -38,6 +43,7 @@ def main() -> None:
     handle, level = int(sys.argv[1]), int(sys.argv[2])
     faulthandler.enable()
     if os.name != "nt":
+        os.nice(GIVES_WAY)
         # No program that is started from here keeps the connection
         os.set_inheritable(handle, False)
     server = _Server(Channel(getattr(connection, "PipeConnection", connection.Connection)(handle)))
@@ -61,13 +67,18 @@ class _Server(logging.Handler):
         self._canceled: dict[int, threading.Event] = {}
         self._kept: dict[int, Any] = {}
         self._ending: list[threading.Thread] = []
+        self._in_order: queue.SimpleQueue[Call] = queue.SimpleQueue()
+        self._thread(self._answer_in_order)
 
     def run(self) -> None:
         while True:
             message = self._channel.receive()
             if isinstance(message, Call):
                 self._canceled[message.number] = threading.Event()
-                threading.Thread(target=self._answer, args=[message], name="aifrecon call", daemon=True).start()
+                if self._is_short(message):
+                    self._in_order.put(message)
+                else:
+                    self._thread(self._answer, message)
             elif isinstance(message, Cancel):
                 self._cancel(message.number)
             elif isinstance(message, Forget):
@@ -104,8 +115,22 @@ class _Server(logging.Handler):
         kept = self._kept.pop(number, None)
         if hasattr(kept, "close"):
             self._ending = [thread for thread in self._ending if thread.is_alive()]
-            self._ending.append(threading.Thread(target=_close, args=[kept], name="aifrecon end", daemon=True))
-            self._ending[-1].start()
+            self._ending.append(self._thread(_close, kept))
+
+    def _thread(self, function: Callable[..., None], *arguments: Any) -> threading.Thread:
+        thread = threading.Thread(target=function, args=arguments, name="aifrecon worker", daemon=True)
+        thread.start()
+        return thread
+
+    def _is_short(self, call: Call) -> bool:
+        """Whether a call is of a method that tells no progress: those are answered one by one, in the order in which they were asked."""
+        first = call.arguments[0] if isinstance(call.function, str) else None
+        method = getattr(self._kept.get(first.number), str(call.function), None) if isinstance(first, Kept) else None
+        return method is not None and "progress" not in inspect.signature(method).parameters
+
+    def _answer_in_order(self) -> None:
+        while True:
+            self._answer(self._in_order.get())
 
     def _answer(self, call: Call) -> None:
         number, canceled = call.number, self._canceled[call.number]
@@ -119,7 +144,11 @@ class _Server(logging.Handler):
         try:
             self._send(answer)
         except Exception as error:  # it cannot be pickled, or there is no memory for it
-            self._send(Returned(number, error=_that_crosses(error)))
+            try:
+                self._send(Returned(number, error=_that_crosses(error)))
+            except Exception:
+                # Who waits for an answer hears of the end of this process at least
+                os._exit(1)
 
     def _called(self, call: Call, canceled: threading.Event) -> Any:
         arguments = [self._meant(each) for each in call.arguments]

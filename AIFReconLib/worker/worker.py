@@ -124,7 +124,8 @@ class Worker:
         Parameters
         ----------
         function : callable or str
-            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`.
+            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`; those that take no
+            progress are called one after the other.
         keep : bool
             What it returns stays in the worker; the task's result is `Kept`.
         """
@@ -224,7 +225,7 @@ class Worker:
             os.set_handle_inheritable(theirs.fileno(), True)
             streams = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
             handles = subprocess.STARTUPINFO(lpAttributeList={"handle_list": [theirs.fileno()]})
-            options = {"startupinfo": handles, "creationflags": NO_WINDOW, **streams}
+            options = {"startupinfo": handles, "creationflags": NO_WINDOW | subprocess.BELOW_NORMAL_PRIORITY_CLASS, **streams}
         command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
         try:
             # In a session of its own: Ctrl-C and the end of a terminal are for the program, which says when the worker ends

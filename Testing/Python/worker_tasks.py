@@ -133,12 +133,17 @@ class Counter:
     """What is kept in the worker. Its end takes time, and is noted in a file."""
 
     def __init__(self, file: str, seconds: float = 0.0):
-        self.value, self._file, self._seconds = 0, Path(file), seconds
+        self.value, self.added, self._file, self._seconds = 0, [0], Path(file), seconds
 
     def add(self, number: int) -> int:
         """How far it is."""
         self.value += number
+        self.added.append(number)
         return self.value
+
+    def all(self) -> list[int]:
+        """What was added."""
+        return self.added
 
     def close(self) -> None:
         """The end."""

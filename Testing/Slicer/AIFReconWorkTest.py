@@ -49,8 +49,8 @@ class AIFReconWorkTest(unittest.TestCase):
         """Press a button and cancel, or do something else, as soon as `work` of the logic has come so far."""
         do = getattr(self.widget.logic, work)
 
-        def canceled(*arguments):
-            *parameters, progress = arguments
+        def canceled(*parameters, progress=None):
+            *parameters, progress = parameters if progress is None else (*parameters, progress)
 
             def report(done, message):
                 if done >= fraction:

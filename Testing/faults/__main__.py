@@ -15,7 +15,7 @@ from pathlib import Path
 TESTING = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTING.parent), str(TESTING / "Python")]
 
-from faults import changing, endings, killing, places, writers  # noqa: E402
+from faults import changing, endings, killing, places, workers, writers  # noqa: E402
 from faults.commands import COMMANDS, CONVERT, LONG_COMMANDS  # noqa: E402
 from faults.ledger import Ledger  # noqa: E402
 from faults.readers import READERS  # noqa: E402
@@ -25,6 +25,8 @@ KINDS = {
     "changing": changing.run,
     "endings": endings.run,
     "kill": lambda ledger: killing.run(ledger, writers.WRITERS + writers.RECORDINGS, COMMANDS + LONG_COMMANDS),
+    # Last: what forks must not have had threads
+    "worker": workers.run,
 }
 
 QUICK = {
@@ -32,6 +34,7 @@ QUICK = {
     "changing": lambda ledger: changing.run(ledger, READERS[:1], moments=3, places=2),
     "endings": lambda ledger: endings.run(ledger, (CONVERT,), endings.SURROUNDINGS[2:5], trials=2),
     "kill": lambda ledger: killing.run(ledger, (writers.SEQUENCES[-1], writers.RECORDINGS[1]), (CONVERT,), 12, 2),
+    "worker": lambda ledger: workers.run(ledger, trials=3),
 }
 """The same with few kinds of files, a few times each: to see that it all works."""
 

@@ -38,8 +38,6 @@ class Dialogs:
         Returned by the next dialogs, in order: an enumeration value, a path, or text.
     progress : list of str
         Every text that progress dialogs have shown, in order, without repetitions in a row.
-    cancel_after : int or None
-        Press Cancel in a progress dialog at that many updates of its value.
     on_progress : callable or None
         Called with the value at every update of a progress dialog.
     """
@@ -47,9 +45,7 @@ class Dialogs:
     shown: list[ShownDialog] = field(default_factory=list)
     answers: list = field(default_factory=list)
     progress: list[str] = field(default_factory=list)
-    cancel_after: int | None = None
     on_progress: object = None
-    _updates: int = 0
 
     def answer(self, default):
         return self.answers.pop(0) if self.answers else default
@@ -58,11 +54,7 @@ class Dialogs:
         self.shown.clear()
         self.answers.clear()
         self.progress.clear()
-        self.cancel_after, self.on_progress, self._updates = None, None, 0
-
-    def cancel_progress(self, after: int = 1) -> None:
-        """Have Cancel pressed at the given update of the next progress dialog: the first value above 0 is number 1."""
-        self.cancel_after, self._updates = after, 0
+        self.on_progress = None
 
     def messages(self) -> list[str]:
         return [dialog.text for dialog in self.shown]
@@ -76,13 +68,8 @@ class QProgressDialog(QtWidgets.QProgressDialog):
 
     def setValue(self, value):
         super().setValue(value)
-        DIALOGS._updates += value > 0
         if DIALOGS.on_progress is not None:
             DIALOGS.on_progress(value)
-        if value > 0 and DIALOGS.cancel_after is not None and DIALOGS._updates >= DIALOGS.cancel_after:
-            DIALOGS.cancel_after = None
-            for button in self.findChildren(QtWidgets.QPushButton):
-                button.click()
 
     def setLabelText(self, text):
         super().setLabelText(text)

@@ -6,7 +6,7 @@ import qt
 import slicer
 from AIFReconScene.inputs import boxes, presets
 from AIFReconScene.inputs.parameters import Method, Region, inWords, ownMethods
-from AIFReconScene.sweep.severalSweeps import furtherSweeps
+from AIFReconScene.sweep.sweepStatus import furtherSweeps
 from slicer.i18n import tr as _
 
 

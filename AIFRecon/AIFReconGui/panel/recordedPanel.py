@@ -33,16 +33,7 @@ LONGEST_NAMES = 40
 
 
 class RecordedPanel(Follower):
-    """Connects the buttons of the tab to the logic, and lets everything follow the parameters.
-
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    logic : AIFReconLogic
-    work : LongWork
-    refresh : callable
-        Called without arguments when something was done.
-    """
+    """Connects the buttons of the tab to the logic, and lets everything follow the parameters; `refresh` is called after work."""
 
     def __init__(self, ui, logic, work, refresh):
         self._ui, self._logic, self._work, self._refresh = ui, logic, work, refresh

@@ -1,4 +1,4 @@
-"""A bone map from what the scene has of a CT: a segmentation, a labelmap volume, or a volume of probabilities. The scene stays as it is."""
+"""Bone as the scene has it of a CT: a segmentation, a labelmap volume, or a volume of probabilities. The scene stays as it is."""
 
 import math
 from contextlib import contextmanager
@@ -12,11 +12,9 @@ from AIFReconLib.bone.widths import SIGMA_VOXELS
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import listed
-from AIFReconLib.progress import Progress, part, report
-from AIFReconLib.worker.reconstructing import PlacedBone, bone_map
+from AIFReconLib.progress import Progress, report
 
 from ..transforms import arrayOf, ijkToRAS, matrixToWorld
-from ..work import inWorker
 
 PADDING = 8
 """Voxels of nothing around segments that have no reference geometry, beyond what smoothing reaches."""
@@ -26,50 +24,6 @@ SMOOTHING_REACH = 4.0
 
 CLOSEST = 1e-4
 """mm and voxels: what lies so close lies in the same place."""
-
-
-def boneMapFromNode(
-    node,
-    segmentIDs: list[str] | None = None,
-    *,
-    sigmaVoxels: float | None = None,
-    sigmaMm: float | None = None,
-    referenceVolumeNode=None,
-    labels: Volume | None = None,
-    progress: Progress | None = None,
-):
-    """The `BoneMap` of a node, placed in RAS world by its parent transforms.
-
-    Parameters
-    ----------
-    node : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode or vtkMRMLScalarVolumeNode
-        Segments or labels are bone, any label above 0; a scalar volume is a bone probability, 0 to 1.
-    segmentIDs : list of str or None
-        Which segments are bone. Default: all of them, shown or not.
-    sigmaVoxels, sigmaMm : float or None
-        Smoothing of labels, see `BoneMap.from_labels`. Default: the library's, in voxels.
-    referenceVolumeNode : vtkMRMLVolumeNode or None
-        Whose voxels segments are brought to that are surfaces only and know no reference geometry; usually the CT.
-    labels : Volume or None
-        Those of the node, where `ownLabels` has made them already.
-    progress : Progress or None
-
-    Raises
-    ------
-    GeometryError
-        When there is no bone in it, or its voxels cannot be placed.
-    TransformError
-        Names the parent transform that is not linear.
-    """
-    if not isLabeled(node):
-        bone = PlacedBone(probabilityFromNode(node), matrixToWorld(node), node.GetName(), is_labeled=False)
-    else:
-        if labels is None:
-            width = {"sigmaVoxels": sigmaVoxels, "sigmaMm": sigmaMm}
-            share = part(progress, 0.0, 0.1)
-            labels = ownLabels(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, progress=share, **width)
-        bone = PlacedBone(labels, matrixToWorld(node), node.GetName())
-    return inWorker(bone_map, bone, sigmaVoxels, sigmaMm, progress=part(progress, 0.1, 1.0))
 
 
 def probabilityFromNode(node) -> Volume:
@@ -83,20 +37,6 @@ def isLabeled(node) -> bool:
     return node.IsA("vtkMRMLSegmentationNode") or node.IsA("vtkMRMLLabelMapVolumeNode")
 
 
-def ownLabels(
-    node,
-    segmentIDs: list[str] | None = None,
-    *,
-    sigmaVoxels: float | None = None,
-    sigmaMm: float | None = None,
-    referenceVolumeNode=None,
-    progress: Progress | None = None,
-) -> Volume:
-    """The labels of a node in its own coordinates, with room for the bone map that is made of them; arguments as for `boneMapFromNode`."""
-    reach = _reach(SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels, sigmaMm)
-    return labelsFromNode(node, segmentIDs, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach, progress=progress)
-
-
 def labelsFromNode(
     node,
     segmentIDs: list[str] | None = None,
@@ -106,24 +46,20 @@ def labelsFromNode(
     reach=lambda spacing: 0,
     progress: Progress | None = None,
 ) -> Volume:
-    """The labels of a segmentation or labelmap volume as a `Volume`.
+    """The labels of a segmentation or labelmap volume as a `Volume` of uint8 or uint16.
+
+    A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
 
     Parameters
     ----------
-    node : vtkMRMLSegmentationNode or vtkMRMLLabelMapVolumeNode
-    segmentIDs, referenceVolumeNode
-        As for `boneMapFromNode`.
+    segmentIDs : list of str or None
+        Which segments are bone. Default: all of them, shown or not.
+    referenceVolumeNode : vtkMRMLVolumeNode or None
+        Whose voxels segments are brought to that are surfaces only and know no reference geometry; usually the CT.
     world : bool
         Placed in RAS world; else in the node's own coordinates, without its parent transforms.
     reach : function of (3,) spacing in mm to voxels
         By how many voxels to go around segments without a reference geometry.
-    progress : Progress or None
-        Hears of every segment.
-
-    Returns
-    -------
-    labels : Volume of uint8 or uint16
-        A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
     """
     isSegmented = node.IsA("vtkMRMLSegmentationNode")
     labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach, progress) if isSegmented else _volumeOf(node)
@@ -153,9 +89,11 @@ def inNames(labels, names: dict[int, str]) -> str:
     return listed([nameOf(label, names) for label in labels], " \N{EN DASH} ")
 
 
-def _reach(sigmaVoxels: float, sigmaMm: float | None):
+def reachOfMap(sigmaVoxels: float | None, sigmaMm: float | None):
+    """The `reach` of labels that leaves room for a bone map of this width."""
+
     def voxels(spacing) -> int:
-        sigma = sigmaVoxels if sigmaMm is None else sigmaMm / min(spacing)
+        sigma = (SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels) if sigmaMm is None else sigmaMm / min(spacing)
         return math.ceil(SMOOTHING_REACH * sigma) + PADDING if math.isfinite(sigma) and sigma > 0 else 0
 
     return voxels

@@ -18,11 +18,7 @@ def isEmpty(roiNode) -> bool:
 def layAround(roiNode, parameters) -> bool:
     """Lay a box along the axes of RAS around the chosen sweep, else around the CT; False where neither has a place.
 
-    Parameters
-    ----------
-    roiNode : vtkMRMLMarkupsROINode
-        It is shown as its edges, with handles: filled and with its name across, which is Slicer's default, it would hide the images.
-    parameters : AIFReconParameterNode
+    It is shown as its edges, with handles: filled and with its name across, which is Slicer's default, it would hide the images.
     """
     found = _aroundSweep(parameters)
     found = _aroundVolume(parameters.ctVolume) if found is None else found

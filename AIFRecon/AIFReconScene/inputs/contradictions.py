@@ -9,14 +9,7 @@ from .parameters import PARAMETERS, HoleFilling, Interpolation, fileFrom, method
 
 
 def contradiction(parameters, hasBone: bool) -> str:
-    """The first contradiction among the parameters, in a sentence; empty where there is none.
-
-    Parameters
-    ----------
-    parameters : AIFReconParameterNode
-    hasBone : bool
-        Whether the method is told where bone is.
-    """
+    """The first contradiction among the parameters, in a sentence; empty where there is none; `hasBone`: where bone is, is told."""
     return (
         _ofMethod(parameters)
         or _ofSpeed(parameters, hasBone)

@@ -14,21 +14,9 @@ TOLERANCE = 1e-6
 
 
 def gridFromROI(roiNode, spacing) -> VoxelGrid:
-    """The voxels that cover a markups ROI, along its own axes, in RAS world.
+    """The voxels of `spacing` (mm, one or x, y, z) that cover a markups ROI, along its own axes, in RAS world.
 
-    Parameters
-    ----------
-    roiNode : vtkMRMLMarkupsROINode
-        Turned or not, under linear transforms or not.
-    spacing : float or (x, y, z), mm
-        Along the axes of the ROI.
-
-    Raises
-    ------
-    GeometryError
-        When the ROI is empty, or its transforms shear it.
-    TransformError
-        Names the parent transform that is not linear.
+    Raises GeometryError when it is empty, or its transforms shear it; TransformError for a parent transform that is not linear.
 
     Notes
     -----
@@ -56,15 +44,7 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
 
 
 def gridFromVolume(volumeNode) -> VoxelGrid:
-    """The voxels of a volume node in RAS world, its parent transforms included.
-
-    Raises
-    ------
-    GeometryError
-        When it has no voxels, or its axes are not at right angles.
-    TransformError
-        Names the parent transform that is not linear.
-    """
+    """The voxels of a volume node in RAS world, its parent transforms included; errors as for `gridFromROI`."""
     image = volumeNode.GetImageData()
     if image is None or not image.GetNumberOfPoints():
         raise GeometryError(f"{volumeNode.GetName()}: it has no voxels. Choose a volume that is loaded.")

@@ -6,8 +6,7 @@ import slicer
 import vtk
 
 from ..sceneNodes import nodesOfClass
-from ..sweep.severalSweeps import furtherSweeps
-from ..sweep.sweepStatus import sweepKey
+from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from .boxes import isEmpty
 
 CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage")
@@ -17,17 +16,9 @@ CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi"
 class InputWatch:
     """Observes the sweep, its image, the bone and the box that the parameters name, and the other sweeps of the scene.
 
-    Parameters
-    ----------
-    onChanged : callable
-        Called without arguments when what is known of them no longer holds.
-    onMoved : callable
-        Called without arguments when the sweep merely shows another frame.
-
-    Notes
-    -----
-    A node that is about to be deleted is chosen no more, before the panel's lists choose its neighbor instead: a CT that takes the place
-    of a deleted bone would be taken for the probability of bone.
+    `onChanged` is called when what is known of them no longer holds, `onMoved` when the sweep merely shows another frame. A node that is
+    about to be deleted is chosen no more, before the panel's lists choose its neighbor instead: a CT that takes the place of a deleted bone
+    would be taken for the probability of bone.
     """
 
     def __init__(self, onChanged, onMoved):

@@ -16,11 +16,10 @@ from AIFReconLib.sweep.joined import joined
 from AIFReconLib.worker.reconstructing import Asked, PlacedBone
 
 from ..sceneNodes import proxiesOf
-from ..sweep.predictions import predictionsFromNode
-from ..sweep.sequenceReader import sequenceFromBrowser
-from ..sweep.severalSweeps import furtherSweeps
+from ..sweep.sequenceReader import predictionsFromNode, sequenceFromBrowser
+from ..sweep.sweepStatus import furtherSweeps
 from ..transforms import matrixToWorld
-from .boneNodes import isLabeled, ownLabels, probabilityFromNode
+from .boneNodes import isLabeled, labelsFromNode, probabilityFromNode, reachOfMap
 from .boneSource import BoneSource
 from .gridNodes import gridFromROI, gridFromVolume
 from .parameters import Region, camelCase, fileFrom, settingsFrom
@@ -28,40 +27,18 @@ from .parameters import Region, camelCase, fileFrom, settingsFrom
 
 @dataclass(frozen=True)
 class Inputs:
-    """Nodes and choices, as the console or the panel give them.
+    """Nodes and choices, as the console or the panel give them."""
 
-    Parameters
-    ----------
-    sweep : vtkMRMLSequenceBrowserNode
-    imageSequence : vtkMRMLSequenceNode or None
-        None: the only sequence of images there is.
-    otherSweeps : sequence of vtkMRMLSequenceBrowserNode
-        Further sweeps of the same Reference, which are reconstructed with the first as one.
-    bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode, vtkMRMLScalarVolumeNode or None
-    ct : vtkMRMLScalarVolumeNode or None
-        Never changed; segments that are surfaces only are brought to its voxels.
-    boneSegments : tuple of str
-        IDs; empty: all.
-    region : vtkMRMLMarkupsROINode, vtkMRMLScalarVolumeNode or None
-        None: around the sweep.
-    boneFrames : vtkMRMLSequenceNode or None
-        A network's predictions for the frames. They, a model, and bone that is looked for in the sweep itself come before `bone`, which
-        then only judges the result.
-    boneModel : Path or None
-        A network in an ONNX file.
-    recipe : Recipe
-        What says how images are read and how bone becomes a map.
-    """
-
-    sweep: Any
-    imageSequence: Any = None
-    otherSweeps: tuple = ()
-    bone: Any = None
-    ct: Any = None
-    boneSegments: tuple = ()
-    region: Any = None
+    sweep: Any  #: vtkMRMLSequenceBrowserNode
+    imageSequence: Any = None  #: None: the only sequence of images there is
+    otherSweeps: tuple = ()  #: Of the same Reference: they are reconstructed with the first as one
+    bone: Any = None  #: vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode, or vtkMRMLScalarVolumeNode of a probability
+    ct: Any = None  #: Segments that are surfaces only are brought to its voxels
+    boneSegments: tuple = ()  #: IDs; empty: all
+    region: Any = None  #: vtkMRMLMarkupsROINode or vtkMRMLScalarVolumeNode; None: around the sweep
     boneFrames: Any = None
-    boneModel: Path | None = None
+    """vtkMRMLSequenceNode of a network's predictions. They, a model, and bone that is looked for in the sweep itself come before `bone`."""
+    boneModel: Path | None = None  #: A network in an ONNX file
     recipe: Recipe = field(default_factory=Recipe)
 
     @classmethod
@@ -97,26 +74,14 @@ class Inputs:
         return f"{self.sweep.GetName()}{more}"
 
     def sequence(self) -> TrackedSequence:
-        """The sweep as the library has it; several as one.
-
-        Raises
-        ------
-        AIFReconError
-            With the sweep that cannot be used and what to do.
-        """
+        """The sweep as the library has it; several as one. An AIFReconError says which cannot be used and what to do."""
         if self.sweep is None:
             raise SettingsError("Input sweep must be a sequence browser; got none. Load a recording or select a sweep.")
         others = (sequenceFromBrowser(sweep) for sweep in self.otherSweeps)
         return joined([sequenceFromBrowser(self.sweep, self.imageSequence), *others])
 
     def asked(self, progress=None) -> Asked:
-        """What the worker is asked for, of the nodes as they are now.
-
-        Raises
-        ------
-        AIFReconError
-            With the node that cannot be used and what to do.
-        """
+        """What the worker is asked for, of the nodes as they are now. An AIFReconError says which cannot be used and what to do."""
         sequence, grid = self.sequence(), self.grid(self.recipe)
         images: list[Any] = [sweep.images for sweep in sequence.sweeps]
         for number, each in enumerate(images):
@@ -154,8 +119,8 @@ class Inputs:
         report(progress, 0.0, "Reading the CT's bone")
         widest = self.recipe.bone_sigma_mm if self._hasWidth else LARGEST_WIDTH
         chosen = list(self.boneSegments) or None
-        width = {"sigmaVoxels": self.recipe.bone_sigma_voxels, "sigmaMm": widest}
-        return ownLabels(self.bone, chosen, referenceVolumeNode=self.ct, progress=progress, **width)
+        reach = reachOfMap(self.recipe.bone_sigma_voxels, widest)
+        return labelsFromNode(self.bone, chosen, referenceVolumeNode=self.ct, world=False, reach=reach, progress=progress)
 
     @property
     def _hasWidth(self) -> bool:
@@ -171,14 +136,9 @@ class Inputs:
 
 
 def settingsAndInputs(choices: dict) -> tuple[dict, dict]:
-    """What a script chose by name: settings of the library's `Recipe`, and the fields of `Inputs`.
+    """What a script chose by name: settings of the library's `Recipe`, and fields of `Inputs`; a SettingsError for another name.
 
     Settings may be named as the module names them (``holeLimit``) or as the library does (``hole_limit``).
-
-    Raises
-    ------
-    SettingsError
-        When a name is neither.
     """
     settings = {name: known for known in RULES for name in (known, camelCase(known))}
     others = [each.name for each in fields(Inputs) if each.name not in ("sweep", "bone", "recipe")]

@@ -11,17 +11,8 @@ from ..transforms import parentTransforms
 class NodesAtWork:
     """Hears when one of the nodes goes that parameters name, or the whole scene; use it as a context manager.
 
-    Parameters
-    ----------
-    parameters : AIFReconParameterNode
-        The nodes that it names when the work begins, what a sweep is made of, and the transforms above all of them.
-    onLost : callable
-        Called without arguments when the first of them is about to go.
-
-    Attributes
-    ----------
-    lost : str
-        What went, in a sentence for the user; empty while all are there.
+    They are those of the moment when work begins, what a sweep is made of, and the transforms above all of them. `onLost` is called when
+    the first is about to go; `lost` says in a sentence which, and is empty while all are there.
     """
 
     def __init__(self, parameters, onLost):

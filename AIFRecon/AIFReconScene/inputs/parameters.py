@@ -188,13 +188,7 @@ def camelCase(name: str) -> str:
 
 
 def settingsFrom(parameterNode) -> Recipe:
-    """The recipe that the panel's parameters ask for; how a recording is read is `readingFrom`'s.
-
-    Raises
-    ------
-    SettingsError
-        When a value is outside its range, which the panel does not let happen.
-    """
+    """The recipe that the panel's parameters ask for; how a recording is read is `readingFrom`'s."""
     values = {}
     for name, rule in PARAMETERS.items():
         value = getattr(parameterNode, camelCase(name))

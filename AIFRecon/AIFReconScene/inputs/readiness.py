@@ -5,7 +5,7 @@ from slicer.i18n import tr as _
 
 from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
-from ..sweep.severalSweeps import furtherSweeps
+from ..sweep.sweepStatus import furtherSweeps
 from .boneNodes import isLabeled
 from .boneSource import BoneSource, hasBone, whyNoBone
 from .boxes import isEmpty

@@ -13,7 +13,8 @@ from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
-from AIFReconLib.worker.scan_request import ECHOES, MODEL, PREDICTIONS, ScanRequest, begin_scan
+from AIFReconLib.worker.scan_request import ECHOES, MODEL, PREDICTIONS, ScanRequest
+from AIFReconLib.worker.scanning import begin_scan
 
 from ..inputs.boneNodes import isLabeled, probabilityFromNode
 from ..inputs.boneSource import BoneSource

@@ -92,8 +92,6 @@ def _colors(scene):
 class SpineView:
     """Shows the model of the chosen output, and of no other, with the CT's bone translucent behind it.
 
-    Notes
-    -----
     A model that has just come is looked at from the back, as a surgeon looks at a spine; the view is the user's after that. The opacity
     of the CT's bone is given back when the model goes or the user leaves.
     """

@@ -12,8 +12,7 @@ from AIFReconLib.worker.guiding import guidance_in_sweep, met_of_sweep
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
 from ..sweep.browserItems import checkRecorded
-from ..sweep.severalSweeps import furtherSweeps
-from ..sweep.sweepStatus import sweepKey
+from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from ..transforms import matrixToWorld
 from ..work import inWorker, worker
 from .ctRegistration import rigidPlace

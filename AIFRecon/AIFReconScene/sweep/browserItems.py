@@ -18,16 +18,8 @@ from .sweepRecord import readRecord
 class BrowserItems:
     """A browser's sequences, image by image: what is replayed twice, because another sequence leads, is one frame.
 
-    Parameters
-    ----------
-    browser : vtkMRMLSequenceBrowserNode
-    imageSequence : vtkMRMLSequenceNode or None
-        Which of its sequences holds the images. Default: the master, else the only one with images.
-
-    Raises
-    ------
-    SequenceFormatError
-        When the browser has no items or no images, or several sequences of images and none is named.
+    The images are in `imageSequence`, by default in the master, else in the only sequence that has some. Raises SequenceFormatError when
+    the browser has no items or no images, or several sequences of images and none is named.
     """
 
     def __init__(self, browser, imageSequence=None):

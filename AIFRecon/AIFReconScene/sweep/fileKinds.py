@@ -30,13 +30,7 @@ def opened() -> tuple[str, ...]:
 
 
 def kindOf(path: Path) -> str:
-    """What a file is, by its name, else by its header.
-
-    Raises
-    ------
-    FileFormatError
-        When it is none that is known, or cannot be read.
-    """
+    """What a file is, by its name, else by its header; a FileFormatError when it is none that is known, or cannot be read."""
     told = next((kind for suffix, kind in SUFFIXES.items() if path.name.lower().endswith(suffix)), None)
     if told is not None:
         return told

@@ -30,16 +30,7 @@ def openRecording(path, configuration=None, progress: Progress | None = None, **
 
 
 class FetchedImages:
-    """Images of a recording that the worker has open, an `ImageStack`: to be read in their order.
-
-    Parameters
-    ----------
-    file : Kept
-    stack : ImageStack
-        Tells their shape and type.
-    progress : callable or None
-        Hears of waiting.
-    """
+    """Images of a recording that the worker has open, an `ImageStack`: to be read in their order. `progress` hears of waiting."""
 
     def __init__(self, file, stack, progress=None):
         self.shape, self.dtype = stack.shape, stack.dtype

@@ -51,34 +51,14 @@ CLOSEST_INDEX = 0.002
 
 
 def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, scene=None):
-    """A new sequence browser node that replays `sequence`.
+    """A new sequence browser node that replays `sequence`, whose images are read one after the other.
 
-    Parameters
-    ----------
-    sequence : TrackedSequence
-        Its images are read one after the other; only the copy in the scene is kept.
-    name : str
-        Of the browser, with a number where the scene has that name already; the nodes that it replays are named after it.
-    progress : Progress or None
-    scene : vtkMRMLScene or None
-        Default: Slicer's scene.
-
-    Returns
-    -------
-    browserNode : vtkMRMLSequenceBrowserNode
-        The master sequence holds the images. Items are numbered by time stamps rounded to 1 ms, unit s; by frame numbers where time
-        stamps are missing, repeated, not in order or too close for that. A frame without a valid pose stays where the last valid
-        one was, and says why it cannot be used.
-
-    Raises
-    ------
-    AIFReconError
-        When a frame cannot be read, or there is none. The scene is then as it was; also when `progress` cancels.
-
-    Notes
-    -----
-    Where the recording has no chain from image to reference (no calibration), the images are there without a place, and
+    Its master sequence holds the images. Items are numbered by time stamps rounded to 1 ms, unit s; by frame numbers where time stamps are
+    missing, repeated, not in order or too close for that. A frame without a valid pose stays where the last valid one was, and says why it
+    cannot be used. Where the recording has no chain from image to reference (no calibration), the images are there without a place, and
     `sequenceFromBrowser` says what is missing.
+
+    Raises AIFReconError when a frame cannot be read, or there is none; the scene is then as it was, as after a cancel.
     """
     scene = scene or slicer.mrmlScene
     if not len(sequence):

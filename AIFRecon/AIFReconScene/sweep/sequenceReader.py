@@ -9,8 +9,8 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import describe_frames, describe_skipped
 
-from .browserItems import BrowserItems, checkRecorded
-from .sequenceNodes import IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
+from .browserItems import BrowserItems, checkRecorded, timesOf
+from .sequenceNodes import COVERS_ATTRIBUTE, IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
 from .sweepImages import SweepImages, hasImage
 from .sweepPoses import FramePose, framePoses
 
@@ -20,22 +20,12 @@ IMAGE_TO_WORLD = TransformName("Image", "Reference")
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """What a panel says of a sweep.
-
-    Parameters
-    ----------
-    frames, usable : int
-        How many there are, and how many have an image and a valid pose.
-    skipped : dict of str to list of int
-        Numbers of the others, by reason.
-    problem : str or None
-        Why nothing can be reconstructed from it, in a sentence.
-    """
+    """What a panel says of a sweep."""
 
     frames: int
-    usable: int
-    skipped: dict[str, list[int]]
-    problem: str | None = None
+    usable: int  #: Of them: with an image and a valid pose
+    skipped: dict[str, list[int]]  #: Numbers of the others, by reason
+    problem: str | None = None  #: Why nothing can be reconstructed from it, in a sentence
 
     @property
     def lines(self) -> list[str]:
@@ -50,19 +40,15 @@ class SweepSummary:
 def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = None) -> TrackedSequence:
     """The sweep that a sequence browser holds, a frame for each item of its images.
 
+    Its records hold ImageToReference, pixels to RAS world in mm, with the tracker's status. A sweep that was loaded from a Plus recording
+    brings its times, fields and configuration along; the calibration is in the poses already.
+
     Parameters
     ----------
-    browser : vtkMRMLSequenceBrowserNode
     imageSequence : vtkMRMLSequenceNode or None
         Default: the browser's master, else its only sequence of images.
     reference : str or None
         The frame to reconstruct in, where no parent transform places the images and transforms are found by their names.
-
-    Returns
-    -------
-    sequence : TrackedSequence
-        Its records hold ImageToReference, pixels to RAS world in mm, with the tracker's status. A sweep that was loaded from a Plus
-        recording brings its times, fields and configuration along; the calibration is in the poses already.
 
     Raises
     ------
@@ -97,13 +83,7 @@ def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = Non
 
 
 def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> SweepSummary:
-    """How many frames of a sweep can be used, and why the others cannot; fast, because no pixel is read.
-
-    Parameters
-    ----------
-    browser, imageSequence, reference
-        As for `sequenceFromBrowser`. Nothing is raised for a sweep that cannot be used: the summary says why.
-    """
+    """How many frames of a sweep can be used, and why the others cannot; fast, because no pixel is read. Nothing is raised."""
     frames = 0
     try:
         checkRecorded(browser)
@@ -152,3 +132,15 @@ def orientationFlips(imageSequence) -> tuple[bool, bool]:
     code = (imageSequence.GetAttribute(ORIENTATION_ATTRIBUTE) or "").upper()
     known = len(code) >= 2 and code[0] in "MU" and code[1] in "FN"
     return (code[0] == "U", code[1] == "N") if known else (False, False)
+
+
+def predictionsFromNode(sequenceNode) -> TrackedSequence:
+    """The probabilities in a vtkMRMLSequenceNode of images, at its times in s where it has any, with what they cover if it says so."""
+    count = sequenceNode.GetNumberOfDataNodes()
+    flipColumns, flipRows = orientationFlips(sequenceNode)
+    nodes = [sequenceNode.GetNthDataNode(number) for number in range(count)]
+    images = SweepImages(nodes, sequenceNode.GetName(), flipColumns=flipColumns, flipRows=flipRows)
+    covers = sequenceNode.GetAttribute(COVERS_ATTRIBUTE)
+    fields = {COVERS_ATTRIBUTE: covers} if covers else {}
+    times = timesOf(sequenceNode)
+    return TrackedSequence(images, [FrameRecord(timestamp=times[number] if times else None, fields=fields) for number in range(count)])

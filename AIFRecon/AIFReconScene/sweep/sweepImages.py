@@ -16,26 +16,12 @@ REPORTED_EVERY = 1 << 22
 
 
 class SweepImages:
-    """Images in volume nodes, an `ImageStack` (frames, rows, columns) of gray levels.
+    """Images in volume nodes (None where a frame has no image), an `ImageStack` (frames, rows, columns) of gray levels.
 
-    Parameters
-    ----------
-    nodes : list of vtkMRMLVolumeNode or None
-        One per frame; None where a frame has no image.
-    name : str
-        Of the sweep, for messages.
-    flipColumns, flipRows : bool
-        What brings the stored images to MF orientation.
+    Flips bring the stored images to MF orientation; colors are reduced to luminance as those of files are. A frame without an image reads
+    as zeros; its status keeps it out of a volume. Frames are looked at when they are read: asking every node takes long in VTK.
 
-    Raises
-    ------
-    SequenceFormatError
-        When there is no image at all. A frame that is read raises it too when it is not 2D, or neither gray nor color.
-
-    Notes
-    -----
-    Colors are reduced to luminance as those of files are. A frame without an image reads as zeros; its status keeps it out of a volume.
-    Frames are looked at when they are read: asking every node for its image takes long in VTK.
+    Raises SequenceFormatError when there is no image at all; so does a frame when it is read and is not 2D, or neither gray nor color.
     """
 
     def __init__(self, nodes: list, name: str, *, flipColumns: bool = False, flipRows: bool = False):
@@ -72,13 +58,7 @@ class SweepImages:
         return np.stack([self[index] for index in range(len(self))]).astype(self.dtype if dtype is None else dtype, copy=False)
 
     def shared(self, progress=None) -> np.ndarray:
-        """All images (frames, rows, columns) in memory that the worker sees as well; they are copied once.
-
-        Raises
-        ------
-        GeometryError
-            When they are not alike.
-        """
+        """All images (frames, rows, columns) in memory that the worker sees, copied once; a GeometryError when they are not alike."""
         if self._shared is None:
             images = shared_array(self.shape, self.dtype)
             few = max(1, REPORTED_EVERY // max(1, math.prod(self.shape[1:]) * self.dtype.itemsize))

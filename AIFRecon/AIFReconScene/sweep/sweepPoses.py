@@ -42,17 +42,10 @@ class FramePose:
 def framePoses(items: BrowserItems, reference: str | None = None) -> list[FramePose]:
     """One `FramePose` for every item of the browser.
 
-    Parameters
-    ----------
-    items : BrowserItems
-    reference : str or None
-        The frame to reconstruct in, where images have no parent transform and the way is found by the names of transforms.
+    `reference` is the frame to reconstruct in, where images have no parent transform and the way is found by the names of transforms.
 
-    Raises
-    ------
-    TransformError
-        When nothing tells where the images are, in words that say what is missing; names a transform that is not linear, or one that
-        another browser replays.
+    Raises TransformError when nothing tells where the images are, for a transform that is not linear, and for one that another browser
+    replays.
     """
     proxy = items.proxyOf(items.images)
     if proxy is not None and proxy.GetParentTransformNode() is not None:
@@ -120,11 +113,7 @@ class _Link:
 def transformStatus(node, recorded: str | None = None) -> TransformStatus:
     """What the tracker said of a transform in a sequence; OK where nobody says anything.
 
-    Parameters
-    ----------
-    node : vtkMRMLTransformNode
-    recorded : str or None
-        The word that is known from elsewhere, for nodes that have lost their attributes in a file.
+    `recorded` is the word that is known from elsewhere, for nodes that have lost their attributes in a file.
     """
     for name in _STATUS_ATTRIBUTES:
         word = node.GetAttribute(name)

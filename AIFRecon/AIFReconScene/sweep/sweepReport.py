@@ -23,10 +23,7 @@ class SweepReport:
     def of(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep; without a reconstruction of it, the coverage is not known.
 
-        Raises
-        ------
-        AIFReconError
-            When the sweep cannot be read, or is still being recorded.
+        Raises AIFReconError when the sweep cannot be read, or is still being recorded.
         """
         checkRecorded(parameters.sweep)
         key = sweepKey(parameters.sweep, parameters.imageSequence)

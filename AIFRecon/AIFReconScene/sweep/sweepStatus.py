@@ -1,13 +1,13 @@
 """What the panel knows of the chosen sweep, looked up again only when another is chosen or it has changed."""
 
+import slicer
 import vtk
 
 from AIFReconLib.message import listed
 
 from ..sceneNodes import nodesOfClass
 from ..transforms import parentTransforms
-from . import sequenceReader
-from .severalSweeps import furtherSweeps
+from .sequenceReader import sweepSummary
 
 
 class SweepStatus:
@@ -21,7 +21,7 @@ class SweepStatus:
         key = sweepKey(browser, imageSequence)
         known, summary = self._known.get(key[:2], (None, None))
         if known != key:
-            summary = sequenceReader.sweepSummary(browser, imageSequence)
+            summary = sweepSummary(browser, imageSequence)
             self._known[key[:2]] = key, summary
         return summary
 
@@ -46,14 +46,7 @@ class SweepStatus:
 
 
 def sweepKey(browser, imageSequence=None) -> tuple:
-    """What changes when a sweep gets other frames or another place, and not while it is replayed or recorded. No item is looked at.
-
-    Parameters
-    ----------
-    browser : vtkMRMLSequenceBrowserNode
-    imageSequence : vtkMRMLSequenceNode or None
-        Default: the master.
-    """
+    """What changes when a sweep gets other frames or another place, and not while it is replayed or recorded. No item is looked at."""
     chosen = browser.GetID(), imageSequence.GetID() if imageSequence is not None else None
     if browser.GetRecordingActive():
         return *chosen, "recording"
@@ -80,3 +73,19 @@ def _matrixOf(transformNode) -> tuple | None:
     matrix = vtk.vtkMatrix4x4()
     transformNode.GetMatrixTransformToParent(matrix)
     return tuple(matrix.GetElement(row, column) for row in range(4) for column in range(4))
+
+
+def furtherSweeps(parameters) -> tuple:
+    """The sequence browsers that are chosen beside the first sweep, in their order; those that are gone are chosen no more."""
+    first = parameters.sweep
+    chosen = dict.fromkeys(node for node in parameters.otherSweeps if node is not None and node is not first)
+    return tuple(node for node in chosen if node.GetScene() is not None) if first is not None else ()
+
+
+def offered(parameters, status) -> list:
+    """The sweeps of the scene that could be chosen beside the first, by the `SweepStatus`, and those that are."""
+    if parameters.sweep is None:
+        return []
+    chosen = furtherSweeps(parameters)
+    others = [node for node in nodesOfClass("vtkMRMLSequenceBrowserNode", slicer.mrmlScene) if node is not parameters.sweep]
+    return [node for node in others if node in chosen or not status.of(node).problem]

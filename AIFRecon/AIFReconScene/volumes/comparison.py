@@ -17,17 +17,7 @@ from .volumeNodes import COMPARED_ROLE, giveName, hasGivenName, intoFolder, outp
 
 @dataclass(frozen=True)
 class Comparison:
-    """What was made.
-
-    Parameters
-    ----------
-    volumes : dict of str to vtkMRMLScalarVolumeNode
-        By method.
-    table : vtkMRMLTableNode or None
-        Bone metrics; None where the bone is a probability, which has no surface to measure against.
-    report : str
-        What was done, in a few lines.
-    """
+    """What was made; there is no table where the bone is a probability, which has no surface to measure against."""
 
     volumes: dict
     table: object
@@ -35,17 +25,10 @@ class Comparison:
 
 
 def compareMethods(inputs, progress=None) -> Comparison:
-    """Reconstruct with every compared method and measure the volumes; nodes are made when all of it is done.
+    """Reconstruct with every compared method and measure the volumes; nodes are made when all of it is done, else the scene is as before.
 
-    Notes
-    -----
     The volumes and the table of the last comparison of this sweep are filled again, unless the user has given them another name,
     reconstructed into them, or chosen them as an input: those stay as they are, and new ones are made.
-
-    Raises
-    ------
-    AIFReconError
-        As a reconstruction; OperationCanceled after a cancel. The scene is as before.
     """
     asked, labels = inputs.asked(part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
     compared = inWorker(compared_methods, asked, labels, remedies(), progress=part(progress, 0.05, 0.98))

@@ -30,22 +30,9 @@ CHOSEN = (
 
 
 def openFiles(parameters, paths, loadRecording, progress=None) -> str:
-    """Read files and choose what they hold; returns what was done.
+    """Read files and choose what they hold; returns what was done. Where one cannot be read, or after a cancel, all is as before.
 
-    Parameters
-    ----------
-    parameters : AIFReconParameterNode
-    paths : list of Path
-    loadRecording : callable
-        ``loadRecording(parameters, progress)`` reads the recording that the parameters name.
-    progress : callable or None
-
-    Raises
-    ------
-    AIFReconError
-        With the file that cannot be read.
-    OperationCanceled
-        As after an error, scene and choices are as before.
+    ``loadRecording(parameters, progress)`` reads the recording that the parameters name.
     """
     kinds = [(kindOf(path), path) for path in paths]
     ordered = [(kind, path) for wanted in ORDER for kind, path in kinds if kind == wanted]
@@ -119,13 +106,7 @@ def _openPredictions(parameters, path, loadRecording, progress) -> None:
 
 
 def openVolume(path, progress=None):
-    """The node of a volume: a segmentation where it holds labels.
-
-    Raises
-    ------
-    FileFormatError
-        When it cannot be read; the scene is then as before.
-    """
+    """The node of a volume: a segmentation where it holds labels. A FileFormatError when it cannot be read; the scene is then as before."""
     node = _read("vtkMRMLScalarVolumeNode", "vtkMRMLVolumeArchetypeStorageNode", path)
     return _segmentationOf(node, progress) if _holdsLabels(slicer.util.arrayFromVolume(node)) else node
 

@@ -29,17 +29,7 @@ BONE_WINDOW = (-200.0, 900.0)
 
 @dataclass(frozen=True)
 class PhantomNodes:
-    """The nodes of a simulated patient.
-
-    Parameters
-    ----------
-    ct : vtkMRMLScalarVolumeNode, HU
-    segmentation : vtkMRMLSegmentationNode
-        A segment per vertebra.
-    ctToReference : vtkMRMLLinearTransformNode
-        The registration; CT and segmentation are under it.
-    browser : vtkMRMLSequenceBrowserNode
-    """
+    """The nodes of a simulated patient; CT and segmentation, a segment per vertebra, lie under their registration."""
 
     ct: object
     segmentation: object
@@ -55,25 +45,7 @@ class PhantomNodes:
 def loadPhantom(
     progress: Progress | None = None, scene=None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING
 ) -> PhantomNodes:
-    """Simulate a patient and add it to the scene.
-
-    Parameters
-    ----------
-    progress : Progress or None
-    scene : vtkMRMLScene or None
-        Default: Slicer's scene.
-    seed : int
-        Which patient.
-    frames : int
-        Of the sweep, 9 or more.
-    spacing : float, mm
-        Of the CT, 0.2 to 3; it takes most of the time.
-
-    Raises
-    ------
-    OperationCanceled
-        The scene is then as it was.
-    """
+    """Simulate a patient and add it to the scene, which is as it was after a cancel; arguments as for `simulated_patient`."""
     share = part(progress, 0.0, 0.95)
     return addPatient(inWorker(simulated_patient, seed, len(LEVELS), frames, spacing, progress=share), part(progress, 0.95, 1.0), scene)
 

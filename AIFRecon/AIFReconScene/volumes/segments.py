@@ -14,22 +14,9 @@ COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67), (0.93, 0.7
 
 
 def addSegments(node, labels: Volume, names: dict[int, str], progress=None) -> None:
-    """Add a segment for each label to a segmentation.
+    """Add a segment for each of the labels that have names to a segmentation; after a cancel some are there.
 
-    Parameters
-    ----------
-    node : vtkMRMLSegmentationNode
-    labels : Volume of integers
-        In the node's own coordinates, RAS in mm.
-    names : dict of int to str
-        The labels, in the order of the segments, and what these are called.
-    progress : callable or None
-        Hears of every segment.
-
-    Raises
-    ------
-    OperationCanceled
-        Some segments are there by then.
+    `labels` lie in the node's own coordinates, RAS in mm.
     """
     for number, (label, name) in enumerate(names.items()):
         report(progress, number / len(names), f"Adding {name}")

@@ -50,33 +50,14 @@ SAMPLED = 250_000
 
 
 def updateVolumeNode(node, volume: Volume) -> None:
-    """Put a volume into a volume node, in RAS world.
-
-    Parameters
-    ----------
-    node : vtkMRMLScalarVolumeNode
-        Its voxels and geometry are replaced. A parent transform is taken off, because the volume holds world coordinates already.
-    volume : Volume
-        [k, j, i] and ijk_to_reference in mm, Reference being RAS world. Its voxels are copied once.
-    """
+    """Put a volume into a volume node, in RAS world; its voxels are copied once. A parent transform is taken off."""
     _place(node, _imageData(volume.array), volume)
 
 
 def saveSettings(node, path) -> None:
-    """Write how a volume of the scene was made, so that `aifrecon reconstruct --settings` repeats it.
+    """Write how a volume of the scene was made (.json or .toml), so that `aifrecon reconstruct --settings` repeats it.
 
-    Parameters
-    ----------
-    node : vtkMRMLScalarVolumeNode
-    path : str or Path
-        .json or .toml.
-
-    Raises
-    ------
-    SettingsError
-        When the volume does not say how it was made.
-    OutputError
-        When the file cannot be written.
+    Raises SettingsError when the volume does not say how it was made; OutputError when the file cannot be written.
     """
     text = node.GetAttribute(SETTINGS_ATTRIBUTE)
     if text is None:
@@ -94,11 +75,10 @@ def outputNodes(
     measured: Volume | None = None,
     scene=None,
 ) -> dict:
-    """Nodes for the volumes of a reconstruction, made or brought up to date.
+    """Nodes for the volumes of a `Reconstruction` by kind, made or brought up to date, in one folder of the subject hierarchy.
 
     Parameters
     ----------
-    result : Reconstruction
     sweepName : str
         What was reconstructed; with the method it names the nodes.
     kinds : tuple of str
@@ -110,13 +90,6 @@ def outputNodes(
         What must not be overwritten: CT, bone, volume of the region.
     measured : Volume or None
         The plain mean of the same echoes, on the same voxels; one that was kept with earlier intensities goes where there is none now.
-    scene : vtkMRMLScene or None
-        Default: Slicer's scene.
-
-    Returns
-    -------
-    nodes : dict of str to vtkMRMLScalarVolumeNode
-        By kind, the mask a vtkMRMLLabelMapVolumeNode. All of them lie in one folder of the subject hierarchy.
 
     Raises
     ------
@@ -164,7 +137,7 @@ def outputNodes(
                 placed[INTENSITY].SetNodeReferenceID(_ROLE.format(kind=kind), node.GetID())
         if INTENSITY in placed and measured is None:
             _forgetMeasured(placed[INTENSITY], scene)
-        _collect(placed.values(), sweepName, scene)
+        intoFolder(placed.values(), sweepName, scene)
     except Exception:
         removeNodes(made, scene)
         raise
@@ -249,20 +222,9 @@ def _show(node, kind: str, window: tuple[float, float], scene) -> None:
 
 
 def followIntensity(node, result, shown: tuple[float, float] | None = None) -> tuple[float, float]:
-    """Window and threshold for what a volume that grows holds now.
+    """Window and threshold for what a volume that grows holds now, ``result.intensity``; returns the window that was meant to be shown.
 
-    Parameters
-    ----------
-    node : vtkMRMLScalarVolumeNode
-        Holds ``result.intensity`` already.
-    result : Reconstruction
-    shown : (float, float) or None
-        What this function returned the last time. A window that is another by now is the user's, and stays.
-
-    Returns
-    -------
-    window : (float, float)
-        Darkest and brightest gray level that was meant to be shown.
+    `shown` is what this function returned the last time. A window that is another by now is the user's, and stays.
     """
     window = ultrasoundWindow(result.intensity.array, result.mask.array)
     if node.GetDisplayNode() is not None and shown in (None, windowOf(node)):
@@ -311,22 +273,11 @@ def _maskColors(scene):
     return scene.AddNode(node)
 
 
-def folderOf(sweepName: str, scene) -> int:
-    """The subject hierarchy item of the folder for what was made from a sweep; it is made where it is not there."""
+def intoFolder(nodes, sweepName: str, scene) -> None:
+    """Put nodes into the subject hierarchy's folder for what was made from a sweep, which is made where it is not there."""
     hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
     top, name = hierarchy.GetSceneItemID(), f"AIFRecon {sweepName}"
-    folder = hierarchy.GetItemChildWithName(top, name)
-    return folder or hierarchy.CreateFolderItem(top, name)
-
-
-def intoFolder(nodes, sweepName: str, scene) -> None:
-    """Put nodes into the folder for what was made from a sweep."""
-    _collect(nodes, sweepName, scene)
-
-
-def _collect(nodes, sweepName: str, scene) -> None:
-    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
-    folder = folderOf(sweepName, scene)
+    folder = hierarchy.GetItemChildWithName(top, name) or hierarchy.CreateFolderItem(top, name)
     for node in nodes:
         item = hierarchy.GetItemByDataNode(node)
         # Slicer makes items for new nodes itself, but not before a batch of changes has ended

@@ -6,6 +6,7 @@ import logging
 import threading
 import time
 from collections import deque
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,8 +27,7 @@ from ..wire.sources import ENDED, MessageSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import ALL, Heard, LiveStatistics, Meter, Spans, statistics_of
-from .taken_up import TakenUp
+from .statistics import Heard, LiveStatistics, Meter, statistics_of
 
 logger = logging.getLogger(__name__)
 
@@ -139,8 +139,7 @@ class LiveSession:
         self._paused = self._prepared = self._started = self._closed = False
         self._heard = Heard()
         self._collect_error: Exception | None = None
-        self._earlier: TakenUp | None = None
-        self._spans: Spans = ALL
+        self._earlier: Iterable[tuple[LiveFrame, bool]] = ()
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
 
     # ---- control
@@ -166,9 +165,9 @@ class LiveSession:
             self._start_inserting()
         return (self._inserter.ready if self._phase == RECONSTRUCTING else self._inserter.warm).wait(timeout)
 
-    def take_up(self, earlier: TakenUp, spans: Spans) -> None:
-        """Before `start`: let the frames of a recording come before those of the source; outside of `spans` they are recorded only."""
-        self._earlier, self._spans = earlier, spans
+    def take_up(self, earlier: Iterable[tuple[LiveFrame, bool]]) -> None:
+        """Before `start`: let these frames come before those of the source, those that do not count into the recording only."""
+        self._earlier = earlier
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
@@ -187,7 +186,7 @@ class LiveSession:
                 self._scouted = ScoutedFrames()
 
     def grid_from_scout(self, spacing: float | tuple[float, float, float] | None = None, margin: float = 0.0) -> VoxelGrid:
-        """The box around the frames seen since scouting began.
+        """The box around the frames seen since scouting began; raises as `reconstruct`, NoUsableFramesError where none was seen.
 
         Parameters
         ----------
@@ -195,11 +194,6 @@ class LiveSession:
             That of the settings by default.
         margin : float, mm
             Added on each side, for a scan that reaches farther.
-
-        Raises
-        ------
-        NoUsableFramesError, BeamGeometryError, GeometryError, InsufficientMemoryError
-            As `reconstruct` raises them, the first where no tracked frame was seen.
         """
         with self._lock:
             fits = self._fits_spacing and spacing is None
@@ -324,8 +318,9 @@ class LiveSession:
 
     def _collect(self) -> None:
         try:
-            if self._earlier is not None:
-                self._take_earlier(self._earlier)
+            for frame, counts in self._earlier:
+                self._synchronizer.frames = frame.number + 1
+                self._take_one(frame, live=False, counts=counts)
             while not self.finished.is_set():
                 deadline, now = self._synchronizer.deadline, time.monotonic()
                 message = self._source.get(POLL if deadline is None else min(max(deadline - now, 0.0), POLL))
@@ -349,29 +344,19 @@ class LiveSession:
                 break
             self.latest = frame
             self.recent.append(frame)
-            if self.recorder is not None:
-                self.recorder.append(frame)
-            with self._lock:
-                self._meter.receive(frame.received)
-                self._hand_on(frame, self._meter)
+            self._take_one(frame)
             if frame.number + 1 == self._frame_limit:
                 self.finished.set()
 
-    def _take_earlier(self, earlier: TakenUp) -> None:
-        for frame in earlier.frames():
-            if self.recorder is not None:
-                self.recorder.append(frame)
-            self._synchronizer.frames = frame.number + 1
-            counts = any(first <= frame.number < (frame.number + 1 if stop is None else stop) for first, stop in self._spans)
+    def _take_one(self, frame: LiveFrame, live: bool = True, counts: bool = True) -> None:
+        if self.recorder is not None:
+            self.recorder.append(frame)
+        with self._lock:
             self._meter.receive(frame.received)
-            if counts:
-                self._hand_on(frame, self._meter, live=False)
-            else:
-                self._meter.skip(WHILE_PAUSED)
-        earlier.done()
+            self._hand_on(frame, self._meter, live, counts and not (live and self._paused))
 
-    def _hand_on(self, frame: LiveFrame, meter: Meter, live: bool = True) -> None:
-        if self._paused and live:
+    def _hand_on(self, frame: LiveFrame, meter: Meter, live: bool, counts: bool) -> None:
+        if not counts:
             meter.skip(WHILE_PAUSED)
         elif frame.number % (self.settings.skip or 1):
             meter.skip(LEFT_OUT)

@@ -6,7 +6,6 @@ import logging
 import threading
 
 from ...compounding.state import Reconstruction
-from ...machine.threads import give_way
 from .session import LiveSession
 
 logger = logging.getLogger(__name__)
@@ -53,7 +52,6 @@ class SnapshotMaker:
         self._thread.join()
 
     def _make(self) -> None:
-        give_way()
         while True:
             self._wanted.wait()
             self._wanted.clear()

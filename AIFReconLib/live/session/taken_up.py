@@ -17,6 +17,7 @@ from ...sweep.configuration import PlusConfiguration
 from ...sweep.poses import sweep_poses
 from ..pairing.synchronizer import LiveFrame
 from .recording import growing_files
+from .statistics import ALL, Spans
 
 
 class TakenUp:
@@ -28,14 +29,16 @@ class TakenUp:
         What was to be recorded.
     configuration : PlusConfiguration
         As for the session.
+    spans : Spans
+        Which frames enter the volume; others are recorded only.
 
     Notes
     -----
-    They lie in a folder beside it until `done`: if the program dies again before that, they are all there is.
+    They lie in a folder beside it until the last frame was given: if the program dies again before that, they are all there is.
     """
 
-    def __init__(self, record: Path, configuration: PlusConfiguration):
-        self._configuration = configuration
+    def __init__(self, record: Path, configuration: PlusConfiguration, spans: Spans = ALL):
+        self._configuration, self._spans = configuration, spans
         growing = growing_files(record)
         self._folder = record.with_name(f"{record.stem}.taken-up")
         self._header = self._folder / growing[0].name
@@ -46,8 +49,8 @@ class TakenUp:
         for path in growing:
             path.unlink(missing_ok=True)
 
-    def frames(self) -> Iterator[LiveFrame]:
-        """The frames in their order, placed as a session places them; none where the recording cannot be read."""
+    def __iter__(self) -> Iterator[tuple[LiveFrame, bool]]:
+        """The frames in their order, placed as a session places them, and whether each counts; none where the recording cannot be read."""
         try:
             sequence = replace(read_sequence(self._header), configuration=self._configuration)
             poses = sweep_poses(sequence)
@@ -55,17 +58,12 @@ class TakenUp:
             return
         for number, record in enumerate(sequence.records):
             problem = poses.problems[number]
-            yield LiveFrame(
-                np.array(sequence.images[number]),
-                None if problem else poses.image_to_reference[number],
-                record.timestamp or 0.0,
-                problem or "OK",
-                number,
-                record,
-                time.monotonic(),
-            )
+            pose = None if problem else poses.image_to_reference[number]
+            image, now = np.array(sequence.images[number]), time.monotonic()
+            counts = any(first <= number and (stop is None or number < stop) for first, stop in self._spans)
+            yield LiveFrame(image, pose, record.timestamp or 0.0, problem or "OK", number, record, now), counts
 
-    def done(self) -> None:
-        """Every frame is in the new recording: the files are needed no more."""
+        # Every frame is in the new recording
+        del sequence
         self._header.unlink(missing_ok=True)
         shutil.rmtree(self._folder, ignore_errors=True)

@@ -8,7 +8,6 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from ...machine.threads import give_way
 from ...message import said
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
@@ -83,7 +82,6 @@ class Watch(ABC):
         self._asked[what] = change
 
     def _run(self) -> None:
-        give_way()
         while self._breathe():
             self._attempt()
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import sys
-import threading
 import time
 from types import SimpleNamespace
 
 import pytest
 
 from AIFReconLib.live.session.snapshots import SnapshotMaker
-from AIFReconLib.machine.threads import NICE
 
 
 class Session:
@@ -78,14 +74,3 @@ def test_an_error_is_kept_and_the_next_request_tries_again(session, maker):
     maker.request()
     assert awaited(maker.take) == "snapshot 2"
     assert maker.error is None
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads have a priority of their own on Linux alone")
-def test_a_snapshot_is_made_where_windows_do_not_want_the_core(session, maker):
-    priorities = []
-    snapshot = session.snapshot
-    session.snapshot = lambda: (priorities.append(os.getpriority(os.PRIO_PROCESS, threading.get_native_id())), snapshot())[1]
-    session.statistics.inserted = 1
-    maker.request()
-    awaited(lambda: maker.take() is not None)
-    assert priorities[0] >= NICE

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import logging
 import math
-import os
-import sys
 import threading
 import time
 
@@ -20,7 +18,6 @@ from AIFReconLib.live.session.statistics import REMEMBERED, Rhythm
 from AIFReconLib.live.session.watch import PIECE, Watch
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
-from AIFReconLib.machine.threads import NICE
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 LONG = 60.0
@@ -146,19 +143,3 @@ def test_what_fails_at_every_frame_is_told_each_time_and_logged_once(caplog):
         watch.stop()
     assert watch.told == ["this frame cannot be looked at"] * 3
     assert len([record for record in caplog.records if "beside a live scan" in record.message]) == 1
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads have a priority of their own on Linux alone")
-def test_what_is_found_out_beside_a_scan_is_done_where_windows_do_not_want_the_core():
-    class Looking(Failing):
-        priority = None
-
-        def _look(self, frame):
-            self.priority = os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-
-    watch = Looking(Session())
-    end = time.monotonic() + LONG
-    while watch.priority is None and time.monotonic() < end:
-        time.sleep(0.002)
-    watch.stop()
-    assert watch.priority >= NICE

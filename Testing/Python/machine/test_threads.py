@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import threading
 import time
 
@@ -12,7 +10,7 @@ from waiting import until
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.machine.read_ahead import read_ahead
-from AIFReconLib.machine.threads import NICE, Pace, give_way, in_parts
+from AIFReconLib.machine.threads import Pace, in_parts
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
@@ -150,34 +148,3 @@ def test_no_thread_stays_when_the_caller_leaves_early(taken):
     with pytest.raises(KeyError):
         leave_early()
     assert threading.active_count() == before
-
-
-def niceness():
-    """Of the calling thread; on Linux alone each has its own."""
-    return os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-
-
-def on_a_thread(*work):
-    """What each of these returns, called one after the other on a new thread."""
-    returned = []
-    thread = threading.Thread(target=lambda: returned.extend([each() for each in work]))
-    thread.start()
-    thread.join()
-    return returned
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="threads have a priority of their own on Linux alone")
-def test_a_thread_that_gives_way_takes_those_that_it_starts_with_it_and_no_other():
-    before = niceness()
-    own, others = on_a_thread(lambda: (give_way(), niceness())[1], lambda: on_a_thread(niceness))
-    assert own == max(before, NICE)
-    assert others == [own]
-    assert niceness() == before
-
-
-def test_where_no_thread_may_be_given_another_priority_it_works_all_the_same(monkeypatch):
-    def forbidden(*_):
-        raise PermissionError
-
-    monkeypatch.setattr(os, "setpriority", forbidden, raising=False)
-    assert on_a_thread(give_way, lambda: "works") == [None, "works"]

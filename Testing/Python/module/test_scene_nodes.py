@@ -13,6 +13,7 @@ import vtk  # noqa: E402
 from scene_host import class_counts, transform_node, volume_node, warping_node  # noqa: E402
 
 from AIFReconLib.bone.map import BoneMap  # noqa: E402
+from AIFReconLib.bone.widths import SIGMA_VOXELS  # noqa: E402
 from AIFReconLib.errors import TransformError  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 
@@ -61,10 +62,17 @@ def equal(a: BoneMap, b: BoneMap) -> bool:
     return same_place and np.array_equal(a.probability.array, b.probability.array) and np.array_equal(a.inside.array, b.inside.array)
 
 
-def bone_of(node, *arguments, **options) -> BoneMap:
-    from AIFReconScene.inputs.boneNodes import boneMapFromNode
+def bone_of(node, chosen=None, referenceVolumeNode=None, sigmaVoxels=None) -> BoneMap:
+    """The map that the worker makes of a node."""
+    from AIFReconScene.inputs.boneNodes import isLabeled, labelsFromNode, probabilityFromNode, reachOfMap
+    from AIFReconScene.transforms import matrixToWorld
 
-    return boneMapFromNode(node, *arguments, **options)
+    place = matrixToWorld(node)
+    if not isLabeled(node):
+        return BoneMap.from_probability(probabilityFromNode(node), place)
+    reach = reachOfMap(sigmaVoxels, None)
+    labels = labelsFromNode(node, chosen, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach)
+    return BoneMap.from_labels(labels, sigmaVoxels or SIGMA_VOXELS, None, place)
 
 
 EXPECTED = BoneMap.from_labels(Volume(ball_labels(), CT_MATRIX), sigma_voxels=1.5)
@@ -345,7 +353,7 @@ def test_a_failure_midway_leaves_the_scene_as_it_was(scene, monkeypatch):
         raise MemoryError
 
     before = class_counts(scene)
-    monkeypatch.setattr(volumeNodes, "_collect", fail)
+    monkeypatch.setattr(volumeNodes, "intoFolder", fail)
     with pytest.raises(MemoryError):
         outputs(result(), "Sweep", ("intensity", "score"))
     assert class_counts(scene) == before

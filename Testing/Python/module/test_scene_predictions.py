@@ -37,8 +37,7 @@ def browsers(scene):
 
 def bone_told_by(browser, predictions, recipe):
     """The bone that the worker is asked for."""
-    from AIFReconScene.sweep.predictions import predictionsFromNode
-    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+    from AIFReconScene.sweep.sequenceReader import predictionsFromNode, sequenceFromBrowser
 
     return bone_in_frames(Asked(sequenceFromBrowser(browser), recipe, predictions=predictionsFromNode(predictions)))
 

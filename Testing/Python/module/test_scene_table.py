@@ -125,16 +125,15 @@ def test_canceling_the_simulation_leaves_the_scene_as_it_was(scene, quick, share
 def test_the_sweep_shows_bone_where_the_registered_ct_has_it(patient):
     from AIFReconScene.inputs.boneNodes import labelsFromNode
     from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
-    from AIFReconScene.volumes.metricsTable import measureVolumes
 
-    from AIFReconLib.reconstruction import reconstruct
+    from AIFReconLib import evaluate, reconstruct
 
     sequence = sequenceFromBrowser(patient.browser)
     result = reconstruct(sequence, ReconstructionSettings(method="average", spacing=1.0))
 
     def contrast():
         labels = labelsFromNode(patient.segmentation)
-        return measureVolumes({"average": result.intensity}, labels, sequence, mask=result.mask)["average"].bone.contrast
+        return evaluate(result.intensity, labels, result.mask, sweep=sequence).bone.contrast
 
     registered = contrast()
     patient.segmentation.SetAndObserveTransformNodeID(None)

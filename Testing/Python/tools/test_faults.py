@@ -17,7 +17,7 @@ def run_faults(*arguments: str) -> subprocess.CompletedProcess:
     return subprocess.run([sys.executable, "-m", "faults", *arguments], cwd=TESTING, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("kind", ["kill", "places", "changing", "endings"])
+@pytest.mark.parametrize("kind", ["kill", "places", "changing", "endings", "worker"])
 def test_nothing_is_lost_by_a_few_faults_of_each_kind(kind):
     done = run_faults("--quick", "--only", kind)
     assert done.returncode == 0, done.stdout + done.stderr[-2000:]

@@ -160,6 +160,13 @@ def test_a_kept_object_stays_until_it_is_forgotten(worker, tmp_path):
         worker.call("add", counter, 1)
 
 
+def test_short_calls_of_a_kept_object_are_made_in_their_order(worker, tmp_path):
+    counter = worker.keep(tasks.Counter, str(tmp_path / "end"))
+    for number in range(1, 500):
+        worker.begin("add", counter, number)
+    assert worker.call("all", counter) == list(range(500))
+
+
 def test_calls_are_heard_while_a_forgotten_object_ends(worker, tmp_path):
     file = tmp_path / "end"
     worker.forget(worker.keep(tasks.Counter, str(file), 1.0))

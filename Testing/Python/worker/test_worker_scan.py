@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -26,7 +27,8 @@ from AIFReconLib.live.session.taken_up import TakenUp
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.worker.scan import Scan
-from AIFReconLib.worker.scan_request import ScanRequest, begin_scan
+from AIFReconLib.worker.scan_request import ScanRequest
+from AIFReconLib.worker.scanning import begin_scan
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 SEQUENCE = tracked_sequence(24, statuses={5: TransformStatus.OUT_OF_VIEW})
@@ -57,11 +59,12 @@ def give(worker, scan, first, stop) -> None:
     for number in range(first, stop):
         for message in messages(number, number + 1):
             worker.begin("put", scan, message).result()
-        assert until(lambda number=number: is_taken(worker.call("look", scan).statistics, number))
+        assert until(partial(is_taken, worker, scan, number))
 
 
-def is_taken(statistics, number) -> bool:
+def is_taken(worker, scan, number) -> bool:
     """Whether a frame was recorded, and none waits to be inserted."""
+    statistics = worker.call("look", scan).statistics
     return statistics.recorded > number and statistics.waiting == 0
 
 

@@ -1,0 +1,330 @@
+"""Measures in a Slicer application how smooth its windows stay and how fast things come, while the module is used as a user does.
+
+    Slicer --no-splash --additional-module-paths AIFRecon --python-script Testing/Slicer/measureInSlicer.py FOLDER [SECONDS]
+    QT_QPA_PLATFORM=offscreen python Testing/Slicer/measureInSlicer.py FOLDER [SECONDS]  # on Testing/host: only to see that it works
+
+A run: the sample in one press, again, the comparison, the CT placed, guidance. A scan: SECONDS (60) of a simulated patient at 30 frames/s
+of 640 x 480 from a process of its own, with guidance and recording, its box from a first look over all, presses in its middle, Stop. What
+came of it is printed and kept in FOLDER/measured.json, pictures of the window beside it; the exit status is 0 when every step succeeded and
+every aim was met. Only buttons and what the panel shows are used, so that states of the module can be compared.
+"""
+
+import contextlib
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+import zlib
+from typing import Any
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+try:
+    import qt
+except ImportError:
+    sys.path.append(str(HERE.parent))
+    from host import runHost
+
+    runHost().start(HERE.parents[1] / "AIFRecon" / "AIFRecon.py")
+    import qt
+import slicer  # noqa: E402 - the host makes it
+
+BEAT = 10
+"""ms between two looks of the event loop at the clock: what comes later than that was kept waiting."""
+
+LIMITS = 50, 150
+"""ms."""
+
+SIZE = 480, 640
+"""Rows and columns of a frame."""
+
+ONE_SWEEP = 9.0
+"""s that the scanner takes for one sweep, and a little more."""
+
+AIMS = {
+    "run: % of turns within 50 ms": (">=", 95.0),
+    "run: % of turns within 150 ms": (">=", 99.0),
+    "scan: % of turns within 50 ms": (">=", 95.0),
+    "scan: % of turns within 150 ms": (">=", 99.0),
+    "first press, s": ("<=", 20.0),
+    "frames lost": ("<=", 0.0),
+    "frame on screen after ms, 95 of 100": ("<=", 150.0),
+    "voxels after ms, 95 of 100": ("<=", 1000.0),
+}
+
+
+class Beat:
+    """A timer of the event loop, and how late it came each time: for so long nothing was drawn or heard."""
+
+    def __init__(self):
+        self.late: dict[str, list[float]] = {}
+        """ms, by step."""
+        self.step, self._last = "", time.monotonic()
+        self.also = lambda: None
+        """Done at every beat."""
+        self._timer = qt.QTimer()
+        self._timer.setInterval(BEAT)
+        self._timer.connect("timeout()", self._beat)
+        self._timer.start()
+
+    def begin(self, step: str) -> None:
+        """What comes from now on belongs to this step; to none, if it has no name."""
+        self.step, self._last = step, time.monotonic()
+
+    def _beat(self) -> None:
+        now = time.monotonic()
+        if self.step:
+            self.late.setdefault(self.step, []).append(max(1000.0 * (now - self._last) - BEAT, 0.0))
+        self.also()
+        # What this itself takes is not the application's
+        self._last = time.monotonic()
+
+    def told(self, kind: str) -> dict[str, float | str]:
+        """Of all steps whose name begins so."""
+        steps = {step: late for step, late in self.late.items() if step.startswith(kind)}
+        late = np.array([each for step in steps.values() for each in step])
+        told: dict[str, float | str] = {}
+        for limit in LIMITS:
+            told[f"{kind}: % of turns within {limit} ms"] = round(100.0 * float(np.mean(late <= limit)), 2)
+        for limit in LIMITS:
+            # Of what comes in at any moment of a pause, the last part alone is heard in time
+            told[f"{kind}: % of moments within {limit} ms"] = round(
+                100.0 * float(np.sum(np.minimum(late + BEAT, limit)) / np.sum(late + BEAT)), 2
+            )
+        longest = max(steps, key=lambda step: max(steps[step]))
+        return told | {f"{kind}: longest pause, ms": round(max(steps[longest])), f"{kind}: longest pause in": longest}
+
+
+class Screen:
+    """When frames and voxels of a scan are seen, compared with when they were sent."""
+
+    def __init__(self, folder: pathlib.Path):
+        self._folder = folder
+        told = json.loads((folder / "frames.json").read_text("utf-8"))
+        self.count = len(told)
+        self._numbers = {each["checksum"]: number for number, each in enumerate(told)}
+        self._points = np.array([[*point, 1.0] for each in told for point in each["points"]])
+        self._of = np.array([number for number, each in enumerate(told) for _point in each["points"]])
+        self._changed: dict[str, int] = {}
+        self.frames: list[tuple[int, float]] = []
+        self.voxels: dict[int, float] = {}
+        """When the first voxel of a frame was seen."""
+        self.begin = 0.0
+
+    def look(self) -> None:
+        """Note what is new."""
+        now = time.monotonic()
+        node = shown("Red")
+        if node is not None and self._isNew("frame", node):
+            array = slicer.util.arrayFromVolume(node)
+            number = self.number(array)
+            if number is not None:
+                self.frames.append((number, now))
+        node = parameters().output
+        if self.begin and node is not None and self._isNew("volume", node):
+            toIJK = slicer.util.vtkMatrixFromArray(np.eye(4))
+            node.GetRASToIJKMatrix(toIJK)
+            array = slicer.util.arrayFromVolume(node)
+            places = np.rint(self._points @ slicer.util.arrayFromVTKMatrix(toIJK).T)[:, 2::-1].astype(int)
+            inside = np.all((places >= 0) & (places < array.shape), axis=1)
+            filled = array[tuple(places[inside].T)] > 0
+            for number in np.unique(self._of[inside][filled]):
+                self.voxels.setdefault(int(number), now)
+
+    def number(self, image: np.ndarray) -> int | None:
+        """That of a frame of the sweep; None of another image."""
+        return self._numbers.get(zlib.crc32(image.tobytes())) if image.size == SIZE[0] * SIZE[1] else None
+
+    def _isNew(self, what: str, node) -> bool:
+        changed = node.GetImageData().GetMTime() if node.GetImageData() is not None else 0
+        before, self._changed[what] = self._changed.get(what), changed
+        return changed != before
+
+    def sent(self) -> list[tuple[int, float]]:
+        """Numbers of frames, and when they were sent."""
+        lines = [line.split() for line in (self._folder / "sent.txt").read_text("utf-8").splitlines()]
+        return [(int(line[0]), float(line[1])) for line in lines if len(line) == 2]
+
+    def told(self) -> dict[str, float]:
+        """ms from being sent to being seen."""
+        sent = self.sent()
+        onScreen = [now - max(when for number, when in sent if number == seen and when <= now) for seen, now in self.frames]
+        first: dict[int, float] = {}
+        for number, when in sent:
+            if when >= self.begin:
+                first.setdefault(number, when)
+        # Voxels that were there before their frame was sent came from its neighbors
+        inVolume = [self.voxels[number] - when for number, when in first.items() if self.voxels.get(number, 0.0) >= when]
+        told: dict[str, float] = {}
+        for name, ages in (("frame on screen after ms", onScreen), ("voxels after ms", inVolume)):
+            for part in (50, 95, 100):
+                told[f"{name}, {part} of 100"] = round(1000.0 * float(np.percentile(ages, part))) if ages else -1.0
+        return told | {"frames shown": len(self.frames), "frames whose voxels were seen": len(inVolume)}
+
+
+def parameters():
+    """The module's parameters."""
+    return slicer.modules.AIFReconWidget.logic.getParameterNode()
+
+
+def shown(view: str):
+    """The volume in the foreground, else the background, of a slice view."""
+    composite = slicer.app.layoutManager().sliceWidget(view).mrmlSliceCompositeNode()
+    return slicer.mrmlScene.GetNodeByID(composite.GetForegroundVolumeID() or composite.GetBackgroundVolumeID() or "")
+
+
+class Walk:
+    """The module in the application, used step by step."""
+
+    LOOK_EVERY = 20
+    """ms between two looks at what is waited for."""
+
+    def __init__(self, folder: pathlib.Path):
+        self.folder, self.beat = folder, Beat()
+        self.seconds: dict[str, float] = {}
+        # The offer of numba, made once, is a question that nobody here answers
+        slicer.app.userSettings().setValue("AIFRecon/FastOffered", True)
+        slicer.util.mainWindow().resize(1400, 900)
+        # A scan is recorded beside the scene
+        slicer.mrmlScene.SetRootDirectory(str(folder))
+        slicer.util.selectModule("AIFRecon")
+        self.ui = slicer.modules.AIFReconWidget.ui
+
+    def wait(self, condition, what: str, seconds: float = 300.0) -> None:
+        """Let the event loop run, as where a user waits, until the condition holds; an error after so many seconds if it is named."""
+        loop, timer, end = qt.QEventLoop(), qt.QTimer(), time.monotonic() + seconds
+
+        def look() -> None:
+            if time.monotonic() > end or condition():
+                loop.quit()
+
+        timer.setInterval(self.LOOK_EVERY)
+        timer.connect("timeout()", look)
+        timer.start()
+        loop.exec_()
+        timer.stop()
+        if what and not condition():
+            raise RuntimeError(f"{what} did not come: {self.ui.statusLabel.text} {self.ui.liveStatisticsLabel.text}")
+
+    def settle(self, seconds: float) -> None:
+        """Look at it for a while."""
+        self.wait(lambda: False, "", seconds)
+
+    def press(self, step: str, button, after: float = 2.0) -> None:
+        """Click a button that must be enabled, and look at what comes of it."""
+        if not button.enabled:
+            raise RuntimeError(f"{step}: {button.text} cannot be pressed: {button.toolTip} {self.ui.statusLabel.text}")
+        self.beat.begin(step)
+        begun = time.monotonic()
+        button.click()
+        self.seconds[step] = round(time.monotonic() - begun, 2)
+        self.settle(after)
+        self.beat.begin("")
+        with contextlib.suppress(Exception):  # on the host there is no window to look at
+            slicer.util.mainWindow().grab().save(str(self.folder / f"{re.sub('[^a-z]+', '-', step.lower())}.png"))
+        print(f"{step}: {self.seconds[step]} s", flush=True)
+
+    def run(self) -> None:
+        """What is done with a recording."""
+        ui = self.ui
+        self.press("run: sample", ui.sampleButton)
+        if parameters().output is None:
+            raise RuntimeError(f"nothing was reconstructed: {ui.statusLabel.text}")
+        self.press("run: Reconstruct", ui.applyButton)
+        self.press("run: Compare", ui.compareButton)
+        self.press("run: back from the comparison", ui.singleViewButton)
+        ui.registrationMoreButton.checked = True
+        self.press("run: Place CT", ui.placeButton)
+        ui.coverageMoreButton.checked = True
+        self.press("run: Guidance", ui.guidanceCheckBox)
+        self.wait(lambda: ui.guidanceTableLabel.text, "guidance")
+
+    def scan(self, scanner: pathlib.Path, port: int, seconds: float) -> dict[str, float | str]:
+        """What is done with a patient."""
+        ui, screen = self.ui, Screen(scanner)
+        slicer.mrmlScene.Clear()
+        self.settle(1.0)
+        names = ("sweep.igs.mha", "PlusDeviceSet.xml", "ct.nrrd", "lumbar-segmentation.nrrd", "CTToReference.tfm")
+        slicer.modules.AIFReconWidget.logic.openFiles(parameters(), [scanner / name for name in names])
+        parameters().guidance, parameters().liveRecord = True, True
+        parameters().liveHost, parameters().livePort = "127.0.0.1", port
+        ui.tabWidget.currentIndex = 1
+        self.settle(1.0)
+        self.beat.also = screen.look
+        self.press("scan: Start", ui.liveStartButton, 1.0)
+        self.beat.begin("scan: first look")
+        self.settle(ONE_SWEEP)
+        self.wait(lambda: ui.liveUseBoxButton.enabled, "Use the scanned area")
+        screen.begin = time.monotonic()
+        self.press("scan: Use the scanned area", ui.liveUseBoxButton, 1.0)
+        self.beat.begin("scan: while it goes on")
+        self.settle(ONE_SWEEP)
+        self.wait(lambda: ui.guidanceMoveLabel.text, "a next move")
+        self.beat.begin("scan: while it goes on")
+        self.settle(max(seconds - 2 * ONE_SWEEP - 16.0, 0.0))
+        twice = (ui.liveGuidanceCheckBox, ui.liveMoreButton)
+        for button in (ui.livePlaceButton, ui.undoPlaceButton, *twice, *twice):
+            self.press(f"scan: {button.text}", button)
+        self.beat.also = lambda: None
+        self.press("scan: Stop", ui.liveStopButton)
+        said = ui.liveStatisticsLabel.text
+        inserted, received = map(int, re.search(r"(\d+) of (\d+) frames", said).groups())  # type: ignore[union-attr]
+        numbers: list[Any] = [
+            screen.number(image) for path in self.folder.glob("Scan*.raw") for image in np.memmap(path, np.uint8).reshape(-1, *SIZE)
+        ]
+        left_out = int(sum((np.diff(numbers) - 1) % screen.count)) if None not in numbers else -1
+        told: dict[str, float | str] = {"frames received": received, "frames recorded": len(numbers), "frames inserted": inserted}
+        return told | {"frames lost": left_out + abs(received - len(numbers)), "said": said} | screen.told()
+
+
+@contextlib.contextmanager
+def beside(folder: pathlib.Path):
+    """The scanner; gives its port."""
+    python = shutil.which("PythonSlicer") or shutil.which("python3") or sys.executable
+    paths = os.pathsep.join(dict.fromkeys([str(HERE.parents[1]), *map(str, sys.path)]))
+    command = [python, str(HERE / "scannerBeside.py"), str(folder), str(os.getpid())]
+    scanner = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": paths})
+    try:
+        assert scanner.stdout is not None
+        yield int(scanner.stdout.readline())
+    finally:
+        scanner.kill()
+        scanner.communicate()
+
+
+def main(arguments: list[str]) -> int:
+    """Measure and tell; the exit status."""
+    folder = pathlib.Path(arguments[0])
+    (folder / "scanner").mkdir(parents=True, exist_ok=True)
+    measured: dict[str, float | str] = {}
+    with beside(folder / "scanner") as port:
+        walk = Walk(folder)
+        try:
+            walk.run()
+            measured |= {"first press, s": walk.seconds["run: sample"], "second press, s": walk.seconds["run: Reconstruct"]}
+            measured |= walk.beat.told("run")
+            measured |= walk.scan(folder / "scanner", port, float(arguments[1]) if len(arguments) > 1 else 60.0)
+            measured |= walk.beat.told("scan")
+        except Exception as error:
+            measured["failed"] = f"{type(error).__name__}: {error}"
+    memory = [float(line) for line in (folder / "scanner" / "memory.txt").read_text("utf-8").split()]
+    measured["most memory of application and worker, MB"] = max(memory, default=0.0)
+    missed = []
+    for name, value in measured.items():
+        sign, aim = AIMS.get(name, ("", 0.0))
+        isMet = not sign or (float(value) >= aim if sign == ">=" else 0.0 <= float(value) <= aim)
+        missed += [] if isMet else [name]
+        print(f"{name}: {value}" + (f"  (aim {sign} {aim:g}{'' if isMet else ', MISSED'})" if sign else ""), flush=True)
+    longest = {step: round(max(late)) for step, late in walk.beat.late.items()}
+    found = {"version": slicer.app.applicationVersion, "missed": missed, "seconds": walk.seconds, "longest_ms": longest, **measured}
+    (folder / "measured.json").write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+    return 1 if missed or "failed" in measured else 0
+
+
+if __name__ == "__main__":
+    slicer.util.exit(main(sys.argv[1:]))
