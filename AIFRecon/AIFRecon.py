@@ -30,7 +30,7 @@ from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.sweep.sweepReport import SweepReport
 from AIFReconScene.sweep.sweepStatus import SweepStatus, offered
-from AIFReconScene.work import inWorker, worker
+from AIFReconScene.work import inWorker, warmUp, worker
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.progress import part
@@ -91,8 +91,6 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconScene.inputs.inputWatch import InputWatch
 
-        from AIFReconLib.worker.reconstructing import warm_up
-
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
         self.ui = slicer.util.childWidgetVariables(uiWidget)
@@ -109,7 +107,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
         self._isSetUp = True
 
-        worker.begin(warm_up)
+        warmUp()
         slicer.app.connect("aboutToQuit()", worker.close)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.StartCloseEvent, self.onSceneStartClose)
         self.addObserver(slicer.mrmlScene, slicer.mrmlScene.EndCloseEvent, self.onSceneIsNew)

@@ -13,11 +13,10 @@ import subprocess
 import slicer
 from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import LiveSource
-from AIFReconScene.work import worker
+from AIFReconScene.work import warmUp, worker
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.worker.reconstructing import warm_up
 
 from .errorsShown import errorsShown
 
@@ -138,4 +137,4 @@ def _install(requirements: list[str], ask: bool = True) -> None:
     importlib.invalidate_caches()
     # One that was started before does not find it
     worker.close()
-    worker.begin(warm_up)
+    warmUp()

@@ -1,5 +1,9 @@
 """The library's work is done by a process of its own: whatever it does there, this application's windows stay alive."""
 
+import contextlib
+
+from AIFReconLib.errors import WorkerDiedError
+from AIFReconLib.worker.reconstructing import warm_up
 from AIFReconLib.worker.worker import Worker
 
 worker = Worker()
@@ -28,3 +32,9 @@ def inWorker(function, *arguments, progress=None, **named):
         Whatever the function raises.
     """
     return worker.call(function, *arguments, progress=progress, **named)
+
+
+def warmUp() -> None:
+    """Start the worker before it is needed; where that cannot be, the first press tells."""
+    with contextlib.suppress(WorkerDiedError):
+        worker.begin(warm_up)

@@ -1,4 +1,4 @@
-"""What else a program with windows has done for it: measuring, simulating, and keeping settings.
+"""What else a program with windows has done for it: measuring, guidance in a sweep, simulating, and keeping settings.
 
 What computes is imported where it is used: who asks does not load it.
 """
@@ -14,7 +14,8 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..evaluation.quantities import BoneMetrics
-from ..geometry.volume import Volume
+from ..geometry.volume import Volume, VoxelGrid
+from ..guidance.seen import GuidanceSeen, Share
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
@@ -40,6 +41,31 @@ def measured_volumes(
         results[name] = evaluate(volume, truth, mask)
     report(progress, 1.0, "Measured")
     return results
+
+
+def met_of_sweep(
+    sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
+) -> dict[str, Share]:
+    """How much of what faces the back of each bone was met, by the label's number; see `coverage`."""
+    from ..guidance.coverage import back_of_labels, coverage
+
+    return back_of_labels(coverage(sequence, labels, labels_to_reference, recipe, progress=progress).met)
+
+
+def guidance_in_sweep(
+    sequence: TrackedSequence,
+    labels: Volume,
+    labels_to_reference: Matrix,
+    recipe: Recipe,
+    grid: VoxelGrid | None = None,
+    progress: Progress | None = None,
+) -> tuple[GuidanceSeen, dict[str, Share]]:
+    """What `guidance_of_sweep` tells, and as `met_of_sweep`; nothing of that where there is a problem."""
+    from ..guidance.coverage import back_of_labels
+    from ..guidance.guidance import guidance_of_sweep
+
+    found = guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, progress=progress)
+    return found.seen(), {} if found.coverage is None else back_of_labels(found.coverage.met)
 
 
 @dataclass(frozen=True, eq=False)

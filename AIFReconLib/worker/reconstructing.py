@@ -103,7 +103,7 @@ def reconstructed(
     words : mapping
         What to do about what is said.
     """
-    know_method(asked)
+    know_method(asked.recipe.method, asked.search_path)
     bone, labeled = _bone_of(asked, part(progress, 0.0, 0.1))
     has_bone = bone is not None or labeled is not None
     method = method_named(asked.recipe.method_for(has_bone))
@@ -204,18 +204,17 @@ def warm_up() -> None:
     reconstructed(Asked(TrackedSequence.from_arrays(images, poses, spacing=1.0), recipe, bone=bone), FOR_VIEWS, for_views=True)
 
 
-def know_method(asked: Asked) -> None:
+def know_method(name: str | None, search_path: Collection[str] = ()) -> None:
     """Import the file of a method of the user's own, anew if that was done before: it may have been changed since.
 
-    Raises MethodError when it is in no file.
+    Raises MethodError when it is in no file, or cannot be imported from any of these folders.
     """
-    name = asked.recipe.method
     if name is None or not is_own_method(name):
         return
     module = name.partition(":")[0]
     if module == "__main__":
         raise MethodError(f"Method {name} was written into the console. Write it into a file, and import that.")
-    sys.path.extend(folder for folder in asked.search_path if folder not in sys.path)
+    sys.path.extend(folder for folder in search_path if folder not in sys.path)
     try:
         if module in sys.modules:
             importlib.reload(sys.modules[module])

@@ -35,6 +35,7 @@ from ..registration.echoes import FEWEST, SweepEchoes
 from ..registration.labeled_bone import LabeledBone
 from ..registration.live import SECONDS
 from ..resolve import Imaging
+from .reconstructing import know_method
 from .scan_request import ECHOES, MODEL, Ended, ScanRequest, Seen, SeenFrame
 
 SCOUT_MARGIN = 5.0
@@ -62,6 +63,7 @@ class Scan:
     def __init__(self, request: ScanRequest, progress: Progress | None = None):
         self._request, self._labels, self._place = request, request.labels, request.bone_to_reference
         recipe, configuration = request.recipe, request.configuration
+        know_method(recipe.method, request.search_path)
         self._given = None if request.server is not None else _Given()
         self._labeled: LabeledBone | None = None
         self._growing = GrowingBone() if request.bone_from is not None else None

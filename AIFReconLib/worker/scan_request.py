@@ -52,6 +52,8 @@ class ScanRequest:
         Tell what is met of the labels, and where to look next.
     takes_up : bool
         Go on with the recording that was not finished: its frames come first, those of `spans` into the volume.
+    search_path : tuple of str
+        Folders in which a method of the user's own is looked for.
     """
 
     recipe: Recipe
@@ -69,6 +71,7 @@ class ScanRequest:
     guidance: bool = False
     takes_up: bool = False
     spans: Spans = ALL
+    search_path: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

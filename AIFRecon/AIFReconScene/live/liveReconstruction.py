@@ -2,6 +2,7 @@
 
 import collections
 import logging
+import sys
 import time
 from dataclasses import replace
 
@@ -324,4 +325,5 @@ def _requestOf(parameters, bone: FollowedBone, record) -> ScanRequest:
         image_device=parameters.liveImageDevice.strip() or None,
         record=record,
         guidance=parameters.guidance and bone.labels is not None,
+        search_path=tuple(sys.path),
     )

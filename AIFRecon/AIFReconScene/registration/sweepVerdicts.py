@@ -7,7 +7,7 @@ from AIFReconLib.guidance.seen import GuidanceSeen
 from AIFReconLib.inspection.verdicts import Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
-from AIFReconLib.worker.guiding import guidance_in_sweep, met_of_sweep
+from AIFReconLib.worker.evaluating import guidance_in_sweep, met_of_sweep
 
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs

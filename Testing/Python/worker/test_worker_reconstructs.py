@@ -1,0 +1,106 @@
+"""A reconstruction in the worker is the one of the library, to the bit, with all that is shown of it."""
+
+from __future__ import annotations
+
+import pickle
+import textwrap
+
+import numpy as np
+import pytest
+from sweeps import oblique_frames, two_vertebrae
+
+from AIFReconLib.compounding.state import BESIDE
+from AIFReconLib.errors import MethodError, SequenceFormatError
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.tracking_report import tracking_report
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
+from AIFReconLib.sweep.configuration import NO_CONFIGURATION
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.worker.reconstructing import Asked, PlacedBone, know_method, reconstructed
+from AIFReconLib.worker.recordings import frame_fields, images_between, read_recording, without_images
+
+
+def sweep(count: int = 5) -> TrackedSequence:
+    frames = oblique_frames(count=count)
+    images, poses = ([getattr(frame, name) for frame in frames] for name in ("image", "image_to_reference"))
+    return TrackedSequence.from_arrays(np.stack(images), np.stack(poses), np.array([frame.timestamp for frame in frames]))
+
+
+def test_voxels_score_and_hits_are_those_of_the_library_and_the_report_is_of_the_sweep(worker):
+    recipe = Recipe(spacing=1.0, probe="linear", bone_sigma_mm=2.0)
+    labels, place = two_vertebrae(), np.eye(4)
+    sequence = sweep()
+    made = worker.call(reconstructed, Asked(sequence, recipe, bone=PlacedBone(labels, place)), BESIDE, for_views=True)
+    bone = LabeledBone(labels, place, sequence, recipe).map("weighted")
+    expected = reconstruct(sequence, recipe, bone)
+    for kind in ("intensity", "score", "hits", "mask"):
+        np.testing.assert_array_equal(getattr(made.result, kind).array, getattr(expected, kind).array)
+    mean = reconstruct(sequence, Recipe(spacing=1.0, method="average", hole_limit=expected.hole_limit), grid=expected.grid)
+    np.testing.assert_array_equal(made.measured.array, mean.intensity.array)
+    assert made.tracking == tracking_report(sequence, sweep_poses(sequence), expected)
+    assert made.comparison.lines
+
+
+def test_what_is_not_wanted_stays_in_the_worker(worker):
+    made = worker.call(reconstructed, Asked(sweep(), Recipe(spacing=2.0, method="average")), for_views=True)
+    assert (made.result.score, made.result.hits, made.result.cosine, made.measured, made.surface) == (None,) * 5
+
+
+def test_a_method_of_one_s_own_is_imported_where_it_lies_and_anew_when_its_file_has_changed(worker, tmp_path):
+    def write(level: int) -> None:
+        (tmp_path / "own_level.py").write_text(
+            textwrap.dedent(f"""
+            from AIFReconLib import register_method
+
+            @register_method
+            def flat(intensity):
+                return 1 + 0 * intensity, 0 * intensity + {level}  # {"x" * level}
+            """),
+            encoding="utf-8",
+        )
+
+    def brightest() -> int:
+        asked = Asked(sweep(), object.__new__(Recipe), search_path=(str(tmp_path),))
+        vars(asked.recipe).update({**vars(Recipe(spacing=2.0, method="average")), "method": "own_level:flat"})
+        return int(worker.call(reconstructed, asked).result.intensity.array.max())
+
+    write(70)
+    assert brightest() == 70
+    write(9)
+    assert brightest() == 9
+
+
+def test_a_method_that_was_written_into_the_console_is_refused_in_a_sentence():
+    with pytest.raises(MethodError, match=r"was written into the console\. Write it into a file"):
+        know_method("__main__:flat")
+
+
+def test_a_recording_comes_in_pieces_that_are_its_images(worker, tmp_path):
+    sequence = sweep(7)
+    write_sequence(sequence, path := tmp_path / "sweep.igs.mha")
+    file = worker.keep(read_recording, path)
+    told = worker.call(without_images, file)
+    assert (told.images.shape, told.images.dtype) == (sequence.images.shape, sequence.images.dtype)
+    assert told.configuration is NO_CONFIGURATION
+    np.testing.assert_array_equal(sweep_poses(told).image_to_reference, sweep_poses(read_recording(path)).image_to_reference)
+    pieces = [worker.call(images_between, file, start, min(start + 3, 7)) for start in (0, 3, 6)]
+    np.testing.assert_array_equal(np.concatenate(pieces), sequence.images)
+    with pytest.raises(IndexError):
+        told.images[0]
+
+
+def test_what_a_file_says_of_its_frames_is_told_and_a_volume_has_none(tmp_path):
+    write_sequence(sweep(), path := tmp_path / "sweep.igs.mha")
+    assert "Timestamp" in frame_fields(path)
+    Volume(np.zeros((3, 3, 3), np.uint8), np.eye(4)).write(volume := tmp_path / "volume.nrrd")
+    assert frame_fields(volume) is None
+    with pytest.raises(SequenceFormatError):
+        frame_fields(tmp_path / "sweep.txt")
+
+
+def test_no_configuration_is_none_in_another_process_too():
+    assert pickle.loads(pickle.dumps(NO_CONFIGURATION)) is NO_CONFIGURATION
