@@ -145,7 +145,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.undo()
         np.testing.assert_array_equal(tinyScene.matrixOf(self.transform), before)
         self.assertFalse(self.ui.undoPlaceButton.enabled)
-        self.assertIn("do not agree", self.ui.registrationLabel.text)
+        self.assertTrue(waitFor(lambda: "do not agree" in self.ui.registrationLabel.text))
         self.assertIn("back where it was", self.ui.registrationLabel.text)
 
     # ---- refused

@@ -11,8 +11,8 @@ from ..fields.choosers import Follower
 from .layout import say
 from .signals import signOf
 
-BEGUN_AFTER, LOOKED_EVERY = 300, 100
-"""ms: from a reconstruction until its coverage is looked at, which takes seconds beside everything else; and between two looks for it."""
+LOOKED_EVERY = 100
+"""ms between two looks whether the coverage is known."""
 
 
 class Lights(Follower):
@@ -26,7 +26,8 @@ class Lights(Follower):
 
     def __init__(self, ui, verdicts):
         self._ui, self._verdicts = ui, verdicts
-        self._timer, self._isBegun = qt.QTimer(), False
+        self._timer = qt.QTimer()
+        self._timer.setInterval(LOOKED_EVERY)
         self._timer.connect("timeout()", self._look)
         for name in NAMES:
             button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
@@ -52,10 +53,10 @@ class Lights(Follower):
         return self._timer.isActive()
 
     def lookBeside(self) -> None:
-        """Begin to look at the coverage of what was reconstructed, as soon as the panel is at rest."""
-        self._isBegun = False
-        self._timer.setInterval(BEGUN_AFTER)
-        self._timer.start()
+        """Have the worker look at the coverage of what was reconstructed."""
+        if self._parameterNode is not None and self._verdicts.beginCoverage(self._parameterNode):
+            self._timer.start()
+        self.update()
 
     def cancel(self) -> None:
         """Look no further: the scene or the panel is being closed, or something else is done."""
@@ -63,15 +64,9 @@ class Lights(Follower):
         self._verdicts.cancelCoverage()
 
     def _look(self) -> None:
-        if not self._isBegun:
-            self._isBegun = self._parameterNode is not None and self._verdicts.beginCoverage(self._parameterNode)
-            self._timer.setInterval(LOOKED_EVERY)
-            if self._isBegun:
-                return
-        elif not self._verdicts.takeCoverage():
-            return
-        self._timer.stop()
-        self.update()
+        if self._verdicts.takeCoverage():
+            self._timer.stop()
+            self.update()
 
     def _show(self, name: str, level: str, finding, advice) -> None:
         titles = {"tracking": _("Tracking"), "registration": _("Registration"), "coverage": _("Coverage")}

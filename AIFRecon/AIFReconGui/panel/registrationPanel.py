@@ -23,11 +23,8 @@ LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
 WORTH_OFFERING = 0.5
 """Share of what the best place explains that makes another one worth a line in the choice."""
 
-JUDGED_AFTER = 200
-"""ms after the CT was moved by whatever means that gauge and colors follow: while it is dragged they would follow in vain."""
-
-LOOKED_EVERY = 30
-"""ms between two looks whether they are known."""
+LOOKED_EVERY = 100
+"""ms between two looks where the CT is: gauge and colors follow it once it rests."""
 
 
 class RegistrationPanel:
@@ -53,16 +50,12 @@ class RegistrationPanel:
         self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
         self._parameterNode = None
         self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
-        self._placed = self._about = self._observed = self._task = None
+        self._placed = self._about = self._task = self._seenAt = self._knownAt = None
         self._saidBefore = ""
         self._places = []
-        self._moved = qt.QTimer()
-        self._moved.setSingleShot(True)
-        self._moved.setInterval(JUDGED_AFTER)
-        self._moved.connect("timeout()", self.onMoved)
-        self._judging = qt.QTimer()
-        self._judging.setInterval(LOOKED_EVERY)
-        self._judging.connect("timeout()", self._takeJudged)
+        self._looking = qt.QTimer()
+        self._looking.setInterval(LOOKED_EVERY)
+        self._looking.connect("timeout()", self._look)
         ui.checkButton.connect("clicked(bool)", self.onCheck)
         ui.placeButton.connect("clicked(bool)", self.onPlace)
         ui.livePlaceButton.connect("clicked(bool)", self.onPlace)
@@ -76,6 +69,7 @@ class RegistrationPanel:
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
         self._parameterNode = parameterNode
+        (self._looking.stop if parameterNode is None else self._looking.start)()
 
     def update(self) -> None:
         """Enable what can be done; follow what is chosen."""
@@ -95,17 +89,11 @@ class RegistrationPanel:
         ui.livePlaceButton.enabled = self._live.isRunning and not missing
         ui.livePlaceButton.toolTip = missing or _("Move the CT onto the bone that this scan has shown so far")
         ui.undoPlaceButton.enabled = self._placement.canUndo
-        self._follow(parameters.bone)
         self._echoes.setVisible(parameters.showEchoes)
-        if not (self._moved.isActive() or self._judging.isActive()) and self._placeNow() is not None:
-            self._moved.start()
 
     def forget(self) -> None:
         """Take the echoes out of the scene, and the words with them."""
         self._placed = self._about = self._task = None
-        for timer in (self._moved, self._judging):
-            timer.stop()
-        self._follow(None)
         self._echoes.clear()
         if not self._ui.registrationLabel:  # destroyed: the application is being closed
             return
@@ -141,18 +129,11 @@ class RegistrationPanel:
 
     def onUndo(self) -> None:
         """Bring the CT back to where it was before it was moved last."""
-        said = ""
         if self._placement.undo():
-            said = _("The CT is back where it was.")
+            self._saidBefore = _("The CT is back where it was.")
             self._offer([])
-            self._say(said)
-            self._moved.stop()
-        self._judge(said)
-
-    def onMoved(self) -> None:
-        """Somebody has moved the CT: let gauge, colors and words follow it."""
-        if not self._work.isRunning:
-            self._judge()
+            self._say(self._saidBefore)
+        self._refresh()
 
     def onLandmarks(self) -> None:
         """Open Slicer's own registration by landmarks."""
@@ -209,58 +190,48 @@ class RegistrationPanel:
 
     def _show(self, parameters, placed) -> None:
         self._placed, self._about, self._task = placed, self._subject(parameters), None
-        self._judging.stop()
         if parameters.sweep is not None:
             self._logic.verdicts.takeAgreement(parameters, placed.agreement)
         self._gauge(placed.agreement, self._names())
         self._echoes.show(placed.points, placed.distances, parameters.showEchoes)
 
-    def _follow(self, bone) -> None:
-        """Observe where the bone lies, or observe nothing."""
-        if self._observed is not None and self._observed[0] is bone:
+    def _look(self) -> None:
+        """Follow a CT that was moved by whatever means and rests now: have its agreement told anew, and show it when it is told."""
+        if self._parameterNode is None or self._work.isRunning:
             return
-        if self._observed is not None:
-            node, tag = self._observed
-            node.RemoveObserver(tag)
-        self._observed = None
-        if bone is not None:
-            event = slicer.vtkMRMLTransformableNode.TransformModifiedEvent
-            self._observed = bone, bone.AddObserver(event, lambda caller, event: self._moved.start())
-
-    def _placeNow(self):
-        """Where the CT's bone is, (4, 4), if it is elsewhere than where gauge and colors have it; None else."""
-        if self._placed is None or self._parameterNode is None or self._parameterNode.bone is None:
-            return None
-        try:
-            place = rigidPlace(self._parameterNode.bone)
-        except AIFReconError:
-            self.forget()
-            return None
-        return None if np.allclose(place, self._placed.labels_to_reference, rtol=0.0, atol=1e-6) else place
-
-    def _judge(self, said: str = "") -> None:
-        """Begin to look how well CT and sweep agree where the CT is now, if that is elsewhere than when it was told last."""
+        if self._task is not None:
+            self._takeJudged()
+            return
         place = self._placeNow()
-        if place is None:
-            self._refresh()
+        at, before = None if place is None else place.tobytes(), self._seenAt
+        self._seenAt = at
+        if at != before or at == self._knownAt:
             return
-        self._task, self._saidBefore = self._registration.beginAt(place), said
-        self._judging.start()
+        self._knownAt = at
+        if self._placed is not None and place is None:
+            self.forget()
+        if self._placed is None:
+            self._refresh()
+        elif not np.allclose(place, self._placed.labels_to_reference, rtol=0.0, atol=1e-6):
+            self._task = self._registration.beginAt(place)
 
     def _takeJudged(self) -> None:
         if not self._task.is_done:
             return
-        task, self._task = self._task, None
-        self._judging.stop()
-        if self._parameterNode is None:
-            return
+        task, said, self._saidBefore = self._task, self._saidBefore, ""
         try:
             self._show(self._parameterNode, task.result())
+            self._say("\n".join(line for line in (said, self._words()) if line))
         except AIFReconError:  # the worker has died
             self.forget()
-        else:
-            self._say("\n".join(line for line in (self._saidBefore, self._words()) if line))
         self._refresh()
+
+    def _placeNow(self):
+        """Where the CT's bone is, (4, 4); None where there is none, or its place cannot be used."""
+        try:
+            return None if self._parameterNode.bone is None else rigidPlace(self._parameterNode.bone)
+        except AIFReconError:
+            return None
 
     def _words(self, *more: str, verdict: bool = True) -> str:
         agreement = self._placed.agreement

@@ -6,6 +6,8 @@ import qt
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
+from AIFReconLib.errors import AIFReconError
+
 from .layout import say
 
 
@@ -35,8 +37,6 @@ class ReportPanel:
         """Show the report of the chosen sweep, if the section is open."""
         if self._parameterNode is None or not self._ui.trackingMoreButton.checked:
             return
-        from AIFReconLib.errors import AIFReconError
-
         shown = None
         if self._parameterNode.sweep is None:
             said = _("Open a recording, or select a tracked sweep.")

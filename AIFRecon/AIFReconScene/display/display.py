@@ -25,7 +25,7 @@ class SceneDisplay:
     """
 
     def __init__(self):
-        self._overlay = None
+        self._overlay = ProbeOverlay()
         self._drawn = {}
         self._imaging = (None, None, None)
 
@@ -63,13 +63,11 @@ class SceneDisplay:
     def followFrame(self, parameters) -> None:
         """Draw the probe on the frame that is shown now; an image under a transform takes it along by itself."""
         if self._drawn.get("probe") and parameters.sweep is not None and isPlacedByItself(parameters.sweep, parameters.imageSequence):
-            self._drawProbe(parameters)
+            self._draw("probe", self._drawProbe, parameters)
 
     def clear(self) -> None:
         """Remove what is drawn for orientation."""
-        if self._overlay is not None:
-            self._overlay.hide()
-        self._overlay = None
+        self._overlay.hide()
         self._drawn = {}
         self._imaging = (None, None, None)
 
@@ -88,42 +86,30 @@ class SceneDisplay:
     def _updateProbe(self, parameters) -> None:
         shown = parameters.showProbe and parameters.sweep is not None
         state = shown and (_sweepOf(parameters), settingsFrom(parameters).apex_px, parameters.probe, regionFrom(parameters))
-        if not self._changed("probe", state):
-            return
-        if not shown:
-            self._hide("probe")
-        else:
-            self._drawProbe(parameters)
-
-    def _drawProbe(self, parameters) -> None:
-        try:
-            self._theOverlay().showProbe(parameters.sweep, parameters.imageSequence, *self._imagingOf(parameters))
-        except AIFReconError as error:
-            self._hide("probe")
-            slicer.util.showStatusMessage(inPanelWords(error), 5000)
+        if self._changed("probe", state):
+            self._draw("probe", self._drawProbe if shown else None, parameters)
 
     def _updateOutlines(self, parameters) -> None:
         shown = parameters.showOutlines and parameters.sweep is not None
-        if not self._changed("outlines", shown and (_sweepOf(parameters), regionFrom(parameters))):
-            return
-        if not shown:
-            self._hide("outlines")
-            return
+        if self._changed("outlines", shown and (_sweepOf(parameters), regionFrom(parameters))):
+            self._draw("outlines", self._drawOutlines if shown else None, parameters)
+
+    def _draw(self, what: str, draw, parameters) -> None:
+        """Draw it; where that is not wanted, or does not work, it goes."""
         try:
-            sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
-            self._theOverlay().showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False)[1])
+            if draw is not None:
+                draw(parameters)
+                return
         except AIFReconError as error:
-            self._hide("outlines")
             slicer.util.showStatusMessage(inPanelWords(error), 5000)
+        self._overlay.hide(what)
 
-    def _theOverlay(self):
-        if self._overlay is None:
-            self._overlay = ProbeOverlay()
-        return self._overlay
+    def _drawProbe(self, parameters) -> None:
+        self._overlay.showProbe(parameters.sweep, parameters.imageSequence, *self._imagingOf(parameters))
 
-    def _hide(self, what: str) -> None:
-        if self._overlay is not None:
-            self._overlay.hide(what)
+    def _drawOutlines(self, parameters) -> None:
+        sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+        self._overlay.showOutlines(parameters.sweep, sequence, self._imagingOf(parameters, needProbe=False)[1])
 
     def _imagingOf(self, parameters, needProbe: bool = True):
         """Probe and region as a reconstruction would use them; looked for in the images once for a sweep."""

@@ -67,7 +67,7 @@ class ProbeOverlay:
                 toStored[axis, axis], toStored[axis, 3] = -1.0, last
         lines = [outline(region.mask(columns, rows)), *beams(region.mask(columns, rows), probe)]
         toRAS = ijkToRAS(image) @ toStored
-        drawn = _upright(_polyLines([_place(toRAS, line) for line in lines], [0]), np.cross(toRAS[:3, 0], toRAS[:3, 1]))
+        drawn = _upright([_place(toRAS, line) for line in lines], np.cross(toRAS[:3, 0], toRAS[:3, 1]))
         node = self._own.model("probe", f"{browser.GetName()} beams")
         node.SetAndObservePolyData(drawn)
         proxy = items.proxyOf(items.images)
@@ -102,7 +102,9 @@ class ProbeOverlay:
         shown = usable[:: math.ceil(len(usable) / MOST_OUTLINES)]
         lines = [_place(poses.image_to_reference[number], points) for number in shown]
         node = self._own.model("outlines", f"{browser.GetName()} outlines")
-        node.SetAndObservePolyData(_polyLines(lines, shown))
+        drawn = polyData(np.concatenate(lines), lines=_numbered(lines))
+        setScalars(drawn.GetCellData(), "frame", shown.astype(np.float32))
+        node.SetAndObservePolyData(drawn)
         node.SetAndObserveTransformNodeID(None)
         display = node.GetDisplayNode()
         display.SetActiveScalar("frame", vtk.vtkAssignAttribute.CELL_DATA)
@@ -150,31 +152,15 @@ def _place(toRAS: np.ndarray, pixels: np.ndarray) -> np.ndarray:
     return transform_points(toRAS, np.column_stack([pixels, np.zeros(len(pixels))]))
 
 
-def _upright(lines: vtk.vtkPolyData, normal: np.ndarray) -> vtk.vtkPolyData:
-    """Lines and, along each, a band that stands upright on their plane: a slice in that plane would not meet lines alone."""
-    across = BAND * normal / np.linalg.norm(normal)
-    half = vtk.vtkTransform()
-    half.Translate(*(-across / 2))
-    lowered = vtk.vtkTransformPolyDataFilter()
-    lowered.SetTransform(half)
-    lowered.SetInputData(lines)
-    bands = vtk.vtkLinearExtrusionFilter()
-    bands.SetInputConnection(lowered.GetOutputPort())
-    bands.SetExtrusionTypeToVectorExtrusion()
-    bands.SetVector(*across)
-    bands.SetScaleFactor(1.0)
-    bands.CappingOff()
-    both = vtk.vtkAppendPolyData()
-    both.AddInputData(lines)
-    both.AddInputConnection(bands.GetOutputPort())
-    both.Update()
-    return both.GetOutput()
+def _upright(lines: list[np.ndarray], normal: np.ndarray) -> vtk.vtkPolyData:
+    """Lines of points (n, 3) and, along each, a band that stands upright on their plane: a slice in that plane would not meet lines."""
+    across, points = BAND * normal / np.linalg.norm(normal) / 2, np.concatenate(lines)
+    starts = np.setdiff1d(np.arange(len(points)), np.cumsum([len(line) for line in lines]) - 1)
+    low, high = len(points) + starts, 2 * len(points) + starts
+    bands = np.stack([low, low + 1, high + 1, high], axis=1)
+    return polyData(np.concatenate([points, points - across, points + across]), bands, _numbered(lines))
 
 
-def _polyLines(lines: list[np.ndarray], numbers) -> vtk.vtkPolyData:
-    """Lines of points (n, 3) as one polydata; the cell array "frame" holds the number of each, where there is one per line."""
-    ends = np.cumsum([0, *map(len, lines)])
-    drawn = polyData(np.concatenate(lines), lines=[np.arange(*each) for each in itertools.pairwise(ends)])
-    if len(numbers) == len(lines):
-        setScalars(drawn.GetCellData(), "frame", np.asarray(numbers, dtype=np.float32))
-    return drawn
+def _numbered(lines: list[np.ndarray]) -> list[np.ndarray]:
+    """The numbers of the points of each line, counted through."""
+    return [np.arange(*ends) for ends in itertools.pairwise(np.cumsum([0, *map(len, lines)]))]

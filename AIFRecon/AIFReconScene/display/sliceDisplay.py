@@ -26,31 +26,22 @@ _PREVIOUS_LAYOUT = "AIFRecon.PreviousLayout"
 """Attribute of the layout node while volumes are side by side."""
 
 
-def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, applicationLogic=None, views=MAIN_VIEWS, fit: bool = True) -> None:
-    """Show a volume over a CT in the red, yellow and green views.
+def mainViews() -> list:
+    """The slice nodes of the red, yellow and green view."""
+    return [logic.GetSliceNode() for logic in _sliceLogics(MAIN_VIEWS)]
 
-    Parameters
-    ----------
-    outputNode : vtkMRMLScalarVolumeNode
-    ctNode : vtkMRMLScalarVolumeNode or None
-        Without one, the volume itself is the background.
-    opacity : float, 0 to 1
-    applicationLogic : vtkMRMLApplicationLogic or None
-        Default: Slicer's.
-    views : tuple of str
-        Names of the slice views.
-    fit : bool
-        Whether to bring the views to the volume; else they stay where the user has brought them.
-    """
-    for sliceLogic in _sliceLogics(views, applicationLogic):
+
+def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, views=MAIN_VIEWS, fit: bool = True) -> None:
+    """Show a volume over a CT, or alone; with `fit` the views are brought to it, else they stay where the user has brought them."""
+    for sliceLogic in _sliceLogics(views):
         _showIn(sliceLogic, outputNode, ctNode, opacity)
         if fit:
             _fit(sliceLogic, outputNode)
 
 
-def showBackground(volumeNode, applicationLogic=None) -> None:
+def showBackground(volumeNode) -> None:
     """Show a volume in the background of the red, yellow and green views, and all of it in those that did not show it."""
-    for sliceLogic in _sliceLogics(MAIN_VIEWS, applicationLogic):
+    for sliceLogic in _sliceLogics(MAIN_VIEWS):
         composite = sliceLogic.GetSliceCompositeNode()
         if composite.GetBackgroundVolumeID() != volumeNode.GetID():
             with changing(composite):
@@ -58,9 +49,9 @@ def showBackground(volumeNode, applicationLogic=None) -> None:
             _fit(sliceLogic, volumeNode)
 
 
-def showsReconstruction(applicationLogic=None) -> bool:
+def showsReconstruction() -> bool:
     """Whether any slice view of the layout shows a volume that was reconstructed here."""
-    logics = _applicationLogic(applicationLogic).GetSliceLogics()
+    logics = slicer.app.applicationLogic().GetSliceLogics()
     for index in range(logics.GetNumberOfItems()):
         sliceNode, composite = logics.GetItemAsObject(index).GetSliceNode(), logics.GetItemAsObject(index).GetSliceCompositeNode()
         if sliceNode is None or composite is None or not sliceNode.IsMappedInLayout():
@@ -72,18 +63,18 @@ def showsReconstruction(applicationLogic=None) -> bool:
     return False
 
 
-def setOpacity(outputNode, opacity: float, applicationLogic=None) -> None:
+def setOpacity(outputNode, opacity: float) -> None:
     """Set how strongly `outputNode` covers the CT, 0 to 1, wherever it is in the foreground."""
-    for composite in _composites(applicationLogic):
+    for composite in _composites():
         if composite.GetForegroundVolumeID() == outputNode.GetID():
             with changing(composite):
                 composite.SetForegroundOpacity(opacity)
 
 
-def exchange(before, after, applicationLogic=None) -> bool:
+def exchange(before, after) -> bool:
     """Show one volume wherever the other is shown, as background or foreground; whether it was shown anywhere."""
     found = False
-    for composite in _composites(applicationLogic):
+    for composite in _composites():
         for layer in ("Background", "Foreground"):
             if getattr(composite, f"Get{layer}VolumeID")() == before.GetID():
                 with changing(composite):
@@ -92,9 +83,9 @@ def exchange(before, after, applicationLogic=None) -> bool:
     return found
 
 
-def showLabels(labelNode, overNode, applicationLogic=None) -> None:
+def showLabels(labelNode, overNode) -> None:
     """Show labels over a volume, as opaque as it is, wherever it is shown and nothing else takes their place; elsewhere no longer."""
-    for composite in _composites(applicationLogic):
+    for composite in _composites():
         shown = composite.GetLabelVolumeID()
         over = overNode.GetID() if overNode is not None else None
         if over is not None and over in (composite.GetBackgroundVolumeID(), composite.GetForegroundVolumeID()):
@@ -108,7 +99,7 @@ def showLabels(labelNode, overNode, applicationLogic=None) -> None:
                 composite.SetLabelOpacity(1.0)
 
 
-def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", applicationLogic=None, tableNode=None, fit: bool = True) -> None:
+def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True) -> None:
     """Show volumes beside each other in linked slice views that scroll, pan and zoom together.
 
     Parameters
@@ -117,14 +108,10 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         1 to 9 of them; the label stands in the view's bar.
     ctNode : vtkMRMLScalarVolumeNode or None
         Shown where a volume has nothing, in every view.
-    orientation : "Axial", "Sagittal" or "Coronal"
-    applicationLogic : vtkMRMLApplicationLogic or None
-        Default: Slicer's.
     tableNode : vtkMRMLTableNode or None
         Shown below them.
     fit : bool
-        Whether to turn the views to `orientation` and bring them to the first volume, as new ones are; else they stay where the user has
-        brought them.
+        Whether to bring the views to the first volume, as new ones are; else they stay where the user has brought them.
 
     Raises
     ------
@@ -139,12 +126,12 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
     number = FIRST_LAYOUT + len(volumes) + (WITH_TABLE if tableNode is not None else 0)
     if not _isOurs(layout.GetViewArrangement()):
         layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
-    areThere = len(_sliceLogics(_viewNames(len(volumes)), applicationLogic)) == len(volumes)
+    areThere = len(_sliceLogics(_viewNames(len(volumes)))) == len(volumes)
     layout.SetViewArrangement(number)
     tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
     if tableNode is not None and tableView is not None:
         tableView.SetTableNodeID(tableNode.GetID())
-    logics = _sliceLogics(_viewNames(len(volumes)), applicationLogic)
+    logics = _sliceLogics(_viewNames(len(volumes)))
     if not logics:
         return  # an application without views
     for sliceLogic in logics:
@@ -157,7 +144,7 @@ def showSideBySide(volumes: list, ctNode=None, orientation: str = "Axial", appli
         _showIn(sliceLogic, node, ctNode, 1.0)
         if areThere and not fit:
             continue
-        sliceNode.SetOrientation(orientation)
+        sliceNode.SetOrientation("Axial")
         _fit(sliceLogic, volumes[0][0])
         if sliceNode is not first:
             sliceNode.GetSliceToRAS().DeepCopy(first.GetSliceToRAS())
@@ -180,16 +167,16 @@ def changing(composite) -> Iterator[None]:
         scene.SetUndoFlag(asked)
 
 
-def restoreLayout(scene=None, applicationLogic=None) -> None:
+def restoreLayout() -> None:
     """Back to the layout there was before `showSideBySide`; nothing happens while another layout is shown.
 
     The views that were side by side go: Slicer keeps what it has once made, and a view that is not seen costs about as much as one that is.
     """
-    layout = _layoutNode(scene or slicer.mrmlScene)
+    layout = _layoutNode(slicer.mrmlScene)
     if _isOurs(layout.GetViewArrangement()):
         previous = layout.GetAttribute(_PREVIOUS_LAYOUT)
         layout.SetViewArrangement(int(previous) if previous else slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
-        for logic in _sliceLogics(_viewNames(MOST_VIEWS), applicationLogic):
+        for logic in _sliceLogics(_viewNames(MOST_VIEWS)):
             inSpace = logic.GetSliceModelDisplayNode(), logic.GetSliceModelTransformNode(), logic.GetSliceModelNode()
             removeNodes([*inSpace, logic.GetSliceNode(), logic.GetSliceCompositeNode()], layout.GetScene())
 
@@ -230,7 +217,7 @@ def layoutDescription(count: int, withTable: bool = False) -> str:
     return f'<layout type="vertical" split="true"><item splitSize="750">{slices}</item><item splitSize="250">{table}</item></layout>'
 
 
-def showVolumeRendering(node, on: bool, applicationLogic=None):
+def showVolumeRendering(node, on: bool):
     """Turn volume rendering of an ultrasound volume on or off; the display node, or None where there is none and none is wanted.
 
     Notes
@@ -238,7 +225,7 @@ def showVolumeRendering(node, on: bool, applicationLogic=None):
     Made once, with an opacity that starts well up the window, above soft tissue and its bright speckles, so that bone stands out; later
     calls leave what the user has changed.
     """
-    logic = _applicationLogic(applicationLogic).GetModuleLogic("VolumeRendering")
+    logic = slicer.app.applicationLogic().GetModuleLogic("VolumeRendering")
     display = logic.GetFirstVolumeRenderingDisplayNode(node)
     if display is None and on:
         display = logic.CreateDefaultVolumeRenderingNodes(node)
@@ -272,21 +259,16 @@ def _likeUltrasound(display, node) -> None:
         properties.GetVolumeProperty().SetAmbient(0.6)
 
 
-def _applicationLogic(applicationLogic):
-    return applicationLogic if applicationLogic is not None else slicer.app.applicationLogic()
-
-
-def _composites(applicationLogic) -> list:
+def _composites() -> list:
     """What each slice view shows, in any layout."""
-    logics = _applicationLogic(applicationLogic).GetSliceLogics()
+    logics = slicer.app.applicationLogic().GetSliceLogics()
     found = [logics.GetItemAsObject(index).GetSliceCompositeNode() for index in range(logics.GetNumberOfItems())]
     return [each for each in found if each is not None]
 
 
-def _sliceLogics(names, applicationLogic) -> list:
+def _sliceLogics(names) -> list:
     """The slice logics of these views that there are."""
-    logic = _applicationLogic(applicationLogic)
-    found = [logic.GetSliceLogicByLayoutName(name) for name in names]
+    found = (slicer.app.applicationLogic().GetSliceLogicByLayoutName(name) for name in names)
     return [each for each in found if each is not None]
 
 

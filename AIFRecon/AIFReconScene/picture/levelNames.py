@@ -41,8 +41,7 @@ class LevelNames:
             return
         self._key, self._levels = key, _levelsOf(bone)
         if not self._observed:
-            for logic in _logics():
-                node = logic.GetSliceNode()
+            for node in sliceDisplay.mainViews():
                 self._observed.append((node, node.AddObserver(vtk.vtkCommand.ModifiedEvent, lambda caller, event: self._follow(caller))))
         with slicer.util.RenderBlocker():
             for node, _tag in self._observed:
@@ -172,8 +171,3 @@ def _cornersOf(segment):
 def _corners(ends: np.ndarray) -> np.ndarray:
     """Of (3, 2) ends along the axes."""
     return np.array([(x, y, z) for x in ends[0] for y in ends[1] for z in ends[2]])
-
-
-def _logics() -> list:
-    logics = (slicer.app.applicationLogic().GetSliceLogicByLayoutName(name) for name in sliceDisplay.MAIN_VIEWS)
-    return [each for each in logics if each is not None]

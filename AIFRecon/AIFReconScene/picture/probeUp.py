@@ -48,7 +48,7 @@ class ProbeUp:
 
 
 def _turnBack() -> None:
-    for node in _views():
+    for node in sliceDisplay.mainViews():
         if node.GetOrientation() == orientationName(node):
             node.SetOrientationToDefault()
 
@@ -58,7 +58,7 @@ def _turnTo(browser, imageSequence, bone) -> None:
         axes = sweepAxes(browser, imageSequence, _head(bone))
     except AIFReconError:
         return
-    for node, turn in zip(_views(), axes):
+    for node, turn in zip(sliceDisplay.mainViews(), axes):
         name, matrix = orientationName(node), slicer.util.vtkMatrixFromArray(turn)
         if node.HasSliceOrientationPreset(name):
             node.RemoveSliceOrientationPreset(name)
@@ -115,8 +115,3 @@ def _head(bone) -> np.ndarray:
         return matrixToWorld(bone)[:3, 2] if bone is not None else np.array([0.0, 0.0, 1.0])
     except AIFReconError:
         return np.array([0.0, 0.0, 1.0])
-
-
-def _views() -> list:
-    logics = (slicer.app.applicationLogic().GetSliceLogicByLayoutName(name) for name in sliceDisplay.MAIN_VIEWS)
-    return [logic.GetSliceNode() for logic in logics if logic is not None]

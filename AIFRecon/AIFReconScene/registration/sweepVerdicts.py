@@ -29,7 +29,7 @@ class SweepVerdicts:
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
-        self._known = {}
+        self._known, self._isOpen = {}, False
         self.cancelCoverage()
 
     def of(self, parameters) -> dict[str, Verdict]:
@@ -76,7 +76,9 @@ class SweepVerdicts:
         return True
 
     def takeCoverage(self) -> bool:
-        """Hear of it; whether it is known now."""
+        """Hear of it; whether nothing more is looked for."""
+        if self._looking is None:
+            return True
         task, key, names = self._looking
         if not task.is_done:
             return False
@@ -89,7 +91,6 @@ class SweepVerdicts:
 
     def cancelCoverage(self) -> None:
         """Look no further."""
-        self._isOpen = False
         if self._looking is not None:
             self._looking[0].cancel()
             self._looking = None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from sweeps import rigid
@@ -19,7 +21,10 @@ PLACE = rigid((20.0, -30.0, 40.0), (100.0, -50.0, 20.0)) @ np.diag([0.8, 0.9, 1.
 
 
 @pytest.fixture
-def logic(scene):
+def logic(scene, monkeypatch):
+    # The application around a scene that is tested without windows
+    application = SimpleNamespace(applicationLogic=lambda: scene.host.applicationLogic)
+    monkeypatch.setattr(slicer, "app", application, raising=False)
     return scene.host.applicationLogic
 
 
@@ -60,7 +65,7 @@ def center_of(node) -> np.ndarray:
 def test_the_output_covers_the_ct(logic, ct, output, view):
     from AIFReconScene.display.sliceDisplay import showOverCT
 
-    showOverCT(output, ct, 0.35, logic)
+    showOverCT(output, ct, 0.35)
     shown = composite(logic, view)
     assert (shown.GetBackgroundVolumeID(), shown.GetForegroundVolumeID()) == (ct.GetID(), output.GetID())
     assert shown.GetForegroundOpacity() == 0.35
@@ -70,7 +75,7 @@ def test_the_output_covers_the_ct(logic, ct, output, view):
 def test_views_go_to_the_output_in_millimeters(logic, ct, output, view):
     from AIFReconScene.display.sliceDisplay import showOverCT
 
-    showOverCT(output, ct, 0.5, logic)
+    showOverCT(output, ct, 0.5)
     slice_node = logic.GetSliceLogicByLayoutName(view).GetSliceNode()
     to_ras = slicer.util.arrayFromVTKMatrix(slice_node.GetSliceToRAS())
     assert np.allclose(to_ras[:3, 3], center_of(output), atol=0.01)
@@ -80,7 +85,7 @@ def test_views_go_to_the_output_in_millimeters(logic, ct, output, view):
 def test_without_a_ct_the_output_is_the_background(logic, output):
     from AIFReconScene.display.sliceDisplay import showOverCT
 
-    showOverCT(output, None, 0.5, logic)
+    showOverCT(output, None, 0.5)
     assert composite(logic, "Red").GetBackgroundVolumeID() == output.GetID()
     assert not composite(logic, "Red").GetForegroundVolumeID()
 
@@ -92,7 +97,7 @@ def side_by_side(scene, logic, ct, count=3):
     from AIFReconScene.display.sliceDisplay import showSideBySide
 
     nodes = [made_output(scene, f"V{n}") for n in range(1, count + 1)]
-    showSideBySide([(node, f"method {n}") for n, node in enumerate(nodes, 1)], ct, "Sagittal", logic)
+    showSideBySide([(node, f"method {n}") for n, node in enumerate(nodes, 1)], ct)
     return nodes
 
 
@@ -105,7 +110,7 @@ def test_the_layout_of_before_comes_back(scene, logic, ct):
     side_by_side(scene, logic, ct, 4)
     assert layout.GetViewArrangement() > 4200
     views = [composite(logic, f"AIFRecon{n}") for n in (1, 2, 3, 4)]
-    restoreLayout(scene, logic)
+    restoreLayout()
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutConventionalView
     assert [view.GetScene() for view in views] == [None] * 4
     assert composite(logic, "Red").GetScene() is scene
@@ -117,7 +122,7 @@ def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
     side_by_side(scene, logic, ct)
     layout = scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
     layout.SetViewArrangement(slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView)
-    restoreLayout(scene)
+    restoreLayout()
     assert layout.GetViewArrangement() == slicer.vtkMRMLLayoutNode.SlicerLayoutOneUp3DView
 
 
@@ -127,20 +132,20 @@ def test_a_layout_that_the_user_chose_meanwhile_stays(scene, logic, ct):
 def test_volume_rendering_is_turned_on_and_off(logic, output):
     from AIFReconScene.display.sliceDisplay import showVolumeRendering
 
-    display = showVolumeRendering(output, True, logic)
+    display = showVolumeRendering(output, True)
     assert display.GetVisibility()
-    assert showVolumeRendering(output, False, logic) is display
+    assert showVolumeRendering(output, False) is display
     assert not display.GetVisibility()
 
 
 def test_what_the_user_changes_in_the_rendering_stays(logic, output):
     from AIFReconScene.display.sliceDisplay import showVolumeRendering
 
-    properties = showVolumeRendering(output, True, logic).GetVolumePropertyNode()
+    properties = showVolumeRendering(output, True).GetVolumePropertyNode()
     mine = vtk.vtkPiecewiseFunction()
     mine.AddPoint(0, 0.5)
     properties.SetScalarOpacity(mine)
-    assert showVolumeRendering(output, True, logic).GetVolumePropertyNode().GetScalarOpacity().GetValue(10) == 0.5
+    assert showVolumeRendering(output, True).GetVolumePropertyNode().GetScalarOpacity().GetValue(10) == 0.5
 
 
 # ---- probe and outlines
