@@ -12,6 +12,7 @@ import slicer
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
+import workerStates
 from AIFReconLiveTest import waitFor
 
 
@@ -146,14 +147,11 @@ class AIFReconNetworkTest(unittest.TestCase):
     def stream(self, box=True):
         """A scan whose messages the test gives."""
         from AIFReconScene.inputs.parameters import ProbeShape, Region
-        from AIFReconScene.live import liveReconstruction
-
-        from AIFReconLib.live.wire.sources import QueueSource
+        from AIFReconScene.work import inWorker, worker
 
         tinyScene.requireLivePackages()
-        queue, made = QueueSource(), liveReconstruction._sourceFrom
-        liveReconstruction._sourceFrom = lambda parameters: queue
-        self.addCleanup(setattr, liveReconstruction, "_sourceFrom", made)
+        inWorker(workerStates.receiveWhatIsPut)
+        self.addCleanup(worker.close)
         self.parameters.liveRecordPath = self.folder / "scan.mhd"
         # Known, it need not be recognized in frames that a test would have to wait for
         self.parameters.probe, self.parameters.clipColumn = ProbeShape.LINEAR, tinyScene.MARGIN
@@ -165,10 +163,11 @@ class AIFReconNetworkTest(unittest.TestCase):
             self.parameters.roi, self.parameters.region = roi, Region.BOX
         self.ui.liveStartButton.click()
         self.assertTrue(self.live.isRunning, self.shown)
-        return queue
 
-    def send(self, queue, device="", rounds=range(1)):
+    def send(self, device="", rounds=range(1)):
         """The tiny sweep again and again, and what the network says of it where that has a device."""
+        from AIFReconScene.work import inWorker
+
         from AIFReconLib.live.wire.messages import ImageMessage, TransformMessage
         from AIFReconLib.sweep.poses import sweep_poses
 
@@ -176,16 +175,17 @@ class AIFReconNetworkTest(unittest.TestCase):
         poses = sweep_poses(sweep).image_to_reference
         for number in [number for _ in rounds for number in range(tinyScene.FRAMES) if number != tinyScene.UNTRACKED]:
             self.sent = getattr(self, "sent", 0) + 1
-            queue.put(ImageMessage("Image", float(self.sent), sweep.images[number], np.eye(4), {}, time.monotonic(), 2))
-            queue.put(TransformMessage("ImageToReference", float(self.sent), poses[number], received=time.monotonic(), header_version=2))
+            inWorker(workerStates.put, ImageMessage("Image", float(self.sent), sweep.images[number], np.eye(4), {}, time.monotonic(), 2))
+            inWorker(
+                workerStates.put,
+                TransformMessage("ImageToReference", float(self.sent), poses[number], received=time.monotonic(), header_version=2),
+            )
             if device:
-                queue.put(ImageMessage(device, float(self.sent), said.images[number], np.eye(4), {}, time.monotonic()))
+                inWorker(workerStates.put, ImageMessage(device, float(self.sent), said.images[number], np.eye(4), {}, time.monotonic()))
             waitFor(lambda: self.live._live.statistics.frames_received >= self.sent, 5.0)
 
     def assertGrows(self):
         """What is known of bone reaches the volume; then the scan is stopped."""
-        live = self.live._live
-        self.assertTrue(waitFor(lambda: (placed := live.seen.bone._on_grid) and placed[0][1].probability.max() > 0.5), live.statistics)
         self.assertTrue(waitFor(lambda: "Bone is known from" in self.ui.liveStatisticsLabel.text))
         self.ui.liveStopButton.click()
         self.assertEqual(self.shown, [])
@@ -197,10 +197,10 @@ class AIFReconNetworkTest(unittest.TestCase):
 
         self.parameters.liveBoneDevice = "Bone"
         self.choose(self.ui.liveBoneSourceComboBox, "An AI model that runs elsewhere")
-        queue = self.stream()
+        self.stream()
         self.assertFalse(self.ui.liveBoneSourceComboBox.enabled)
-        self.send(queue, "Bone")
-        self.assertTrue(waitFor(lambda: self.live._live.seen._watch.state.frames == 11))
+        self.send("Bone")
+        self.assertTrue(waitFor(lambda: any("from 11 " in line for line in self.live._live.seen.bone_lines)), self.live._live.seen)
         self.assertGrows()
         self.assertIn("scan-bone.mhd", self.ui.liveStatisticsLabel.text)
         again = RecordedPredictions(read_sequence(self.folder / "scan.mhd"), read_sequence(self.folder / "scan-bone.mhd"))
@@ -209,18 +209,17 @@ class AIFReconNetworkTest(unittest.TestCase):
     def test_a_network_in_a_file_looks_at_a_scan_from_its_scouting_pass_on(self):
         self.parameters.boneModelPath = self.model()
         self.choose(self.ui.liveBoneSourceComboBox, "An AI model in a file")
-        queue = self.stream(box=False)
-        self.send(queue, rounds=range(3))
-        live = self.live._live
-        self.assertTrue(waitFor(lambda: live.seen._watch.state.frames > 0), (live.seen._watch.state, live.statistics))
+        self.stream(box=False)
+        self.send(rounds=range(3))
+        self.assertTrue(waitFor(lambda: any("Bone is known from" in line for line in self.live._live.seen.bone_lines)))
         self.ui.liveUseBoxButton.click()
-        self.send(queue, rounds=range(3))
+        self.send(rounds=range(3))
         self.assertGrows()
         self.assertTrue((self.folder / "scan-bone.mhd").is_file())
 
     def test_a_scan_looks_for_its_own_echoes(self):
         self.choose(self.ui.liveBoneSourceComboBox, "The echoes themselves")
-        queue = self.stream()
-        self.send(queue, rounds=range(4))
+        self.stream()
+        self.send(rounds=range(4))
         self.assertGrows()
         self.assertFalse((self.folder / "scan-bone.mhd").exists())

@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import os
+from typing import Any
 
 from AIFReconLib.machine import memory
 
@@ -39,3 +40,20 @@ def killWorker() -> None:
 def note(text: str) -> None:
     """Have the library note something."""
     logging.getLogger("AIFReconLib.live").error(text)
+
+
+_messages: list[Any] = []
+
+
+def receiveWhatIsPut() -> None:
+    """Have the next scan receive what is `put`, whatever server it asks for."""
+    from AIFReconLib.live.wire.sources import QueueSource
+    from AIFReconLib.worker import scan
+
+    _messages[:] = [QueueSource()]
+    setattr(scan, "OpenIGTLinkClient", lambda *server: _messages[0])  # noqa: B010
+
+
+def put(message) -> None:
+    """Send a message to that scan."""
+    _messages[0].put(message)
