@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,9 @@ NO_WINDOW = getattr(subprocess, "CREATE_NO_WINDOW", 0)
 
 
 def python_program() -> str:
-    """The Python that runs this; within Slicer, whose program is another, the one that Slicer brings."""
+    """The Python that runs this, or within Slicer, whose program is another, the one that Slicer brings; empty where there is none."""
     program = sys.executable or ""
-    return program if Path(program).name.lower().startswith("python") else shutil.which("PythonSlicer") or program
+    is_python = Path(program).name.lower().startswith("python")
+    # What is taken for the program there may be another Python, found by its name
+    brought = shutil.which("PythonSlicer") if "SLICER_HOME" in os.environ or not is_python else None
+    return brought or (program if is_python else "")

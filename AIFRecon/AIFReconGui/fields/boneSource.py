@@ -2,34 +2,23 @@
 
 from AIFReconScene.inputs.boneSource import BoneSource
 
-from .choosers import Follower
+from .choosers import RowChooser
 
 
-class BoneSourceChooser(Follower):
-    """Keeps a list and the parameter `boneSource` alike, and shows the fields of the source that is chosen.
-
-    Parameters
-    ----------
-    comboBox : QComboBox
-    fieldsOf : dict from BoneSource to tuple of widgets
-        Shown with that source alone.
-    live : bool
-        Whether it is about a scan.
-    """
+class BoneSourceChooser(RowChooser):
+    """Keeps a list and the parameter `boneSource` alike, and shows the widgets `fieldsOf` each source with that alone."""
 
     def __init__(self, comboBox, fieldsOf, live=False):
-        self._comboBox, self._fieldsOf = comboBox, fieldsOf
-        self._updating = False
+        super().__init__(comboBox)
+        self._fieldsOf = fieldsOf
         for source in BoneSource:
             comboBox.addItem(source.label(live))
-        comboBox.connect("currentIndexChanged(int)", self._onChosen)
         self._show(BoneSource.CT)
 
     def update(self) -> None:
         """Show which source is chosen."""
-        self._updating = True
-        self._comboBox.currentIndex = list(BoneSource).index(self._parameterNode.boneSource)
-        self._updating = False
+        with self._untold():
+            self._comboBox.currentIndex = list(BoneSource).index(self._parameterNode.boneSource)
         self._show(self._parameterNode.boneSource)
 
     def _show(self, chosen) -> None:
@@ -37,9 +26,8 @@ class BoneSourceChooser(Follower):
             for widget in fields:
                 widget.visible = source == chosen
 
-    def _onChosen(self, row: int) -> None:
-        if not self._updating and self._parameterNode is not None and row >= 0:
-            self._parameterNode.boneSource = list(BoneSource)[row]
+    def _choose(self, row: int) -> None:
+        self._parameterNode.boneSource = list(BoneSource)[row]
 
 
 def ofRecorded(ui) -> BoneSourceChooser:

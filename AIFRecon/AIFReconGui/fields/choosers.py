@@ -1,5 +1,6 @@
 """Lists of the panel that parameterNodeWrapper has no connector for: check marks, methods, presets, and the box that lays itself."""
 
+import contextlib
 from typing import Any
 
 import qt
@@ -11,14 +12,9 @@ from slicer.i18n import tr as _
 
 
 class CheckableList:
-    """Items of a combo box, each with a check mark; hidden with its label where there are none.
+    """Items of a ctkCheckableComboBox; hidden with its label where there are none.
 
-    Parameters
-    ----------
-    comboBox : ctkCheckableComboBox
-    label : QLabel
-    onChecked : callable
-        Called with the keys of the checked items when the user changes them.
+    `onChecked` is called with the keys of the checked items when the user changes them.
     """
 
     def __init__(self, comboBox, label, onChecked):
@@ -62,13 +58,7 @@ class Follower:
 class SweepsChooser(Follower):
     """Shows the other sweeps of the scene that have frames which can be placed; those that are checked enter the volume too.
 
-    Parameters
-    ----------
-    comboBox : ctkCheckableComboBox
-    label : QLabel
-        Hidden with the list where there is no other sweep.
-    offered : callable
-        From the parameters to the sequence browsers that can be chosen.
+    `offered` leads from the parameters to the sequence browsers that can be chosen.
     """
 
     def __init__(self, comboBox, label, offered):
@@ -96,14 +86,7 @@ class SweepsChooser(Follower):
 
 
 class SegmentsChooser(Follower):
-    """Shows the segments of the chosen segmentation with check marks; none checked means all.
-
-    Parameters
-    ----------
-    comboBox : ctkCheckableComboBox
-    label : QLabel
-        Hidden with the list where the bone is no segmentation.
-    """
+    """Shows the segments of the chosen segmentation with check marks; none checked means all."""
 
     def __init__(self, comboBox, label):
         self._list = CheckableList(comboBox, label, self._onChecked)
@@ -152,68 +135,69 @@ class SegmentsChooser(Follower):
         self._parameterNode.boneSegments = chosen
 
 
-class MethodChooser(Follower):
-    """Keeps the list and two parameters alike: `method`, and `ownMethod`, which comes before it where it is not empty.
-
-    Parameters
-    ----------
-    comboBox : QComboBox
-    """
+class RowChooser(Follower):
+    """A list of which one row is chosen, kept alike with what the parameters say."""
 
     def __init__(self, comboBox):
-        self._comboBox = comboBox
-        self._own = None
+        self._comboBox, self._updating = comboBox, False
+        comboBox.connect("currentIndexChanged(int)", self._onChosen)
+
+    @contextlib.contextmanager
+    def _untold(self):
+        """What changes within was not chosen by the user."""
+        self._updating = True
+        yield
         self._updating = False
-        comboBox.connect("currentIndexChanged(int)", self._onChanged)
+
+    def _choose(self, row: int) -> None:
+        """The user has chosen this row."""
+        raise NotImplementedError
+
+    def _onChosen(self, row: int) -> None:
+        if not self._updating and self._parameterNode is not None and row >= 0:
+            self._choose(row)
+
+
+class MethodChooser(RowChooser):
+    """Keeps the list and two parameters alike: `method`, and `ownMethod`, which comes before it where it is not empty."""
+
+    _own: Any = None
 
     def update(self) -> None:
         """Show the methods that there are, and which is chosen; one that a scene was saved with is shown even where it is not known."""
         chosen, known = self._parameterNode.ownMethod, ownMethods()
         own = (*known, *((chosen,) if chosen and chosen not in known else ()))
-        self._updating = True
-        if own != self._own:
-            self._own = own
-            self._comboBox.clear()
-            for label in (*(method.label() for method in Method), *own):
-                self._comboBox.addItem(label)
-            for row, method in enumerate(Method):
-                self._comboBox.setItemData(row, inWords(method.value), qt.Qt.ToolTipRole)
-        self._comboBox.currentIndex = len(Method) + own.index(chosen) if chosen else list(Method).index(self._parameterNode.method)
-        self._updating = False
+        with self._untold():
+            if own != self._own:
+                self._own = own
+                self._comboBox.clear()
+                for label in (*(method.label() for method in Method), *own):
+                    self._comboBox.addItem(label)
+                for row, method in enumerate(Method):
+                    self._comboBox.setItemData(row, inWords(method.value), qt.Qt.ToolTipRole)
+            self._comboBox.currentIndex = len(Method) + own.index(chosen) if chosen else list(Method).index(self._parameterNode.method)
 
-    def _onChanged(self, row: int) -> None:
-        if self._updating or self._parameterNode is None or row < 0:
-            return
+    def _choose(self, row: int) -> None:
         if row < len(Method):
             self._parameterNode.method = list(Method)[row]
         self._parameterNode.ownMethod = "" if row < len(Method) else self._own[row - len(Method)]
 
 
-class PresetChooser(Follower):
-    """Sets many parameters at once, and says which preset they are now; "own settings" where they are none.
-
-    Parameters
-    ----------
-    comboBox : QComboBox
-    """
+class PresetChooser(RowChooser):
+    """Sets many parameters at once, and says which preset they are now; "own settings" where they are none."""
 
     def __init__(self, comboBox):
-        self._comboBox = comboBox
-        self._updating = False
+        super().__init__(comboBox)
         for label in (*(preset.label() for preset in presets.Preset), _("Own settings")):
             comboBox.addItem(label)
-        comboBox.connect("currentIndexChanged(int)", self._onChosen)
 
     def update(self) -> None:
         """Show which preset the parameters are."""
         known = presets.presetOf(self._parameterNode)
-        self._updating = True
-        self._comboBox.currentIndex = len(presets.Preset) if known is None else list(presets.Preset).index(known)
-        self._updating = False
+        with self._untold():
+            self._comboBox.currentIndex = len(presets.Preset) if known is None else list(presets.Preset).index(known)
 
-    def _onChosen(self, row: int) -> None:
-        if self._updating or self._parameterNode is None:
-            return
+    def _choose(self, row: int) -> None:
         if row < len(presets.Preset):
             presets.choose(self._parameterNode, list(presets.Preset)[row])
         self.update()

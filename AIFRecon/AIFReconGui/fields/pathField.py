@@ -4,32 +4,22 @@ import pathlib
 
 from slicer.i18n import translate
 
+from .choosers import Follower
+
 PATHS = ("recordingPath", "configurationPath", "liveRecordPath", "importanceMaskPath", "boneModelPath")
 """The parameters that are files."""
 
 
-class PathField:
-    """Follows one `pathlib.Path` parameter; the empty path is an empty line.
-
-    Parameters
-    ----------
-    lineEdit : ctkPathLineEdit
-    name : str
-        Of the parameter.
-    """
+class PathField(Follower):
+    """Keeps a ctkPathLineEdit and the `pathlib.Path` parameter of a name alike; the empty path is an empty line."""
 
     def __init__(self, lineEdit, name: str):
         # Qt's loader translates the strings of a .ui file, but not its lists of strings
         lineEdit.nameFilters = [translate("AIFRecon", words) for words in lineEdit.nameFilters]
         self._lineEdit = lineEdit
         self._name = name
-        self._parameterNode = None
         # Not of the path: CTK tells only those that fit its filters, so neither an emptied line nor a suffix in capitals
         lineEdit.comboBox().connect("editTextChanged(QString)", self._onChanged)
-
-    def setParameterNode(self, parameterNode) -> None:
-        """Follow these parameters, or none."""
-        self._parameterNode = parameterNode
 
     def update(self) -> None:
         """Show the parameter."""

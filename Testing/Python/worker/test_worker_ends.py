@@ -15,6 +15,7 @@ import worker_tasks as tasks
 from waiting import until
 
 from AIFReconLib.errors import WorkerDiedError
+from AIFReconLib.machine.processes import python_program
 from AIFReconLib.worker import worker as program_side
 from AIFReconLib.worker.worker import Worker
 
@@ -143,6 +144,21 @@ def test_a_worker_that_does_not_start_is_one_sentence(worker, monkeypatch, tmp_p
         worker.call(tasks.returned, 1)
     monkeypatch.undo()
     assert worker.call(tasks.returned, 1) == 1
+
+
+@posix
+def test_within_slicer_its_own_python_is_the_program_and_never_slicer_itself(monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "executable", "/opt/Slicer/bin/SlicerApp-real")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert python_program() == ""
+    brought = tmp_path / "PythonSlicer"
+    brought.write_text("", "utf-8")
+    brought.chmod(0o755)
+    assert python_program() == str(brought)
+    monkeypatch.setattr(sys, "executable", "/usr/bin/python3")
+    assert python_program() == "/usr/bin/python3"
+    monkeypatch.setenv("SLICER_HOME", "/opt/Slicer")
+    assert python_program() == str(brought)
 
 
 PROGRAM = """
