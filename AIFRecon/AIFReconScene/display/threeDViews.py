@@ -82,8 +82,7 @@ def makeSurface(segmentationNode, progress=None) -> None:
     ----------
     segmentationNode : vtkMRMLSegmentationNode
     progress : callable or None
-        Hears of every segment, and again before Slicer gets its surface. That it may ask to cancel is not regarded: what the surface is
-        for is done by then.
+        Hears of every segment, and again before Slicer gets its surface; it cannot cancel.
     """
     surface = slicer.vtkSegmentationConverter.GetClosedSurfaceRepresentationName()
     segmentation = segmentationNode.GetSegmentation()

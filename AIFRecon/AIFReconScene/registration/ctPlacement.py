@@ -41,7 +41,7 @@ class CTPlacement:
         """Whether a move can be taken back."""
         return any(slicer.mrmlScene.GetNodeByID(move.moverID) is not None for move in self._moves)
 
-    def place(self, bone, ct, browser, labelsToWorld: np.ndarray):
+    def place(self, bone, ct, browser, labelsToWorld: np.ndarray) -> None:
         """Move bone, and the CT with it, so that `labelsToWorld` (4, 4) leads from the bone's own coordinates to RAS world.
 
         Parameters
@@ -51,11 +51,6 @@ class CTPlacement:
         browser : vtkMRMLSequenceBrowserNode or None
             The sweep, which stays where it is.
         labelsToWorld : (4, 4) array, mm
-
-        Returns
-        -------
-        mover : vtkMRMLTransformNode
-            The transform that was moved or made.
 
         Raises
         ------
@@ -70,14 +65,13 @@ class CTPlacement:
         if mover is not None:
             self._moves.append(_Move(mover.GetID(), matrixToParent(mover).copy(), None))
             mover.SetMatrixTransformToParent(vtkMatrixOf(toParent))
-            return mover
+            return
         mover = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", freeName(NAME, scene))
         mover.SetMatrixTransformToParent(vtkMatrixOf(toParent))
         mover.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
         self._moves.append(_Move(mover.GetID(), np.eye(4), tuple((node.GetID(), node.GetTransformNodeID()) for node in below)))
         for node in below:
             node.SetAndObserveTransformNodeID(mover.GetID())
-        return mover
 
     def undo(self) -> bool:
         """Take the last move back; False where there is none, or its nodes are gone."""
