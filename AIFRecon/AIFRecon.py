@@ -269,7 +269,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
         given = Inputs(sweep=sweep, bone=bone, recipe=Recipe(**{"best_cosine": "cosine" in keep, **settings}), **more)
         with progressOr(progress, _("Reconstruction")) as progress:
-            made = self._made(given, keep, progress)
+            _asked, made = self._made(given, keep, progress)
         return self._kept(made, given, output, keep)
 
     # ---- for the panel
@@ -319,7 +319,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs = Inputs.fromParameters(parameters)
-        made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
+        asked, made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
         # Drawn once, when all of it is shown
         with slicer.util.RenderBlocker():
             node = self._kept(made, inputs, parameters.output, keep)
@@ -329,7 +329,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
                 raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
             parameters.output = node
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
-        self.verdicts.judge(parameters, made.comparison, made.tracking)
+        self.verdicts.judge(parameters, made.comparison, made.tracking, asked)
         return "\n".join(made.lines)
 
     def openFiles(self, parameters, paths, progress=None) -> str:
@@ -348,7 +348,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         return comparison.report
 
     def _made(self, inputs, keep, progress, forViews=False):
-        """What the worker has `Made` of the inputs."""
+        """What the worker was `Asked` of the inputs, and what it has `Made`."""
         from AIFReconScene.panelWords import remedies
 
         from AIFReconLib.worker.reconstructing import reconstructed
@@ -356,7 +356,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         asked = inputs.asked(part(progress, 0.0, 0.1))
         made = inWorker(reconstructed, asked, keep, forViews, remedies(), progress=part(progress, 0.1, 1.0))
         self._tracking.remember(inputs, made.result.method, made.tracking)
-        return made
+        return asked, made
 
     def _kept(self, made, inputs, output, keep):
         """The volume node of what was `Made`, with what is kept beside it; None as `output`: a new one."""

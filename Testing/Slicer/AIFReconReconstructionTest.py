@@ -107,7 +107,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)
 
     def test_a_frame_that_was_not_tracked_is_left_out_and_named(self):
-        made = self.logic._made(self._inputs(), (), None)
+        _asked, made = self.logic._made(self._inputs(), (), None)
         self.assertIn("11 of 12 frames", made.lines[0])
         self.assertIn("OUT_OF_VIEW", "\n".join(made.lines))
 

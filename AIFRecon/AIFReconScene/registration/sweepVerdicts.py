@@ -25,18 +25,18 @@ class SweepVerdicts:
 
     def __init__(self):
         self._known: dict[str, tuple] = {}
-        self._isOpen, self._looking = False, None
+        self._asked = self._looking = None
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
-        self._known, self._isOpen = {}, False
+        self._known, self._asked = {}, None
         self.cancelCoverage()
 
     def of(self, parameters) -> dict[str, Verdict]:
         """The three verdicts by name; where one is not known, what to do to be told."""
         return {name: self._known_or(name, parameters) for name in NAMES}
 
-    def judge(self, parameters, comparison, report) -> None:
+    def judge(self, parameters, comparison, report, asked=None) -> None:
         """Judge what was reconstructed.
 
         Parameters
@@ -45,12 +45,14 @@ class SweepVerdicts:
         comparison : Comparison or None
             Of CT and sweep; None without labels.
         report : TrackingReport
+        asked : Asked or None
+            What was reconstructed; kept until the coverage of that is looked at.
         """
         self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
-        self._isOpen = comparison is not None
         if comparison is None:
             return
+        self._asked = asked
         if comparison.agreement is None:
             self._tell(REGISTRATION, parameters, unknown(comparison.lines[0]))
         else:
@@ -63,15 +65,10 @@ class SweepVerdicts:
 
     def beginCoverage(self, parameters) -> bool:
         """Have the worker look at the coverage of what was reconstructed last; False where it cannot be told, or is told."""
-        isOpen, self._isOpen = self._isOpen, False
-        if not isOpen or parameters.bone is None:
+        asked, self._asked = self._asked, None
+        if asked is None or parameters.bone is None:
             return False
-        inputs = Inputs.fromParameters(parameters)
-        try:
-            task = worker.begin(met_of_sweep, inputs.sequence(), inputs.labels(), matrixToWorld(inputs.bone), inputs.recipe)
-        except AIFReconError as error:
-            self._tell(COVERAGE, parameters, unknown(said(error)))
-            return False
+        task = worker.begin(met_of_sweep, asked.sequence, asked.bone.volume, asked.bone.to_reference, asked.recipe)
         self._looking = task, _key(COVERAGE, parameters), boneNames(parameters.bone, list(parameters.boneSegments))
         return True
 
