@@ -24,6 +24,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.session.recording import growing_files
 from AIFReconLib.live.session.taken_up import TakenUp
+from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.worker.scan import Scan
@@ -50,8 +51,9 @@ def request_of(tmp_path):
 
 
 def messages(first, stop):
-    """What a server sends of these frames of the sweep."""
-    return [message for message in streamed(SEQUENCE) if first <= round((message.timestamp - 10.0) / 0.05) < stop]
+    """What a server sends of these frames of the sweep, the transforms first: then no image waits for them, however slow the machine is."""
+    sent = (message for message in streamed(SEQUENCE) if first <= round((message.timestamp - 10.0) / 0.05) < stop)
+    return sorted(sent, key=lambda message: (message.timestamp, isinstance(message, ImageMessage)))
 
 
 def give(worker, scan, first, stop) -> None:
