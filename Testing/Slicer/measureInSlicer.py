@@ -299,7 +299,7 @@ def beside(folder: pathlib.Path):
 
 def main(arguments: list[str]) -> int:
     """Measure and tell; the exit status."""
-    folder = pathlib.Path(arguments[0])
+    folder = pathlib.Path(arguments[0]).resolve()
     (folder / "scanner").mkdir(parents=True, exist_ok=True)
     measured: dict[str, float | str] = {}
     with beside(folder / "scanner") as port:
