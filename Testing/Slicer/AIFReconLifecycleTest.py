@@ -90,15 +90,15 @@ class AIFReconLifecycleTest(unittest.TestCase):
         self.assertEqual(sweepKey(sweep), before)
 
     def test_a_sweep_is_described_once_its_recording_has_ended(self):
-        from AIFReconScene.sweep import sequenceReader
+        from AIFReconScene.sweep import sweepStatus
 
         self.addInputs()
         sweep = self.parameters.sweep
         images = sweep.GetMasterSequenceNode()
         frames = images.GetNumberOfDataNodes()
         looked = []
-        summary = sequenceReader.sweepSummary
-        sequenceReader.sweepSummary = lambda *sweepAndImages: looked.append(1) or summary(*sweepAndImages)
+        summary = sweepStatus.sweepSummary
+        sweepStatus.sweepSummary = lambda *sweepAndImages: looked.append(1) or summary(*sweepAndImages)
         try:
             sweep.SetRecordingActive(True)
             self.assertFalse(self.ui.applyButton.enabled)
@@ -109,7 +109,7 @@ class AIFReconLifecycleTest(unittest.TestCase):
             self.assertEqual(len(looked), 1)
             sweep.SetRecordingActive(False)
         finally:
-            sequenceReader.sweepSummary = summary
+            sweepStatus.sweepSummary = summary
         self.assertIn(f"of {frames + 3} frames", self.ui.sweepStatusLabel.text)
         self.assertTrue(self.ui.applyButton.enabled, self.ui.applyButton.toolTip)
 
