@@ -125,7 +125,8 @@ class Screen:
             number = self.number(array)
             if number is not None:
                 self.frames.append((number, now))
-        node = parameters().output
+        # The panel's own: to ask the logic for them takes milliseconds
+        node = slicer.modules.AIFReconWidget._parameterNode.output
         if self.begin and node is not None and self._isNew("volume", node):
             toIJK = slicer.util.vtkMatrixFromArray(np.eye(4))
             node.GetRASToIJKMatrix(toIJK)

@@ -30,7 +30,7 @@ from .nodeImages import NodeImages
 from .shownFrame import ShownFrame
 
 ASK_EVERY = 0.1
-"""s between two looks at the scan; twice as long as what came of the last took to be shown, where that is more."""
+"""s between two looks at the scan; longer where what came of the last takes longer to be shown."""
 
 BONE_FROM = {BoneSource.ECHOES: ECHOES, BoneSource.PREDICTIONS: PREDICTIONS, BoneSource.MODEL: MODEL}
 
@@ -89,6 +89,7 @@ class LiveReconstruction:
         self._request = _requestOf(parameters, self._bone, record)
         self._unsent, self._deaths = collections.deque(maxlen=MOST_UNSENT), []
         self._asked = self._again = None
+        self._toShow = collections.deque()
         self._nextLook, self._number, self._surface = 0.0, -1, None
         self._scan = worker.keep(begin_scan, self._request, progress=part(progress, 0.1, 1.0))
         self.seen = worker.call("look", self._scan)
@@ -139,8 +140,10 @@ class LiveReconstruction:
     # ---- while it goes on
 
     def goOn(self) -> bool:
-        """Hear of the scan and show what is new, where there is anything; whether there was. To be called often."""
+        """Hear of the scan and show what is new, one thing at a time, for windows wait for each; whether there was. To be called often."""
         self._handOnImages()
+        if self._toShow:
+            return self._attempt(self._toShow.popleft())
         if self._again is not None:
             return self._again.is_done and self._attempt(self._takeUp)
         if self._asked is None:
@@ -150,29 +153,30 @@ class LiveReconstruction:
             return False
         if not self._asked.is_done:
             return False
-        asked, self._asked, began = self._asked, None, time.monotonic()
+        asked, self._asked, self._nextLook = self._asked, None, time.monotonic() + ASK_EVERY
         try:
-            self.seen = asked.result()
+            self.seen = seen = asked.result()
         except WorkerDiedError as error:
             self._beginAgain(error)
             return True
-        self._attempt(self._show)
-        now = time.monotonic()
-        self._nextLook = max(began + ASK_EVERY, now + 2.0 * (now - began))
-        return True
-
-    def _show(self) -> None:
-        seen = self.seen
         if self.guidance is not None and seen.guidance is not None:
             self.guidance.state, self._surface = seen.guidance.after(self.guidance.state), seen.guidance.surface
         if self.guidance is not None and self._bone.problem is not None:
             self.guidance.state = GuidanceSeen(problem=self._bone.problem)
+        if seen.frame is not None:
+            self._toShow.append(self._showFrame)
+        if seen.result is not None:
+            self._toShow.append(self._showVolume)
+        return True
+
+    def _showFrame(self) -> None:
+        self._number = self.seen.frame.number
         with slicer.util.RenderBlocker():
-            if seen.result is not None:
-                self._fill(seen.result)
-            if seen.frame is not None:
-                self._number = seen.frame.number
-                self._frame.show(seen.frame)
+            self._frame.show(self.seen.frame)
+
+    def _showVolume(self) -> None:
+        with slicer.util.RenderBlocker():
+            self._fill(self.seen.result)
 
     def _followNodes(self) -> None:
         """Tell the scan of bone that was moved, drawn anew, chosen or deleted."""
