@@ -13,7 +13,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import tinyScene
 import workerStates
 
-from AIFRecon import AIFReconLogic
+import AIFRecon
 
 
 class AIFReconReconstructionTest(unittest.TestCase):
@@ -21,7 +21,7 @@ class AIFReconReconstructionTest(unittest.TestCase):
 
     def setUp(self):
         slicer.mrmlScene.Clear()
-        self.logic = AIFReconLogic()
+        self.logic = AIFRecon.AIFReconLogic()  # another after a reload
         self.sweep = tinyScene.addSweep()
         self.ct, self.bone, self.registration = tinyScene.addCT()
 
