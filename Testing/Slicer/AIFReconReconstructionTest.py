@@ -13,15 +13,15 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import tinyScene
 import workerStates
 
-import AIFRecon
-
 
 class AIFReconReconstructionTest(unittest.TestCase):
     """The logic, as the Python console uses it."""
 
     def setUp(self):
+        import AIFRecon  # another after a reload
+
         slicer.mrmlScene.Clear()
-        self.logic = AIFRecon.AIFReconLogic()  # another after a reload
+        self.logic = AIFRecon.AIFReconLogic()
         self.sweep = tinyScene.addSweep()
         self.ct, self.bone, self.registration = tinyScene.addCT()
 
