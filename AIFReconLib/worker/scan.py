@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -40,6 +41,9 @@ from .scan_request import ECHOES, MODEL, Ended, ScanRequest, Seen, SeenFrame
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
+
+SNAP_EVERY = 0.5
+"""s between two snapshots of the volume: each has holes filled, which takes cores from insertion."""
 
 LOOK_EVERY = 0.05
 """s between two looks at what is being prepared."""
@@ -87,6 +91,7 @@ class Scan:
         self._agreement: AgreementWatch | None = None
         self._guidance: GuidanceWatch | None = None
         self._told: Guidance | None = None
+        self._snapped = 0.0
         self._seen_bone: BoneWatch | None = None
         try:
             if self._labels is not None and self._place is not None:
@@ -121,8 +126,10 @@ class Scan:
             Number of the mesh of bone that is shown: another comes along with guidance.
         """
         session, statistics = self.session, self.session.statistics
-        self._snapshots.request()
         result = self._snapshots.take()
+        if time.monotonic() - self._snapped >= SNAP_EVERY:
+            self._snapped = time.monotonic()
+            self._snapshots.request()
         state = None if self._agreement is None else self._agreement.state
         agreement = None if state is None or state.agreement is None else state.agreement
         problems = [] if state is None else [state.problem]

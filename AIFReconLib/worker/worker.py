@@ -24,6 +24,9 @@ from .serving import LIBRARY, TracebackInWorker, main
 LOOK_EVERY = 0.02
 """s between two reports to who waits."""
 
+ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1"}
+"""Where the user has not said otherwise: beside a scan, numpy's helpers for small products would wait busily for the next one."""
+
 LONGEST_SILENCE = 5.0
 """s for which a worker may take nothing of what it is sent, or stop in the middle of an answer: one that was stopped is ended then."""
 
@@ -229,7 +232,9 @@ class Worker:
         command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
         try:
             # In a session of its own: Ctrl-C and the end of a terminal are for the program, which says when the worker ends
-            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **options)
+            self._process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, start_new_session=True, env={**ENVIRONMENT, **os.environ}, **options
+            )
         except OSError as error:
             ours.close()
             raise WorkerDiedError(f"The process that computes could not be started ({error}). {AGAIN}") from error

@@ -13,16 +13,32 @@ from PySide6 import QtCore, QtWidgets
 from PySide6.QtCore import Property, Signal
 
 
+class ctkVTKAbstractView(QtWidgets.QWidget):
+    """What a view draws into; nothing is drawn."""
+
+    maximumUpdateRate = Property(float, lambda self: self._rate, lambda self, rate: setattr(self, "_rate", rate))
+
+    def __init__(self):
+        super().__init__()
+        self._rate = 60.0
+
+
 class qMRMLSliceWidget(QtWidgets.QWidget):
     """A slice view: its node and logic are real, nothing is drawn."""
 
     api = {
-        "methods": ("sliceLogic", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground", "pauseRender", "resumeRender"),
+        "methods": (
+            *("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground", "pauseRender", "resumeRender"),
+        ),
     }
 
     def __init__(self, logic):
         super().__init__()
         self._logic = logic
+        self._view = ctkVTKAbstractView()
+
+    def sliceView(self):
+        return self._view
 
     def sliceLogic(self):
         return self._logic
@@ -42,7 +58,7 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
     resumeRender = pauseRender
 
 
-class qMRMLThreeDView(QtWidgets.QWidget):
+class qMRMLThreeDView(ctkVTKAbstractView):
     """What a 3D view draws into: its node and camera are real, nothing is drawn."""
 
     api = {"methods": ("mrmlViewNode", "cameraNode", "resetFocalPoint", "resetCamera", "cornerAnnotation", "scheduleRender")}

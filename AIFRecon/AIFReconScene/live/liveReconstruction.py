@@ -6,8 +6,6 @@ import sys
 import time
 from dataclasses import replace
 
-import slicer
-
 from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError, WorkerDiedError
 from AIFReconLib.guidance.seen import GuidanceSeen
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -171,12 +169,10 @@ class LiveReconstruction:
 
     def _showFrame(self) -> None:
         self._number = self.seen.frame.number
-        with slicer.util.RenderBlocker():
-            self._frame.show(self.seen.frame)
+        self._frame.show(self.seen.frame)
 
     def _showVolume(self) -> None:
-        with slicer.util.RenderBlocker():
-            self._fill(self.seen.result)
+        self._fill(self.seen.result)
 
     def _followNodes(self) -> None:
         """Tell the scan of bone that was moved, drawn anew, chosen or deleted."""

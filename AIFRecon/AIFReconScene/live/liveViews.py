@@ -13,6 +13,9 @@ OTHERS = ("Yellow", "Green")
 MARGIN = 1.1
 """Of the view around the frame."""
 
+FASTEST, SLOWER = 12.0, 4.0
+"""Pictures/s at most of the red view, and of all others: whatever moves, Slicer asks every view to be drawn anew."""
+
 
 class LiveViews:
     """Moves the red slice with the probe and puts everything back at the end.
@@ -29,6 +32,7 @@ class LiveViews:
         self._opacity = opacity
         self._before: _View | None = None
         self._frame = self._volume = None
+        self._rates: list = []
 
     def follow(self, frameNode) -> None:
         """Let the red slice lie in the frame, at its true place in the 3D view too."""
@@ -37,7 +41,8 @@ class LiveViews:
             return
         node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
         if self._frame is not frameNode:
-            self._before = self._before or _View.of(node, composite)
+            if self._before is None:
+                self._before, self._rates = _View.of(node, composite), _slowed()
             self._frame = frameNode
             with sliceDisplay.changing(composite):
                 composite.SetBackgroundVolumeID(frameNode.GetID())
@@ -71,6 +76,8 @@ class LiveViews:
         before, self._before, self._frame = self._before, None, None
         if logic is None or before is None:
             return
+        for view, rate in self._rates:
+            view.maximumUpdateRate = rate
         before.restore(logic.GetSliceNode(), logic.GetSliceCompositeNode())
         if self._volume is not None and self._volume.GetScene() is not None:
             sliceDisplay.showOverCT(self._volume, self._ct, self._opacity)
@@ -79,6 +86,19 @@ class LiveViews:
 def _following():
     """The slice logic of the view that moves with the probe; None in an application without it."""
     return slicer.app.applicationLogic().GetSliceLogicByLayoutName(FOLLOWING)
+
+
+def _slowed() -> list:
+    """All views, drawn less often from now on, each with its rate before."""
+    manager = slicer.app.layoutManager()
+    if manager is None:
+        return []
+    views = {name: manager.sliceWidget(name).sliceView() for name in manager.sliceViewNames()}
+    views |= {number: manager.threeDWidget(number).threeDView() for number in range(manager.threeDViewCount)}
+    before = [(view, view.maximumUpdateRate) for view in views.values()]
+    for name, view in views.items():
+        view.maximumUpdateRate = FASTEST if name == FOLLOWING else SLOWER
+    return before
 
 
 @dataclass(frozen=True)
