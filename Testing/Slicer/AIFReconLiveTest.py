@@ -124,7 +124,7 @@ class AIFReconLiveTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: self.live._live.statistics.frames_received > 3))
         self.server.stop()
         self.assertTrue(waitFor(lambda: self.ui.guidanceMoveLabel.text == "The connection is lost: check Plus and the network"))
-        self.assertRegex(self.ui.liveStateLabel.text, r"No images, no positions since \d\d:\d\d:\d\d")
+        self.assertTrue(waitFor(lambda: re.search(r"No images, no positions since \d\d:\d\d:\d\d", self.ui.liveStateLabel.text)))
 
     def test_without_a_box_the_sweep_finds_it(self):
         self.serve(rate=30.0, loop=True)

@@ -70,7 +70,7 @@ def test_the_self_tests_pass(group):
 
 def test_the_library_is_imported_when_a_self_test_runs_and_not_before():
     """In Slicer all run in one go, and some reload the module: what was imported before is then of another library."""
-    trees = [ast.parse(path.read_text("utf-8")) for path in (REPOSITORY / "Testing" / "Slicer").glob("*.py")]
+    trees = [ast.parse(path.read_text("utf-8")) for path in (REPOSITORY / "Testing" / "Slicer").glob("*Test.py")]
     imported = [node for tree in trees for node in tree.body if isinstance(node, (ast.Import, ast.ImportFrom))]
     names = [alias.name for node in imported for alias in node.names] + [getattr(node, "module", None) or "" for node in imported]
     assert [name for name in names if name.startswith(("AIFReconLib", "AIFReconScene", "AIFReconGui"))] == []
