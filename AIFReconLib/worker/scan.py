@@ -108,6 +108,8 @@ class Scan:
             if earlier is not None:
                 self.session.take_up(earlier)
                 self._spans = list(request.spans)
+                if self._spans[-1][1] is not None:
+                    self.session.pause()
             self.session.start()
         except BaseException:
             self.close()

@@ -158,6 +158,22 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     # ---- the process that scans
 
+    def test_a_scan_whose_process_is_killed_right_before_stop_is_finished_all_the_same(self):
+        from AIFReconScene.work import worker
+
+        from AIFReconLib import read_sequence
+
+        self.begin()
+        self.grow()
+        live = self.live._live
+        before = live.statistics.frames_received
+        os.kill(worker.pid, signal.SIGTERM)
+        self.ui.liveStopButton.click()
+        [recorded] = pathlib.Path(slicer.mrmlScene.GetRootDirectory()).glob("*.mhd")
+        self.assertGreaterEqual(len(read_sequence(recorded)), before)
+        self.assertIn(str(recorded), self.ui.liveStatisticsLabel.text)
+        self.assertEqual(live.lost, "")
+
     def test_a_scan_whose_process_is_killed_goes_on_with_nothing_lost(self):
         from AIFReconScene.work import worker
 

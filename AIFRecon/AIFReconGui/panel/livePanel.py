@@ -240,6 +240,8 @@ class LivePanel:
             lines.append(_("Canceled: the volume is as it was shown last."))
         if live.lost:
             lines.append(inPanelWords(live.lost))
+            if self._record is not None:
+                lines.append(_("What was recorded is kept unfinished, beside {path}.").format(path=self._record))
         if ended is not None and ended.recorded is not None:
             lines.append(_("Recorded to {path}.").format(path=ended.recorded))
             self._showSize(ended.recorded)

@@ -86,7 +86,7 @@ class LiveReconstruction:
         self._bone = FollowedBone(parameters, part(progress, 0.0, 0.1))
         self._request = _requestOf(parameters, self._bone, record)
         self._unsent, self._deaths = collections.deque(maxlen=MOST_UNSENT), []
-        self._asked = self._again = None
+        self._asked = self._again = self._followed = None
         self._toShow = collections.deque()
         self._nextLook, self._number, self._surface = 0.0, -1, None
         self._scan = worker.keep(begin_scan, self._request, progress=part(progress, 0.1, 1.0))
@@ -115,7 +115,7 @@ class LiveReconstruction:
 
     def reset(self) -> None:
         """Empty the volume and go on; a scan that was given up is begun again."""
-        self._tell("reset")
+        self._tell("reset", **self._followed or {})
         if self.lost and self._again is None:
             self._deaths = []
             self.seen = replace(self.seen, spans=((self.statistics.recorded, None),))
@@ -132,8 +132,11 @@ class LiveReconstruction:
     def followBone(self, progress=None) -> bool:
         """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
         place = matrixToWorld(self._parameters.bone)
-        self._request = replace(self._request, bone_to_reference=place)
-        return inWorker("follow_bone", self._scan, place, progress=progress)
+        keepsWeights = inWorker("follow_bone", self._scan, place, progress=progress)
+        self._followed = {"bone_to_reference": place, "labels": self._bone.labels}
+        if not keepsWeights:
+            self._request = replace(self._request, **self._followed)
+        return keepsWeights
 
     # ---- while it goes on
 
@@ -180,9 +183,8 @@ class LiveReconstruction:
         if self.guidance is not None:
             self.guidance.bone = self._bone.node
         if news is not None:
-            place, labels = news
-            changed = {"bone_to_reference": place} if labels is None else {"bone_to_reference": place, "labels": labels}
-            self._tell("place", place, labels, **changed)
+            # Not of the request: a volume that is taken up keeps the weights that it began with
+            self._tell("place", *news)
             if self._request.guidance:
                 self._tell("guide", True)
 
@@ -217,6 +219,9 @@ class LiveReconstruction:
         again, self._again = self._again, None
         try:
             self._scan, self.lost, self._number, self._surface = again.result(), "", -1, None
+            if self._bone.labels is not None:
+                others = None if self._bone.labels is self._request.labels else self._bone.labels
+                self._tell("place", self._bone.place, others)
         except WorkerDiedError as error:
             self._beginAgain(error)
         except AIFReconError as error:
@@ -236,7 +241,7 @@ class LiveReconstruction:
         """
         self._handOnImages()
         try:
-            ended = inWorker("finish", self._scan, progress=progress)
+            ended = self._finished(progress)
             self.seen = replace(self.seen, statistics=ended.statistics)
             if ended.result is not None:
                 self._attempt(lambda: self._fill(ended.result))
@@ -249,6 +254,20 @@ class LiveReconstruction:
             self.abandon()
             self._attempt(self.removeFrame)
         return None
+
+    def _finished(self, progress):
+        """What it `Ended` with; where the worker has died, another takes up the recording first."""
+        for _attempt in range(MOST_DEATHS):
+            try:
+                if self._again is not None:
+                    again, self._again = self._again, None
+                    self._scan = again.result(progress)
+                ended = inWorker("finish", self._scan, progress=progress)
+                self.lost = ""
+                return ended
+            except WorkerDiedError as error:
+                self._beginAgain(error)
+        raise WorkerDiedError(self.lost)
 
     def abandon(self) -> None:
         """End the scan without a word to the scene, which is being closed; its recording is finished."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import shutil
 import time
@@ -13,11 +14,14 @@ import numpy as np
 
 from ...errors import AIFReconError
 from ...io.sequence.files import read_sequence
+from ...message import said
 from ...sweep.configuration import PlusConfiguration
 from ...sweep.poses import sweep_poses
 from ..pairing.synchronizer import LiveFrame
 from .recording import growing_files
 from .statistics import ALL, Spans
+
+logger = logging.getLogger(__name__)
 
 
 class TakenUp:
@@ -54,7 +58,9 @@ class TakenUp:
         try:
             sequence = replace(read_sequence(self._header), configuration=self._configuration)
             poses = sweep_poses(sequence)
-        except AIFReconError:
+        except AIFReconError as error:
+            if self._header.exists():
+                logger.warning("The frames of %s are kept, but not taken up: %s", self._header, said(error))
             return
         for number, record in enumerate(sequence.records):
             problem = poses.problems[number]

@@ -136,6 +136,22 @@ def test_a_scan_whose_worker_is_killed_is_taken_up_with_nothing_lost(paused, wor
     assert ended.statistics.skipped.get("paused", 0) == (4 if paused else 0)
 
 
+def test_a_scan_that_was_paused_is_taken_up_paused(worker, request_of):
+    request = request_of()
+    scan = worker.keep(begin_scan, request)
+    give(worker, scan, 0, 8)
+    worker.call("pause", scan, True)
+    seen = worker.call("look", scan)
+    killed(worker, scan)
+    scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans))
+    give(worker, scan, 8, 12)
+    worker.call("pause", scan, False)
+    give(worker, scan, 12, 24)
+    ended = worker.call("finish", scan)
+    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, np.array([*range(8), *range(12, 24)])))
+    assert len(read_sequence(ended.recorded)) == 24
+
+
 def test_a_volume_that_was_begun_anew_is_taken_up_from_there(worker, request_of):
     request = request_of()
     scan = worker.keep(begin_scan, request)
