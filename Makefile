@@ -12,6 +12,8 @@ STUDY_OUTPUT ?= study-output
 REAL_BONE_OUTPUT ?= real-bone-output
 FUZZ_SECONDS ?= 600
 FAULTS_SECONDS ?= 3600
+# Tests of the module wait much: one process more than processors
+SPREAD := --numprocesses=$$(($$(getconf _NPROCESSORS_ONLN) + 1)) --dist=worksteal
 
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test coverage slicer-test screenshots figures docs lint format wheel-test bench study real-bone soak fuzz faults clean
@@ -64,12 +66,12 @@ demo: $(DEMO_STAMP)
 test: setup
 	@seconds=$$(cat $(TOOK) 2>/dev/null || echo $$((600 / $$(getconf _NPROCESSORS_ONLN) + 60))); \
 	  echo "This takes about $$(((seconds + 59) / 60)) min here"; begin=$$(date +%s); \
-	  $(MAKE) --no-print-directory lint && $(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal && \
+	  $(MAKE) --no-print-directory lint && $(BIN)/python -m pytest --quiet $(SPREAD) && \
 	  echo $$(($$(date +%s) - begin)) > $(TOOK)
 
 # A third slower than `make test`, which therefore does without
 coverage: setup
-	@$(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal --cov --cov-report=term:skip-covered --cov-fail-under=90
+	@$(BIN)/python -m pytest --quiet $(SPREAD) --cov --cov-report=term:skip-covered --cov-fail-under=90
 
 slicer-test: setup
 	@QT_QPA_PLATFORM=offscreen $(BIN)/python Testing/host/run_self_tests.py

@@ -344,7 +344,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconScene.volumes.comparison import compareMethods
 
         comparison = compareMethods(Inputs.fromParameters(parameters), progress)
-        self.display.showComparison(comparison, parameters)
+        self.display.showComparison(comparison, parameters, progress)
         return comparison.report
 
     def _made(self, inputs, keep, progress, forViews=False):

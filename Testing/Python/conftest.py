@@ -25,6 +25,15 @@ if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_I
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
+LONG = ("test_the_self_tests_pass", "test_faults.py", "test_worker_of_slicer.py", "test_fuzz_corpus.py", "test_panel_accessibility.py")
+"""What takes minutes."""
+
+
+def pytest_collection_modifyitems(items):
+    """What takes minutes comes first: nobody waits at the end for what was begun last."""
+    items.sort(key=lambda item: not any(name in item.nodeid for name in LONG))
+
+
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
     """The folder of real recordings: AIFRECON_DATA_DIR, else shared/data beside the repository."""

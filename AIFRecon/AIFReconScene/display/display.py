@@ -41,11 +41,11 @@ class SceneDisplay:
             sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
             self.update(parameters)
 
-    def showComparison(self, comparison, parameters) -> None:
+    def showComparison(self, comparison, parameters, progress=None) -> None:
         """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""
         volumes = [(node, method) for method, node in comparison.volumes.items()]
         fit = self._changed("compared", [(node.GetID(), _boundsOf(node)) for node, _method in volumes])
-        sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table, fit=fit)
+        sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table, fit=fit, progress=progress)
 
     def update(self, parameters) -> None:
         """Follow opacity, volume rendering, probe and outlines."""

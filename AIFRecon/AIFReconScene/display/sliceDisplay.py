@@ -99,7 +99,7 @@ def showLabels(labelNode, overNode) -> None:
                 composite.SetLabelOpacity(1.0)
 
 
-def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True) -> None:
+def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True, progress=None) -> None:
     """Show volumes beside each other in linked slice views that scroll, pan and zoom together.
 
     Parameters
@@ -112,6 +112,8 @@ def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True)
         Shown below them.
     fit : bool
         Whether to bring the views to the first volume, as new ones are; else they stay where the user has brought them.
+    progress : callable or None
+        Called after each new view, for which Slicer takes half a second; no more are made when it returns False.
 
     Raises
     ------
@@ -126,7 +128,12 @@ def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True)
     number = FIRST_LAYOUT + len(volumes) + (WITH_TABLE if tableNode is not None else 0)
     if not _isOurs(layout.GetViewArrangement()):
         layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
-    areThere = len(_sliceLogics(_viewNames(len(volumes)))) == len(volumes)
+    there = len(_sliceLogics(_viewNames(len(volumes))))
+    areThere = there == len(volumes)
+    for count in range(there + 1, len(volumes)) if progress is not None else ():
+        layout.SetViewArrangement(FIRST_LAYOUT + count)
+        if progress(1.0, "") is False:
+            return
     layout.SetViewArrangement(number)
     tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
     if tableNode is not None and tableView is not None:
