@@ -177,10 +177,10 @@ def qualisys(r: Recording) -> Made:
     return Made(poses, times, "\n".join([*head, *rows]), "poses.tsv", said)
 
 
-def robot(r: Recording) -> Made:
+def robot(r: Recording, kuka: bool | None = None) -> Made:
     """Universal Robots: meters and rotation vectors under rx ry rz; KUKA: A B C; either with units in the headings or not."""
-    said = r.random.uniform() < 0.5
-    kuka = r.random.uniform() < 0.5
+    said = kuka is None and r.random.uniform() < 0.5
+    kuka = r.random.uniform() < 0.5 if kuka is None else kuka
     poses, times = r.of(0)
     poses = r.poses[0]
     if kuka:
@@ -271,12 +271,15 @@ def plain(r: Recording) -> Made:
     return Made(poses, times, "\n".join(separator.join(row) for row in [head, *rows]), answers=given)
 
 
-def bare(r: Recording) -> Made:
+def bare(r: Recording, kind: int | None = None) -> Made:
     """Matrices without headings, in rows of 12 or 16 or in lines of four, row by row or column by column; JSON."""
     poses = r.poses[0]
-    kind = r.random.integers(4)
+    kind = r.random.integers(4) if kind is None else kind
+    if kind == 4:
+        rows = [",".join([f"{t:.6f}", *numbers(pose[:3, 3]), *quaternion(pose, "xyzw")]) for t, pose in zip(r.times, poses)]
+        return Made(poses, r.times - r.times[0], "\n".join(["time,x,y,z,qx,qy,qz,qw", *rows]))
     if kind == 0:
-        text = "\n".join(" ".join(numbers(pose[: 3 + r.random.integers(1)])) for pose in poses)
+        text = "\n".join(" ".join(numbers(pose[: 3 + r.random.integers(2)])) for pose in poses)
     elif kind == 1:
         text = "\n".join(",".join(numbers(pose.T)) for pose in poses)
         return Made(poses, None, text, answers=answers(COLUMN_MAJOR={"column_major": True}))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import shlex
 import tempfile
 from collections import Counter
 from dataclasses import replace
@@ -9,14 +11,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_tables import LAYOUTS, Made, made_table
+from made_tables import (
+    LAYOUTS,
+    Made,
+    bare,
+    made_table,
+    motive,
+    ndi_in_rows,
+    ndi_side_by_side,
+    polhemus,
+    qualisys,
+    recording,
+    robot,
+    ros,
+    vicon,
+)
 
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io.foreign.images import ImportedImages
 from AIFReconLib.io.foreign.importing import ImportSettings, import_sequence
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.foreign.poses.rotations import PoseFormat
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.message import said
 
 EVERY = 10
@@ -68,6 +86,42 @@ def check(seed: int, path) -> list[str]:
 def test_a_table_is_read_right_or_asked_about(tmp_path, first):
     for seed in range(first, 2000, EVERY * len(LAYOUTS)):
         check(seed, tmp_path / "poses")
+
+
+WRITERS = {
+    "ndi.csv": ndi_side_by_side,
+    "ndi-rows.csv": ndi_in_rows,
+    "motive.csv": motive,
+    "vicon.csv": vicon,
+    "qualisys.tsv": qualisys,
+    "polhemus.txt": polhemus,
+    "ur.csv": lambda seen: robot(seen, kuka=False),
+    "kuka.csv": lambda seen: robot(seen, kuka=True),
+    "ros.csv": ros,
+    "plain.csv": lambda seen: bare(seen, kind=4),
+    "matrices.txt": lambda seen: bare(seen, kind=0),
+}
+"""The files of docs/import.md."""
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "import.md"
+LINES = re.findall(r"`aifrecon (import images\.npy --poses (\S+) [^`]*)`", PAGE.read_text("utf-8"))
+
+
+def test_the_page_has_a_line_for_each_writer():
+    assert [name for _line, name in LINES] == list(WRITERS)
+
+
+@pytest.mark.parametrize(("line", "name"), LINES)
+def test_the_line_of_the_page_takes_its_table_in_right(tmp_path, monkeypatch, line, name):
+    monkeypatch.chdir(tmp_path)
+    tools = 1 if name in ("kuka.csv", "ur.csv") else 2
+    made = WRITERS[name](recording(np.random.default_rng(5), tools))
+    (tmp_path / name).write_text(made.text, encoding="utf-8")
+    np.save("images.npy", np.zeros((len(made.poses), 4, 4), np.uint8))
+    assert main(shlex.split(line)) == 0
+    samples = [record.transforms[PROBE] for record in read_sequence("sweep.mha").records]
+    found = np.array([s.matrix if s.status is TransformStatus.OK else np.full((4, 4), np.nan) for s in samples])
+    np.testing.assert_allclose(found, made.poses, atol=0.01)
 
 
 if __name__ == "__main__":
