@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import AIFReconError
 from ..geometry.transform_graph import TransformName
+from ..inspection.offset_estimate import estimate_time_offset
 from ..inspection.sweep_drawing import draw_sweep
 from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import check_writable, write_text
@@ -147,6 +148,8 @@ def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, n
         return ["no drawing: no frame has a valid pose"]
     write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference))
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
+    if np.isfinite(sequence.timestamps).all():
+        rows.append(f"clocks: {estimate_time_offset(sequence, poses).to_text()}")
     option = "" if reference == "Reference" else f" --reference {reference}"
     next_step = f"to reconstruct: {program()} reconstruct {name}{option} --output volume.nrrd"
     return [_size(sequence, poses), *rows, next_step, f"drew {drawing}"]
