@@ -329,7 +329,7 @@ class Recipe(OutputSettings, MethodSettings, VolumeSettings, BoneSettings, Imagi
     """All that can be asked of a reconstruction, in one flat row of names: those of options, settings files and columns of a table.
 
     Its branches say what belongs together; a function that takes a branch takes a recipe too. Metadata of the fields holds help, unit,
-    range and choices of each; docs/method.md has what they mean.
+    range and choices of each; docs/parameters.md has what they mean.
 
     Raises
     ------

@@ -17,7 +17,7 @@ from .registration_cases import Row, patient_rows
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page; the answer is the exit status."""
     arguments = parsed(study_parser("registration", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments.output / "registration.md", page_of), "registrations")
+    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "registration", page_of), "registrations")
 
 
 def page_of(rows: list[Row]) -> str:
