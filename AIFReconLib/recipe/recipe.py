@@ -129,7 +129,7 @@ class ImagingSettings(Branch):
     )
     pixel_rejection: float | None = setting(
         None,
-        "pixels darker than this gray level do not enter (default: the configuration's, else all enter)",
+        "pixels darker than this gray level are left out (default: the configuration's, else none)",
         minimum=0.0,
         label="Darkest pixel:",
     )
@@ -297,7 +297,7 @@ class MethodSettings(Branch):
     )
     engine: str = setting(
         "auto",
-        "what computes the volume; every engine gives the same voxels (auto: numba where it is installed, which is many times as fast)",
+        "what computes the volume; every engine gives the same voxels (auto: numba where it is installed, which is several times as fast)",
         choices=ENGINES,
         label="Computed by:",
     )
@@ -357,7 +357,7 @@ _NEEDED = {
 """What is of no use without another."""
 
 ReconstructionSettings = Recipe
-"""The name that scripts know it by."""
+"""`Recipe`, under the name that scripts know it by."""
 
 BRANCHES = (ReadingSettings, ImagingSettings, BoneSettings, VolumeSettings, MethodSettings, OutputSettings)
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for branch in BRANCHES for spec in fields(branch)}
