@@ -42,7 +42,8 @@ def add_to(commands: Commands) -> None:
         "evaluate",
         help="measure how well volumes show bone",
         description="Measure volumes against the surface of a registered segmentation: contrast and contrast-to-noise ratio (CNR) of "
-        "bone, its thickness and place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, noise and speckle.",
+        "bone, its thickness and place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, "
+        "noise and speckle.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
