@@ -141,6 +141,8 @@ class Report:
         Between the figure and the metrics.
     language : str
         Of what the author says, as HTML names it.
+    summary : str
+        What was achieved, in a sentence or two; "": what the metrics say.
     """
 
     title: str
@@ -155,6 +157,7 @@ class Report:
     figure_caption: str = ""
     sections: tuple[Section, ...] = ()
     language: str = "en"
+    summary: str = ""
 
 
 def software_versions() -> dict[str, str]:
@@ -175,6 +178,7 @@ def write_report(path: str | Path, report: Report) -> None:
 def report_html(report: Report) -> str:
     """One self-contained HTML page: figure, table, definitions, provenance. The same report gives the same page."""
     title = escape(report.title)
+    summary = report.summary or (achieved(report.metrics, report.frames) if report.metrics else "")
     lines = [
         f"""<!DOCTYPE html>
 <html lang="{escape(report.language)}">
@@ -191,7 +195,7 @@ def report_html(report: Report) -> str:
 <p>{escape(report.date)}. Made by AIFRecon, which is research software: not a medical device, not for diagnosis or treatment.</p>
 </header>
 <main>""",
-        *([f'<p class="achieved">{escape(achieved(report.metrics, report.frames))}</p>'] if report.metrics else []),
+        *([f'<p class="achieved">{escape(summary)}</p>'] if summary else []),
         *([] if report.figure_png is None else [_picture(report.figure_caption, report.figure_png, wide=True)]),
         *(line for section in report.sections for line in _section(section)),
         *(_judged(report) if report.metrics else ()),
