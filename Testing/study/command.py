@@ -31,6 +31,8 @@ def parsed(parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namesp
     arguments = parser.parse_args(words)
     if arguments.patients < 1 or arguments.jobs < 1:
         parser.error("a study takes at least 1 patient and 1 job")
+    if arguments.pages and arguments.patients < parser.get_default("patients"):
+        parser.error("the pages are of whole studies: leave out --patients or --pages")
     return arguments
 
 
@@ -82,12 +84,14 @@ def reported(work_through: Callable[[], list[str]]) -> int:
     return 0
 
 
-def page_writer(arguments: argparse.Namespace, name: str, text: Callable[[list[Row]], str]) -> Callable[[list[Row]], list[Path]]:
-    """For `carry_out`: writes one page of text, ``name.md``, and where `--pages` is given that of docs/measured too."""
+def page_writer(
+    arguments: argparse.Namespace, name: str, text: Callable[[list[Row]], str], shown: Callable[[list[Row]], list[Row]] = list
+) -> Callable[[list[Row]], list[Path]]:
+    """For `carry_out`: writes one page of text, ``name.md``; where `--pages` is given also that of docs/measured, of the rows `shown`."""
 
     def write(rows: list[Row]) -> list[Path]:
         page = arguments.output / f"{name}.md"
         write_text(page, text(rows))
-        return [page, *(keep({name: text(rows)}, "make study") if arguments.pages else ())]
+        return [page, *(keep({name: text(shown(rows))}, "make study") if arguments.pages else ())]
 
     return write
