@@ -17,7 +17,7 @@ from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 FOLDER = REPOSITORY / "docs" / "measured"
-PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+PLACE = re.compile(r"<!-- measured: ([\w-]+) -->([ \n]).*?<!-- end -->", re.DOTALL)
 
 
 def pages() -> list[Path]:
@@ -26,8 +26,14 @@ def pages() -> list[Path]:
 
 
 def renewed(page: str) -> str:
-    """The Markdown of a page with what is measured today in its places."""
-    return PLACE.sub(lambda found: found.group(1) + (FOLDER / f"{found.group(2)}.md").read_text("utf-8") + found.group(3), page)
+    """The Markdown of a page with what is measured today in its places; a place within a line holds a sentence."""
+
+    def filled(found: re.Match[str]) -> str:
+        name, blank = found.groups()
+        text = (FOLDER / f"{name}.md").read_text("utf-8").strip()
+        return f"<!-- measured: {name} -->{blank}{text}{blank}<!-- end -->"
+
+    return PLACE.sub(filled, page)
 
 
 def keep(measured: dict[str, str], command: str, machine: str = "") -> list[Path]:
