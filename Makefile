@@ -31,9 +31,9 @@ help:
 	@echo "make setup        install what all of these need, into $(VENV)/"
 	@echo "make lint         only lint, format check, types and workflows"
 	@echo "make format       reformat the code"
-	@echo "make bench        measure the speed of this machine"
-	@echo "make study        compare all methods, register CTs and scan by guidance, on simulated patients, into $(STUDY_OUTPUT)/ (two hours)"
-	@echo "make real-bone    compare all methods on a recorded sweep of real bone with its CT, into $(REAL_BONE_OUTPUT)/ (half an hour)"
+	@echo "make bench        measure the speed of this machine, and renew the tables of docs/performance.md"
+	@echo "make study        compare all methods, register CTs and scan by guidance, on simulated patients, into $(STUDY_OUTPUT)/ and the pages (two hours)"
+	@echo "make real-bone    compare all methods on a recorded sweep of real bone with its CT, into $(REAL_BONE_OUTPUT)/ and the pages (half an hour)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
 	@echo "make faults       kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
 	@echo "make fuzz         damage input on purpose for FUZZ_SECONDS ($(FUZZ_SECONDS)); only clear refusals may come out"
@@ -105,19 +105,19 @@ format: setup
 	@$(BIN)/python -m ruff check --quiet --fix .
 	@$(BIN)/python -m ruff format --quiet .
 
-# More or less of it: make bench BENCH="--quick". Others: BENCH=live, a session; BENCH=spine, 5,000 frames from file to file, which takes 3 GB
+# Full runs of bench, study and real-bone renew docs/measured and the pages. More or less of it: make bench BENCH="--quick". Others: BENCH=live, a session; BENCH=spine, 5,000 frames from file to file, which takes 3 GB
 # of disk, 11 of memory and minutes; BENCH=growth; BENCH=limits
 bench: setup
-	@$(BIN)/python Testing/benchmark $(BENCH)
+	@$(BIN)/python Testing/benchmark $(or $(BENCH),--pages)
 
 study: setup
-	@$(BIN)/python Testing/study methods --output "$(STUDY_OUTPUT)"
-	@$(BIN)/python Testing/study registration --output "$(STUDY_OUTPUT)/registration"
-	@$(BIN)/python Testing/study guidance --output "$(STUDY_OUTPUT)/guidance"
+	@$(BIN)/python Testing/study methods --pages --output "$(STUDY_OUTPUT)"
+	@$(BIN)/python Testing/study registration --pages --output "$(STUDY_OUTPUT)/registration"
+	@$(BIN)/python Testing/study guidance --pages --output "$(STUDY_OUTPUT)/guidance"
 
 # Not run by continuous integration: the recording is not part of the project
 real-bone: setup
-	@$(BIN)/python Testing/study real_bone --output "$(REAL_BONE_OUTPUT)"
+	@$(BIN)/python Testing/study real_bone --pages --output "$(REAL_BONE_OUTPUT)"
 
 # Shorter, or with other faults: make soak SOAK="--minutes 5 --seed 7"
 soak: setup
@@ -128,7 +128,7 @@ soak: setup
 
 # Not run by continuous integration; that runs a few of each kind
 faults: setup
-	@cd Testing && ../$(BIN)/python -m faults --seconds $(FAULTS_SECONDS)
+	@cd Testing && ../$(BIN)/python -m faults --pages --seconds $(FAULTS_SECONDS)
 
 # Not run by continuous integration; that runs the corpus. Without atheris (Windows, macOS) hypothesis chooses the damage
 fuzz: setup

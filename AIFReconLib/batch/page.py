@@ -27,14 +27,33 @@ OF_BONE = (
 
 NUMBERS = {
     **{name: (HEADINGS[name], QUANTITIES[name].form) for name in OF_BONE},
-    "sweep_met": ("bone met", ".0%"),
-    "sweep_interspinous_met": ("gaps met", ".0%"),
+    "sweep_met": ("bone hit", ".0%"),
+    "sweep_interspinous_met": ("gaps hit", ".0%"),
     "registration_agreement": ("CT agrees", ".0%"),
     "registration_median_distance_mm": ("CT off by mm", ".2f"),
     "frames": ("frames", ".0f"),
     "seconds": ("seconds", ".1f"),
 }
 """What the page shows of a row, with its heading and format; all numbers are in the tables beside it."""
+
+MEANS = {
+    "oblique_": "of bone that beams hit at more than 45\N{DEGREE SIGN} at best",
+    "interspinous_": "of the borders of the gaps between spinous processes",
+}
+"""What the parts of the bone are, by how the names of numbers begin; else it is all bone that beams could reach."""
+
+DEFINITIONS = {
+    "sweep_met": "Share of the bone within reach that a beam hit, as aifrecon coverage tells.",
+    "sweep_interspinous_met": "The same of the borders of the gaps between spinous processes.",
+    "registration_agreement": "Share of the sweep's bone echoes that lie within 2 mm of the CT's bone.",
+    "registration_median_distance_mm": "Median distance of these echoes from the CT's bone.",
+    "frames": "Frames that entered the volume.",
+    "seconds": "What the case took.",
+}
+"""Of what is no number of `BoneMetrics`."""
+
+FEWEST_DRAWN = 3
+"""Cases from which a distribution is drawn: a dot or two are read from the table."""
 
 DRAWN = tuple(name for name in NUMBERS if name not in ("frames", "seconds"))
 
@@ -121,6 +140,7 @@ def page(title: str, rows: list[Row]) -> str:
         *_failures(rows),
         *_plots(rows, [name for name in DRAWN if name in shown]),
         *_table(rows, shown),
+        *_definitions(shown),
         f'<p class="notes">AIFRecon {__version__}, {datetime.now():%Y-%m-%d %H:%M}. All numbers, settings and notes: '
         '<a href="results.csv">results.csv</a>, <a href="results.parquet">results.parquet</a>.</p>',
         f"<script>{SCRIPT}</script></body></html>",
@@ -150,7 +170,7 @@ def _failures(rows: list[Row]) -> Iterable[str]:
 
 
 def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
-    drawn = {name: values for name in names if (values := _values(rows, name))}
+    drawn = {name: values for name in names if (values := _enough(_values(rows, name)))}
     if not drawn:
         return
     yield '<section><h2>Distributions</h2><p class="notes">A dot is a case; below, the quartiles, and the median with its number.</p>'
@@ -159,6 +179,23 @@ def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
         heading, form = NUMBERS[name]
         yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(values, form)}</figure>"
     yield "</div></section>"
+
+
+def _enough(values: dict[str, list[float]]) -> dict[str, list[float]]:
+    """Those methods of which there are cases enough to draw."""
+    return {method: each for method, each in values.items() if len(each) >= FEWEST_DRAWN}
+
+
+def _definitions(shown: list[str]) -> Iterable[str]:
+    """What each number of the page is, a line each."""
+    if not shown:
+        return
+    yield '<section><h2>What the numbers are</h2><ul class="notes">'
+    for name in shown:
+        part = next((words for begin, words in MEANS.items() if name.startswith(begin)), "")
+        said = DEFINITIONS.get(name) or QUANTITIES[name].definition
+        yield f"<li><strong>{escape(_sentence(NUMBERS[name][0]))}</strong>{', ' + part if part else ''}. {escape(said)}</li>"
+    yield "</ul></section>"
 
 
 def _values(rows: list[Row], name: str) -> dict[str, list[float]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 import time
 from dataclasses import replace
 from datetime import date
@@ -12,7 +13,7 @@ from ..bone.map import BoneMap
 from ..compounding.methods.table import COMPARED_METHODS, METHODS
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import evaluate
-from ..evaluation.quantities import BoneMetrics, metrics_csv, table
+from ..evaluation.quantities import IN_WORDS, BoneMetrics, achieved, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
@@ -42,6 +43,9 @@ BONE_SIGMA = 4.0
 """mm; the paper's 10 voxels on a CT of 0.4 mm."""
 
 PATH = "multi-angle"
+
+WIDTH = 80
+"""Letters of a line of text."""
 
 
 PRINTED = (
@@ -108,9 +112,11 @@ def run(arguments: argparse.Namespace) -> None:
         write_report(folder / "report.html", replace(report, figure_png=figure.read_bytes()))
     seconds = time.perf_counter() - started
     print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s\n")
+    print("\n".join(textwrap.wrap(achieved(metrics, result.frames_inserted), WIDTH)), end="\n\n")
     print(columns(zip(*table(metrics, PRINTED), strict=True)))
-    print(f"\n  met       {met_of(met.all)} of all bone within reach")
-    print(f"            {met_of(met.interspinous)} of interspinous borders")
+    print("\n" + "\n".join(textwrap.fill(words, WIDTH, initial_indent="  ", subsequent_indent="    ") for words in IN_WORDS))
+    print(f"\n  hit by a beam: {hit_of(met.all)} of all bone within reach,")
+    print(f"    {hit_of(met.interspinous)} of interspinous borders")
     print(f"\n  look at   {figure}")
     print(f"  read      {folder / 'report.html'} (all numbers and what they mean), metrics.csv")
     print(f"  volumes   {folder / 'reconstruction-*.nrrd'}")
@@ -125,9 +131,9 @@ def run(arguments: argparse.Namespace) -> None:
     )
 
 
-def met_of(share: Share) -> str:
-    """How much of a part of the bone was met, in a few words."""
-    return f"{share.met:.0%}, below 45 degrees {share.below_45_deg:.0%}, expected to show {share.expected_visibility:.0%}"
+def hit_of(share: Share) -> str:
+    """How much of a part of the bone was hit, in a few words."""
+    return f"{share.met:.0%} ({share.below_45_deg:.0%} below 45 degrees, {share.expected_visibility:.0%} expected to show)"
 
 
 def _report(
@@ -151,7 +157,7 @@ def _report(
             "Volumes": f"{size} voxels of {SPACING:g} mm",
             "Bone map": f"from the CT's segmentation, smoothed by {BONE_SIGMA:g} mm",
             "Registration and tracking": "exact",
-            "Interspinous borders": f"met {met_of(met.interspinous)}",
+            "Interspinous borders": f"hit {hit_of(met.interspinous)}",
         },
         settings=settings,
         versions=software_versions(),

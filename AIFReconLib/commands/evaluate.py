@@ -12,7 +12,7 @@ from ..arrays import Matrix
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import evaluate
-from ..evaluation.quantities import BoneMetrics, metrics_csv, table, what_counted
+from ..evaluation.quantities import BoneMetrics, achieved, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
@@ -41,8 +41,9 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "evaluate",
         help="measure how well volumes show bone",
-        description="Measure volumes against the surface of a registered segmentation: contrast and CNR of bone, its thickness and "
-        "place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, noise and speckle.",
+        description="Measure volumes against the surface of a registered segmentation: contrast and contrast-to-noise ratio (CNR) of "
+        "bone, its thickness and place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, "
+        "noise and speckle.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -131,6 +132,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.report:
         write_report(arguments.report, _report(arguments, results, frames, inputs, figure))
     print(columns(table(results)))
+    print(f"\n  {achieved(results, frames)}")
     print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
     for path in outputs:
         print(f"  wrote {path}")

@@ -60,7 +60,12 @@ def add_to(commands: Commands) -> None:
         metavar="FILE",
         help="also write the labels in Reference, where they came to lie; their surface if FILE ends in .vtp (give it twice for both)",
     )
-    result.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, alternatives and what is not held")
+    result.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE.json",
+        help="also write numbers, alternatives and the motions that the sweep does not determine",
+    )
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
@@ -145,7 +150,7 @@ def _findings(found: Registration) -> list[str]:
         f"label {label}: {own.agreement:.0%} of {own.echoes:,} echoes agree" for label, own in sorted(found.agreement.per_label.items())
     ]
     if found.uncertain:
-        lines.append("not held by this sweep: " + "; ".join(found.uncertain))
+        lines.append("not determined by this sweep: " + "; ".join(found.uncertain))
     if found.agreement.elsewhere:
         lines.append(f"{found.agreement.elsewhere:,} echoes lie far from labeled bone: of bone that the labels lack, or of none")
     if found.alternatives:

@@ -15,7 +15,7 @@ LEVELS_DEG = (45.0, 60.0, 70.0, 85.0)
 COLORS = ("#fde725", "#5ec962", "#21918c", "#4b6bff", "#73767d")
 """Of viridis, which every eye tells apart, from squarely met on; grazed a blue that is far from the last, the gray of what was not met."""
 
-WORDS = ("met below 45 degrees", "45 to 60", "60 to 70", "grazed", "not met")
+WORDS = ("hit below 45 degrees", "45 to 60", "60 to 70", "grazed", "not hit")
 BEAM = "#ff8c42"
 
 VIEWS = (("from behind", 0, 2), ("from the right", 1, 2))

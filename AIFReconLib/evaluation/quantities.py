@@ -130,7 +130,10 @@ OF_SURFACE = {
         ".2f",
         "",
         "most",
-        "Contrast over the standard deviation of the tissue before the bone (Smith 1983). Speckle alone gives about 1.",
+        (
+            "Contrast-to-noise ratio: contrast over the standard deviation of the tissue before the bone (Smith 1983). Speckle alone gives "
+            "about 1."
+        ),
     ),
     "detectability": Quantity(
         "Detectability",
@@ -266,6 +269,40 @@ def what_counted(result: BoneMetrics, frames: int | None) -> str:
     return (
         f"of the {area:.1f} cm2 of bone surface that the {frames} frames could reach "
         f"({result.oblique.area / 100:.1f} cm2 oblique, {result.interspinous.area / 100:.1f} cm2 at interspinous borders)"
+    )
+
+
+IN_WORDS = (
+    "CNR, contrast-to-noise ratio: by how many standard deviations bone is brighter than the tissue before it",
+    "coverage: share of that bone that stands out; oblique: met beyond 45 degrees at best",
+)
+"""What the lines of a terminal's table mean."""
+
+
+def achieved(metrics: dict[str, BoneMetrics], frames: int | None, against: str = "average") -> str:
+    """What came out, in a sentence or two: the volume that shows most bone, and beside it the plain average.
+
+    Parameters
+    ----------
+    metrics : dict of str to BoneMetrics
+        By the name of the volume or method; those that are not known tell nothing.
+    frames : int or None
+        Of the sweep that decides which bone counts; None: no sweep is known.
+    against : str
+        What is compared with; where it is not there, the volume that shows least.
+    """
+    known = {name: result.bone for name, result in metrics.items() if not math.isnan(result.bone.coverage + result.bone.cnr)}
+    if not known:
+        return "How much bone is shown cannot be told."
+    most = max(known, key=lambda name: known[name].coverage)
+    other = against if against in known else min(known, key=lambda name: known[name].coverage)
+    which = "the bone where the volume was measured" if frames is None else "the bone that the probe could see"
+    shows = f"{most} shows {known[most].coverage:.0%} of {which}"
+    if other == most:
+        return f"{shows}. It is {known[most].cnr:.1f} standard deviations brighter than the tissue before it."
+    return (
+        f"{shows}, {other} {known[other].coverage:.0%}. Bone is {known[most].cnr:.1f} standard deviations brighter than the tissue "
+        f"before it, with {other} {known[other].cnr:.1f}."
     )
 
 

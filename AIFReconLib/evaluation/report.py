@@ -16,7 +16,7 @@ from .. import __version__
 from ..io.disk.atomic import write_text
 from ..recipe.recipe import Recipe
 from .metrics import OBLIQUE_DEG
-from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, BoneMetrics, best_of, cell, what_counted
+from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, BoneMetrics, achieved, best_of, cell, what_counted
 from .visibility import GRAZING_DEG
 
 DASH = "\N{EN DASH}"
@@ -33,6 +33,7 @@ h1 { font-size: 1.6rem; line-height: 1.25; margin: 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.2rem; line-height: 1.3; margin: 2.25rem 0 0.25rem; }
 h3 { font-size: 1rem; margin: 1.5rem 0 0.4rem; }
 p { margin: 0.3rem 0 0.8rem; }
+.achieved { font-size: 1.125rem; }
 header p, figcaption, .unit, dt { color: var(--soft); }
 figure { margin: 1rem 0 0; }
 figcaption { font-size: 0.875rem; margin-top: 0.4rem; }
@@ -68,8 +69,12 @@ dd { margin: 0; overflow-wrap: anywhere; }
   body { padding: 1rem 0.9rem 2rem; }
   h1 { font-size: 1.35rem; }
   th, td { padding: 0.25rem 0.4rem; }
-  .metrics { min-width: calc(8.75rem + var(--volumes) * 6.5rem); }
-  .metrics thead td { width: 8.75rem; }
+  img { min-width: 0; }
+  .metrics { min-width: calc(6rem + var(--volumes) * 2.6rem); font-size: 0.7rem; }
+  .metrics thead td { width: 6rem; }
+  .metrics thead th { writing-mode: vertical-rl; text-align: right; white-space: nowrap; font-size: 0.7rem; }
+  .metrics th, .metrics td { padding: 0.3rem 0.15rem; }
+  .metrics .unit { font-size: 0.65rem; }
   tbody th { white-space: normal; line-height: 1.3; }
 }
 @media print {
@@ -136,6 +141,8 @@ class Report:
         Between the figure and the metrics.
     language : str
         Of what the author says, as HTML names it.
+    summary : str
+        What was achieved, in a sentence or two; "": what the metrics say.
     """
 
     title: str
@@ -150,6 +157,7 @@ class Report:
     figure_caption: str = ""
     sections: tuple[Section, ...] = ()
     language: str = "en"
+    summary: str = ""
 
 
 def software_versions() -> dict[str, str]:
@@ -170,6 +178,7 @@ def write_report(path: str | Path, report: Report) -> None:
 def report_html(report: Report) -> str:
     """One self-contained HTML page: figure, table, definitions, provenance. The same report gives the same page."""
     title = escape(report.title)
+    summary = report.summary or (achieved(report.metrics, report.frames) if report.metrics else "")
     lines = [
         f"""<!DOCTYPE html>
 <html lang="{escape(report.language)}">
@@ -186,6 +195,7 @@ def report_html(report: Report) -> str:
 <p>{escape(report.date)}. Made by AIFRecon, which is research software: not a medical device, not for diagnosis or treatment.</p>
 </header>
 <main>""",
+        *([f'<p class="achieved">{escape(summary)}</p>'] if summary else []),
         *([] if report.figure_png is None else [_picture(report.figure_caption, report.figure_png, wide=True)]),
         *(line for section in report.sections for line in _section(section)),
         *(_judged(report) if report.metrics else ()),

@@ -44,7 +44,7 @@ class Coverage:
 
     def lines(self) -> list[str]:
         """A table for a terminal, a line each."""
-        rows: list[tuple[str, ...]] = [("bone", "reachable", "met", "below 60 deg", "below 45 deg", "expected to show")]
+        rows: list[tuple[str, ...]] = [("bone", "reachable", "hit", "below 60 deg", "below 45 deg", "expected to show")]
         named = [*((f"label {name}" if name.isdecimal() else name, share) for name, share in self.by_label.items())]
         named.append(("interspinous borders", self.interspinous))
         rows += [(one_line(name), *_cells(share)) for name, share in [*named, ("all", self.all)]]

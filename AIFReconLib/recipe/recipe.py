@@ -129,7 +129,7 @@ class ImagingSettings(Branch):
     )
     pixel_rejection: float | None = setting(
         None,
-        "pixels darker than this gray level do not enter (default: the configuration's, else all enter)",
+        "pixels darker than this gray level are left out (default: the configuration's, else none)",
         minimum=0.0,
         label="Darkest pixel:",
     )
@@ -297,7 +297,7 @@ class MethodSettings(Branch):
     )
     engine: str = setting(
         "auto",
-        "what computes the volume; every engine gives the same voxels (auto: numba where it is installed, which is many times as fast)",
+        "what computes the volume; every engine gives the same voxels (auto: numba where it is installed, which is several times as fast)",
         choices=ENGINES,
         label="Computed by:",
     )
@@ -329,7 +329,7 @@ class Recipe(OutputSettings, MethodSettings, VolumeSettings, BoneSettings, Imagi
     """All that can be asked of a reconstruction, in one flat row of names: those of options, settings files and columns of a table.
 
     Its branches say what belongs together; a function that takes a branch takes a recipe too. Metadata of the fields holds help, unit,
-    range and choices of each; docs/method.md has what they mean.
+    range and choices of each; docs/parameters.md has what they mean.
 
     Raises
     ------
@@ -357,7 +357,7 @@ _NEEDED = {
 """What is of no use without another."""
 
 ReconstructionSettings = Recipe
-"""The name that scripts know it by."""
+"""`Recipe`, under the name that scripts know it by."""
 
 BRANCHES = (ReadingSettings, ImagingSettings, BoneSettings, VolumeSettings, MethodSettings, OutputSettings)
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for branch in BRANCHES for spec in fields(branch)}

@@ -39,7 +39,7 @@ _LINE = _PlainFormatter("%(asctime)s %(levelname)s [%(threadName)s] %(name)s: %(
 
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """The options that every command has."""
-    group = parser.add_argument_group("what happens meanwhile")
+    group = parser.add_argument_group("messages")
     loudness = group.add_mutually_exclusive_group()
     loudness.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     loudness.add_argument("--verbose", action="store_true", help="tell what happens, on standard error")

@@ -20,7 +20,7 @@ from .one_line_parser import OneLineParser
 
 def add_settings_options(parser: argparse.ArgumentParser, without: tuple[str, ...] = ()) -> None:
     """Declare both; settings in `without` are not taken from a file."""
-    group = parser.add_argument_group("settings", "of a reconstruction that is to be repeated, the voxels of its volume included")
+    group = parser.add_argument_group("settings", "repeat a reconstruction, on the same voxels")
     group.add_argument(
         "--settings",
         type=Path,

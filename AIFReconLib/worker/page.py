@@ -79,21 +79,23 @@ def tell(about: PageAbout, path: Path | None = None, words: Mapping[Remedy, str]
         said += [of_line] if of_line else []
     versions = software_versions()
     voxels = f"voxels of {' x '.join(f'{size:.3g}' for size in about.spacing)} mm"
+    speed = "" if tracking.median_speed is None else f" at {tracking.median_speed:.0f} mm/s"
+    frames, software = f"{tracking.used} of {tracking.frames} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
+    line = f"{about.name}: {'; '.join([frames, *said, voxels, software])}. Research use only: not for guiding a needle."
     if path is not None:
         page = Report(
             title=about.name,
             date=f"{datetime.now():%Y-%m-%d %H:%M}",
             metrics={},
             frames=None,
+            summary=line,
             facts={"Sweep": about.sweep, "Voxels": voxels},
             settings={about.method: understood(Path(about.name), json.loads(about.settings), "", ()).recipe},
             versions={**versions, **about.program},
             sections=(*pictures, *sections),
         )
         write_report(path, page)
-    speed = "" if tracking.median_speed is None else f" at {tracking.median_speed:.0f} mm/s"
-    frames, software = f"{tracking.used} of {tracking.frames} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
-    return f"{about.name}: {'; '.join([frames, *said, voxels, software])}. Research use only: not for guiding a needle."
+    return line
 
 
 def _pictures(about: PageAbout) -> tuple[Section, ...]:

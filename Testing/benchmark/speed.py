@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from measured import keep
 
 from AIFReconLib import __version__
 from AIFReconLib.bone.map import BoneMap
@@ -289,10 +290,13 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--data", type=Path, default=os.environ.get("AIFRECON_DATA_DIR"), metavar="DIR", help="time its recordings too")
     parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, for a document")
+    parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     arguments = parser.parse_args(words)
     frames, spacings, data = arguments.frames, tuple(arguments.spacing), arguments.data
     if frames < 2 or arguments.repeats < 1 or min(spacings) <= 0:
         parser.error("a benchmark takes at least 2 frames, 1 repeat and positive voxel sizes")
+    if arguments.quick and arguments.pages:
+        parser.error("the pages are of whole runs: leave out --quick or --pages")
     if arguments.quick:
         frames, spacings, data = max(frames // 3, 2), spacings[:1], None
     with ProgressBar() as progress:
@@ -303,4 +307,6 @@ def main(words: list[str] | None = None) -> int:
         write_text(arguments.json, json.dumps(result.to_dict(), indent=2) + "\n")
     if arguments.markdown:
         write_text(arguments.markdown, result.markdown())
+    if arguments.pages:
+        keep(result.in_the_pages(), "make bench", result.machine.replace("\n", "; "))
     return 0

@@ -58,19 +58,46 @@ class BenchmarkResult:
         lines.insert(1, "|" + "|".join([" --- "] * len(HEADING)) + "|")
         return self.heading().replace("\n", "  \n") + "\n\n" + "\n".join(lines) + "\n"
 
+    def in_the_pages(self) -> dict[str, str]:
+        """What docs/performance.md shows, by the names of the files in docs/measured: methods at the first voxel size, and the rest."""
+        methods: dict[str, dict[tuple[str, bool], Timing]] = {}
+        others = []
+        spacing = next(timing.spacing_mm for timing in self.timings if timing.spacing_mm)
+        for timing in self.timings:
+            if timing.ns_per_pixel is None:
+                others.append(timing)
+            elif timing.spacing_mm == spacing and "from no memory" not in timing.what:
+                methods.setdefault(timing.what, {})[timing.engine, timing.threads > 1] = timing
+        lines = [
+            "| | numpy, frames/s | numba, 1 thread | numba, all threads | ns a pixel | x plain loop | bytes a voxel |",
+            "|---|---|---|---|---|---|---|",
+        ]
+        for what, timed in methods.items():
+            best = timed.get(("numba", True)) or timed.get(("numba", False)) or timed["numpy", False]
+            speeds = (timed.get(each) for each in (("numpy", False), ("numba", False), ("numba", True)))
+            cells = [_shown(each.frames_per_second if each else None, ".0f") for each in speeds]
+            cells += [_shown(best.ns_per_pixel, ".1f"), _shown(best.times_yardstick, ".1f"), _shown(best.bytes_per_voxel, "d")]
+            lines.append(f"| {what} | " + " | ".join(cells) + " |")
+        steps = ["| | engine | threads | seconds | frames/s |", "|---|---|---|---|---|"]
+        for timing in others:
+            speed = timing.frames_per_second if timing.seconds and timing.what.startswith("reading") else None
+            steps.append(f"| {timing.what} | {timing.engine} | {timing.threads} | {timing.seconds:.2f} | {_shown(speed, '.0f')} |")
+        return {"speed-methods": "\n".join(lines), "speed-steps": "\n".join(steps)}
+
+
+def _shown(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
 
 def _cells(t: Timing) -> tuple[str, ...]:
-    def number(value, form: str) -> str:
-        return "" if value is None else format(value, form)
-
     return (
         t.what,
         t.engine,
         str(t.threads),
         "" if t.spacing_mm is None else f"{t.spacing_mm:g} mm",
-        number(t.ns_per_pixel, ".2f"),
-        number(t.frames_per_second, ".0f"),
-        number(t.times_yardstick, ".1f"),
-        number(t.bytes_per_voxel, "d"),
+        _shown(t.ns_per_pixel, ".2f"),
+        _shown(t.frames_per_second, ".0f"),
+        _shown(t.times_yardstick, ".1f"),
+        _shown(t.bytes_per_voxel, "d"),
         f"{t.seconds:.3f}",
     )

@@ -15,6 +15,8 @@ from pathlib import Path
 TESTING = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TESTING.parent), str(TESTING / "Python")]
 
+from measured import keep  # noqa: E402
+
 from faults import changing, endings, killing, places, workers, writers  # noqa: E402
 from faults.commands import COMMANDS, CONVERT, LONG_COMMANDS  # noqa: E402
 from faults.ledger import Ledger  # noqa: E402
@@ -47,14 +49,19 @@ def main() -> int:
     )
     parser.add_argument("--only", nargs="+", choices=tuple(KINDS), default=tuple(KINDS), help="these kinds (default: all)")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, after every entry")
+    parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     parser.add_argument("--quick", action="store_true", help="only a few of each, in seconds")
     arguments = parser.parse_args()
+    if arguments.pages and (arguments.quick or len(arguments.only) < len(KINDS)):
+        parser.error("the pages are of whole runs: leave out --quick and --only, or --pages")
     ledger = Ledger(arguments.seconds, arguments.markdown)
     for kind in arguments.only:
         (QUICK if arguments.quick else KINDS)[kind](ledger)
     print(ledger.markdown())
     if arguments.markdown:
         arguments.markdown.write_text(ledger.markdown(), encoding="utf-8")
+    if arguments.pages:
+        keep(ledger.in_the_pages(), "make faults")
     return 1 if ledger.lost else 0
 
 

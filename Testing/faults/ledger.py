@@ -84,6 +84,19 @@ class Ledger:
         """How often something was lost."""
         return sum(entry.lost.total() for entry in self.entries)
 
+    def in_the_pages(self) -> dict[str, str]:
+        """What docs/reliability.md shows, by the name of the file in docs/measured: a line for each fault."""
+        lines = ["| Fault | times | what came out | lost |", "|---|---|---|---|"]
+        for fault in dict.fromkeys(entry.fault for entry in self.entries):
+            these = [entry for entry in self.entries if entry.fault == fault]
+            outcomes: Counter[str] = sum((entry.outcomes for entry in these), Counter())
+            lost = sum(entry.lost.total() for entry in these)
+            shown = outcomes.most_common(4)
+            others = outcomes.total() - sum(count for _, count in shown)
+            told = "; ".join([*(f"{count} {what}" for what, count in shown), *([f"{others} others"] if others else [])])
+            lines.append(f"| {fault} | {sum(entry.times for entry in these)} | {told} | {lost or 'nothing'} |")
+        return {"faults": "\n".join(lines)}
+
     def markdown(self) -> str:
         """All of it as a table."""
         head = ["Fault", "How it was made", "Where", "Times", "What came out", "Lost"]

@@ -1,4 +1,4 @@
-"""Pictures of docs/method.md: what each parameter does to the same cut through the same simulated patient.
+"""Pictures of docs/parameters.md: what each parameter does to the same cut through the same simulated patient.
 
 Run from anywhere: ``make figures``, or ``python Testing/figures/parameters.py``; the pictures go to docs/images. Takes a few minutes.
 """

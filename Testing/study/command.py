@@ -7,6 +7,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from measured import keep
+
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
@@ -20,6 +22,7 @@ def study_parser(name: str, page: str | None) -> argparse.ArgumentParser:
     parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
     parser.add_argument("--patients", type=int, default=10, metavar="N", help="how many (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="patients at a time (default: %(default)s)")
+    parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     return parser
 
 
@@ -28,6 +31,8 @@ def parsed(parser: argparse.ArgumentParser, words: list[str]) -> argparse.Namesp
     arguments = parser.parse_args(words)
     if arguments.patients < 1 or arguments.jobs < 1:
         parser.error("a study takes at least 1 patient and 1 job")
+    if arguments.pages and arguments.patients < parser.get_default("patients"):
+        parser.error("the pages are of whole studies: leave out --patients or --pages")
     return arguments
 
 
@@ -79,11 +84,14 @@ def reported(work_through: Callable[[], list[str]]) -> int:
     return 0
 
 
-def page_writer(page: Path, text: Callable[[list[Row]], str]) -> Callable[[list[Row]], list[Path]]:
-    """For `carry_out`: writes one page of text."""
+def page_writer(
+    arguments: argparse.Namespace, name: str, text: Callable[[list[Row]], str], shown: Callable[[list[Row]], list[Row]] = list
+) -> Callable[[list[Row]], list[Path]]:
+    """For `carry_out`: writes one page of text, ``name.md``; where `--pages` is given also that of docs/measured, of the rows `shown`."""
 
     def write(rows: list[Row]) -> list[Path]:
+        page = arguments.output / f"{name}.md"
         write_text(page, text(rows))
-        return [page]
+        return [page, *(keep({name: text(shown(rows))}, "make study") if arguments.pages else ())]
 
     return write

@@ -33,7 +33,7 @@ NEAR = 7
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page; the answer is the exit status."""
     arguments = parsed(study_parser("guidance", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments.output / "guidance.md", page_of), "scans")
+    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "guidance", page_of), "scans")
 
 
 def page_of(rows: list[Row]) -> str:

@@ -144,3 +144,57 @@ def _cell(spread: Spread, scale: float) -> str:
     form = ".0f" if scale == 100 else ".2f"
     low, median, high = (format(scale * value, form) for value in (spread.low, spread.median, spread.high))
     return f"{median} [{low}, {high}]"
+
+
+SHORT = ("CNR", "CNR oblique", "coverage %", "coverage oblique %", "interspinous %", "thickness mm", "off mm", "speckle SNR")
+"""Columns of the tables in docs/study.md, which have medians alone."""
+
+OF_WRONG = SHORT[:5]
+
+
+def in_the_pages(rows: list[Row]) -> dict[str, str]:
+    """What docs/study.md and the README show, by the names of the files in docs/measured."""
+    multi = {"scan": "multi-angle", "condition": "exact"}
+    lines = [(method, {**multi, "method": method, "direction": ""}) for method in WITHOUT_BONE]
+    lines += [(method, {**multi, "method": method, "direction": "gradient"}) for method in COMPARED_METHODS[1:]]
+    lines += [(_called(method), {**multi, "method": method}) for method in REFERENCES.values()]
+    single = {"scan": "single-angle", "condition": "exact"}
+    lines += [(f"one angle only: {m}", {**single, "method": m, "direction": d}) for m, d in ((PLAIN, ""), (OURS, "gradient"))]
+    ours = {"scan": "multi-angle", "method": OURS}
+    wrong = [("right CT", {**ours, "condition": "exact", "direction": "gradient"})]
+    wrong += [(name, {**ours, "condition": name, "direction": "gradient"}) for name in MISREGISTRATIONS]
+    wrong += [(name, {**ours, "condition": name}) for name in (*WRONG, "tracker noise", GRAY_SHADOWS)]
+    wrong.append(("average, which asks no CT", {**multi, "method": PLAIN}))
+    process = [
+        (name, [{"condition": name, "method": method} for method in (PLAIN, "aif-compensated", OURS)])
+        for name in PROCESS
+        if name != "no process, right CT"
+    ]
+    return {
+        "study-proof": _proof(rows, multi),
+        "study-methods": _medians(rows, lines, SHORT),
+        "study-wrong-ct": _medians(rows, wrong, OF_WRONG),
+        "study-process": "\n".join(
+            [
+                *table_head([PLAIN, "aif-compensated", OURS]),
+                *(table_line(name, (_median(rows, "bone_coverage", 100, each) for each in methods)) for name, methods in process),
+            ]
+        ),
+    }
+
+
+def _proof(rows: list[Row], multi: dict[str, str]) -> str:
+    shown = [_median(rows, "bone_coverage", 100, {**multi, "method": m, "direction": d}) for m, d in ((OURS, "gradient"), (PLAIN, ""))]
+    patients = len({row.seed for row in rows})
+    return f"On {patients} simulated patients `{OURS}` shows {shown[0]}% of the bone that beams reach, the plain average {shown[1]}%."
+
+
+def _medians(rows: list[Row], lines: Iterable[tuple[str, dict[str, str]]], wanted: tuple[str, ...]) -> str:
+    columns = [column for column in COLUMNS if column[0] in wanted]
+    text = table_head(label for label, _, _ in columns)
+    text += [table_line(name, (_median(rows, metric, scale, each) for _, metric, scale in columns)) for name, each in lines]
+    return "\n".join(text)
+
+
+def _median(rows: list[Row], metric: str, scale: float, wanted: dict[str, str]) -> str:
+    return _cell(spread_of(rows, metric, **wanted), scale).partition(" ")[0]

@@ -10,6 +10,8 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+from measured import keep
+
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.recipe_options import load_method_here
@@ -17,7 +19,7 @@ from AIFReconLib.terminal.recipe_options import load_method_here
 from .command import carry_out, parsed, study_parser
 from .method_cases import Row, patient_rows
 from .method_figure import study_figure
-from .method_page import study_page
+from .method_page import in_the_pages, study_page
 
 
 def main(words: list[str]) -> int:
@@ -41,6 +43,6 @@ def main(words: list[str]) -> int:
         page, figure = arguments.output / "study.md", arguments.output / "study.png"
         write_text(page, study_page(rows))
         study_figure(figure, rows)
-        return [page, figure]
+        return [page, figure, *(keep(in_the_pages(rows), "make study") if arguments.pages else ())]
 
     return carry_out(arguments, partial(patient_rows, own=tuple(arguments.method)), Row, write, "reconstructions", prepare)

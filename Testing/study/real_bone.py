@@ -10,6 +10,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from measured import keep
+
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
@@ -18,7 +20,7 @@ from .command import reported
 from .real_bone_angles import angle_rows, angle_tables, shadow_rows, traced_echoes
 from .real_bone_cases import RealBone, real_bone_rows
 from .real_bone_figures import angle_figure, real_bone_figures
-from .real_bone_page import real_bone_page
+from .real_bone_page import in_the_pages, real_bone_page
 
 
 def main(words: list[str]) -> int:
@@ -26,6 +28,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="python Testing/study real_bone", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--output", type=Path, required=True, metavar="DIR", help="folder to keep the results in; made if it is not there")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="reconstructions at a time (default: %(default)s)")
+    parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     arguments = parser.parse_args(words)
     if arguments.jobs < 1:
         parser.error("a study takes at least 1 job")
@@ -41,6 +44,7 @@ def main(words: list[str]) -> int:
             angles, shadows = angle_rows(echoes), shadow_rows(echoes)
             write_text(page, real_bone_page(rows, angle_tables(angles, shadows)))
             written = [page, *real_bone_figures(output, bone, rows), angle_figure(output, angles, shadows)]
+            written += keep(in_the_pages(rows), "make real-bone") if arguments.pages else []
         return [f"{len(rows)} reconstructions of a real bone", *map(str, written)]
 
     return reported(work_through)

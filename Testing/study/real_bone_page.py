@@ -34,6 +34,7 @@ COLUMNS = (
 MISPLACED = ("CNR", "CNR oblique", "coverage %", "coverage oblique %", "off mm", f"on bone above {BRIGHT}")
 IN_PLACE = "CT in place"
 METHODS = (AVERAGE.name, *BONE_METHODS)
+OURS = "weighted"
 SHOWN = (120, 150, BRIGHT, 210)
 
 
@@ -108,18 +109,65 @@ def _misplaced(rows: list[Row]) -> str:
     """Means over the directions; of false bone beyond average's the mean and the worst."""
     columns = [each for each in COLUMNS if each[0] in MISPLACED]
     text = table_head([*(label for label, _, _ in columns), "false bone", "beyond average's", "at worst"])
-    for error in (*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)):
+    for error in _errors():
         of_error = [row for row in rows if row.condition.startswith(f"CT {error}")]
-        average = {row.condition: row.metrics["false_bone"] for row in of_error if row.method == AVERAGE.name}
         for method in METHODS:
             some = [row for row in of_error if row.method == method]
-            beyond = np.array([row.metrics["false_bone"] - average[row.condition] for row in some])
+            most = _beyond(rows, some)
             cells = [_cell(float(np.mean([row.metrics[metric] for row in some])), form) for _, metric, form in columns]
-            false = float(np.nanmean([row.metrics["false_bone"] for row in some])) if np.isfinite(beyond).any() else float("nan")
-            most = (float(np.nanmean(beyond)), float(np.nanmax(beyond))) if np.isfinite(beyond).any() else (float("nan"),) * 2
+            false = float(np.nanmean([row.metrics["false_bone"] for row in some])) if most[0] == most[0] else float("nan")
             text.append(table_line(f"{error}, {method}", [*cells, *(_cell(each, ".1%") for each in (false, *most))]))
     return "\n".join([*text, "", f"False bone: bright where the misplaced CT expects bone {ELSEWHERE:g} mm or more from where it is."])
 
 
 def _cell(number: float, form: str) -> str:
     return "-" if number != number else format(number, form)
+
+
+SHORT = tuple(each for each in COLUMNS if each[0] not in ("speckle SNR", "outside"))
+OF_WRONG = ("CNR", "coverage %", "coverage oblique %", f"on bone above {BRIGHT}")
+
+
+def in_the_pages(rows: list[Row]) -> dict[str, str]:
+    """What docs/real-bone.md and the README show, by the names of the files in docs/measured."""
+    exact = [row for row in rows if _exact(row)]
+    bins = [f"{low} to {high} degrees" for low, high in pairwise(INCIDENCES)]
+    angles = [table_line("cm², reached", (_cell(exact[0].metrics[f"bone_area_{low}"] / 100, ".1f") for low in INCIDENCES[:-1]))]
+    for row in exact:
+        if row.method in (AVERAGE.name, "aif-compensated", OURS):
+            cells = (_cell(row.metrics[f"bone_coverage_{low}"], ".0%") for low in INCIDENCES[:-1])
+            angles.append(table_line(f"coverage, {row.method}", cells))
+    shown = {row.method: _cell(row.metrics["bone_coverage"], ".0%") for row in exact}
+    return {
+        "real-bone-proof": f"On one real bone, a cadaver's fibula, it is {shown[OURS]} and {shown[AVERAGE.name]}.",
+        "real-bone-methods": _table(SHORT, [(row.method, row) for row in exact]),
+        "real-bone-angles": "\n".join([*table_head(bins), *angles]),
+        "real-bone-wrong-ct": _wrong_ct(rows, exact),
+    }
+
+
+def _wrong_ct(rows: list[Row], exact: list[Row]) -> str:
+    """`weighted` with the CT in wrong places, means over the directions; false bone beyond average's on the mean and at worst."""
+    columns = [each for each in COLUMNS if each[0] in OF_WRONG]
+    text = table_head([*(label for label, _, _ in columns), "false bone beyond average's", "at worst"])
+    for row in exact:
+        if row.method in (AVERAGE.name, OURS):
+            name = "right CT" if row.method == OURS else "average, which asks no CT"
+            text.append(table_line(name, [*(_cell(row.metrics[metric], form) for _, metric, form in columns), "", ""]))
+    for error in _errors():
+        some = [row for row in rows if row.condition.startswith(f"CT {error}") and row.method == OURS]
+        cells = [_cell(float(np.mean([row.metrics[metric] for row in some])), form) for _, metric, form in columns]
+        text.append(table_line(error, [*cells, *(_cell(each, ".1%") for each in _beyond(rows, some))]))
+    return "\n".join(text)
+
+
+def _errors() -> list[str]:
+    """The wrong places, as conditions name them."""
+    return [*(f"{mm:g} mm" for mm in SHIFTS), *(f"{degrees:g} degrees" for degrees in TURNS)]
+
+
+def _beyond(rows: list[Row], some: list[Row]) -> tuple[float, float]:
+    """False bone of these rows beyond that of average in their conditions: mean and most; NaN where there can be none."""
+    average = {row.condition: row.metrics["false_bone"] for row in rows if row.method == AVERAGE.name and row.condition != IN_PLACE}
+    beyond = np.array([row.metrics["false_bone"] - average[row.condition] for row in some])
+    return (float(np.nanmean(beyond)), float(np.nanmax(beyond))) if np.isfinite(beyond).any() else (float("nan"),) * 2

@@ -7,6 +7,8 @@ are the example record of UltraBones100k, published under CC BY 4.0; they are no
 ``AIFRECON_DATA_DIR`` names no folder with ``fibula/``, this page was built without them and shows no pictures.
 """
 
+# sphinx_gallery_thumbnail_path = 'docs/images/real-bone-cuts.png'
+
 # %%
 # The recording
 # -------------

@@ -68,11 +68,29 @@ def room_page(library: Path, room: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def first_line(path: Path, name: str) -> str:
+    """The first sentence of what a file says of a name of its own: a class, a function, or a value with its words behind it."""
+    body = ast.parse(path.read_text("utf-8")).body
+    for node, after in pairwise([*body, ast.Pass()]):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == name:
+            said = ast.get_docstring(node) or ""
+        elif isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == name and isinstance(after, ast.Expr):
+            said = str(getattr(after.value, "value", ""))
+        else:
+            continue
+        line = " ".join(said.split("\n\n")[0].split())
+        if line:
+            return line
+    raise LookupError(f"{path} says nothing of {name}")
+
+
 def index_page(library: Path) -> str:
     """The names that programs import, and the rooms."""
     rows = []
     for name, module in public_names(library).items():
-        rows.append(f"   * - :py:obj:`{name} <AIFReconLib.{module}.{name}>`\n     - :doc:`{module.split('.')[0]}`")
+        room, path = module.split(".")[0], library / Path(*module.split("."))
+        line = first_line(path.with_suffix(".py") if path.with_suffix(".py").is_file() else path / "__init__.py", name)
+        rows.append(f"   * - :py:obj:`{name} <AIFReconLib.{module}.{name}>`\n     - {line}\n     - :doc:`{room}`")
     rooms = []
     for room in ROOMS:
         home = library / room / "__init__.py"
@@ -82,7 +100,7 @@ def index_page(library: Path) -> str:
             "API reference\n=============\n",
             "What most programs need is imported from ``AIFReconLib`` itself::\n",
             "    from AIFReconLib import BoneMap, ReconstructionSettings, read_labels, read_sequence, reconstruct\n",
-            ".. list-table::\n   :header-rows: 1\n\n   * - Name\n     - Room",
+            ".. list-table::\n   :header-rows: 1\n\n   * - Name\n     - What it is\n     - Room",
             *rows,
             "\nEvery public name lies in one of these rooms. Matrices are ``a_to_b`` on column vectors in mm, arrays are [k, j, i];",
             "what is not in the table above may change between versions.\n",

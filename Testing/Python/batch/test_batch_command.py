@@ -117,3 +117,19 @@ def test_names_and_reasons_cannot_write_into_the_page():
     assert "<b>" not in text.replace("<b>1</b>", "").replace("<b>0</b>", "").replace("<b>&lt;i&gt;</b>", "")
     assert "<i>" not in text
     assert "<script>x" not in text
+
+
+def rows_of_cases(count):
+    numbers = {"bone_cnr": 5.0, "oblique_cnr": 4.0, "sweep_met": 0.4}
+    return [{"case": f"P{n}", "method": "average", "state": "done", "message": "", **numbers} for n in range(count)]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_distribution_is_drawn_of_cases_enough_to_see_one(count):
+    assert ("<svg" in page("cases", rows_of_cases(count))) == (count > 2)
+
+
+def test_every_number_of_the_page_is_said_in_a_sentence():
+    text = page("cases", rows_of_cases(1))
+    for words in ("Contrast-to-noise ratio", "of bone that beams hit at more than 45", "Share of the bone within reach that a beam hit"):
+        assert words in text

@@ -15,7 +15,7 @@ import pytest
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import OutputError
 from AIFReconLib.evaluation.figures import within_spinous_process
-from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, BoneMetrics, SurfaceMetrics, best_of, metrics_csv
+from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, BoneMetrics, SurfaceMetrics, achieved, best_of, metrics_csv
 from AIFReconLib.evaluation.report import Report, report_html, software_versions, write_report
 from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
@@ -161,6 +161,33 @@ def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monk
         write_report(path, report)
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
     assert path.read_text() == "old"
+
+
+# ---- what was achieved
+
+
+def showing(coverage, cnr):
+    part = SurfaceMetrics(1.0, 1.0, cnr, 0.5, 1.0, 0.0, 0.0, coverage)
+    return BoneMetrics(part, part, part, 1.0, 1.0, 1.0)
+
+
+def test_what_was_achieved_is_a_sentence_of_the_best_and_the_average(report):
+    metrics = {"average": showing(0.397, 1.63), "aif": showing(0.35, 1.5), "weighted": showing(0.766, 5.81)}
+    said = achieved(metrics, 270)
+    assert said == (
+        "weighted shows 77% of the bone that the probe could see, average 40%. Bone is 5.8 standard deviations brighter than the tissue "
+        "before it, with average 1.6."
+    )
+    assert said in Page(report_html(replace(report, metrics=metrics))).text
+
+
+def test_what_one_volume_achieved_is_compared_with_nothing():
+    said = achieved({"mine.nrrd": showing(0.5, 2.0), "unknown.nrrd": showing(float("nan"), 1.0)}, None)
+    expected = (
+        "mine.nrrd shows 50% of the bone where the volume was measured. It is 2.0 standard deviations brighter than the tissue before it."
+    )
+    assert said == expected
+    assert achieved({"a": showing(float("nan"), 1.0)}, None) == "How much bone is shown cannot be told."
 
 
 # ---- which is best

@@ -17,6 +17,12 @@ import pytest
 from doc_pages import PAGES, REPOSITORY, ROOTS, SOURCES, Block, anchors, blocks, code_spans, emphasized, first_column, links, name_of, paths
 from doc_workplace import make_workplace, serve
 
+sys.path.insert(0, str(REPOSITORY / "Testing"))
+
+from measured import FOLDER as MEASURED
+from measured import pages as pages_of_measured
+from measured import renewed
+
 from AIFReconLib.commands.parser import build_parser, main
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
@@ -34,7 +40,6 @@ LONG_RUNNING = {
 BLOCKS = [block for page in PAGES for block in blocks(page)]
 SHELL = [block for block in BLOCKS if block.commands()]
 PYTHON = [block for block in BLOCKS if block.language == "python"]
-README = REPOSITORY / "README.md"
 GUIDES = [REPOSITORY / "docs" / f"{name}.md" for name in ("slicer", "slicer-data", "slicer-live")]
 OF_SLICER = {"Edit", "Application Settings", "Modules", "Additional module paths", "Extensions Manager", "Install from file"}
 """Menus and labels that the guide names and that are Slicer's own."""
@@ -188,7 +193,7 @@ def test_everything_that_pages_docstrings_and_the_gallery_name_exists():
 
 
 def test_the_table_of_parameters_states_option_default_and_range_of_their_fields():
-    page = (REPOSITORY / "docs" / "method.md").read_text("utf-8")
+    page = (REPOSITORY / "docs" / "parameters.md").read_text("utf-8")
     rows = re.findall(r"^\| `(--[a-z-]+)` \| `([a-z_]+)` \| (.+?) \| (.+?) \|$", page, re.MULTILINE)
     rules = {spec.name: spec.metadata for spec in fields(ReconstructionSettings)}
     number = r"[0-9.]+(?:e-?[0-9]+)?"
@@ -222,9 +227,16 @@ def test_every_room_has_a_page_in_the_api_reference():
     assert (sorted(listed), len(listed)) == (sorted(there), len(set(listed)))
 
 
-@pytest.mark.parametrize(("page", "head"), [(README, "Method"), (REPOSITORY / "docs" / "method.md", "")], ids=["README", "method"])
-def test_the_table_of_methods_is_complete(page, head):
-    assert sorted(first_column(page, head)) == sorted(METHODS)
+@pytest.mark.parametrize("head", ["Method", ""], ids=["in words", "as formulas"])
+def test_the_tables_of_methods_are_complete(head):
+    assert sorted(first_column(REPOSITORY / "docs" / "method.md", head)) == sorted(METHODS)
+
+
+def test_what_was_measured_stands_in_the_pages_as_the_machine_wrote_it():
+    stands = [page for page in pages_of_measured() if renewed(text := page.read_text("utf-8")) != text]
+    assert stands == [], "run: python Testing/measured.py"
+    shown = {name for page in pages_of_measured() for name in re.findall(r"<!-- measured: ([\w-]+) -->", page.read_text("utf-8"))}
+    assert shown == {path.stem for path in MEASURED.glob("*.md")}
 
 
 def test_the_table_of_commands_is_complete():

@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from dataclasses import asdict
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +19,12 @@ from AIFReconLib.simulation.scan import multi_angle_sweep
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
+import measured
 from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
 from study.method_cases import Row, patient_rows, without_middle_process
-from study.method_page import COLUMNS
+from study.method_page import COLUMNS, in_the_pages
 from study.patients import read_rows, run_study
 
 TESTING = Path(__file__).resolve().parents[2]
@@ -100,3 +102,31 @@ def test_the_rows_of_every_patient_are_made_in_processes_of_their_own(tmp_path):
 def test_every_study_starts_from_its_folder(name):
     done = subprocess.run([sys.executable, TESTING / "study", name, "--help"], capture_output=True, text=True, check=False)
     assert (done.returncode, "--output DIR" in done.stdout) == (0, True), done.stderr
+
+
+def test_what_the_pages_show_is_computed_from_the_rows():
+    rows = [
+        row(0, value=0.4),
+        row(1, value=0.2),
+        row(0, "weighted", 0.8, direction="gradient"),
+        row(1, "weighted", 0.6, direction="gradient"),
+    ]
+    rows += [
+        row(0, "weighted", 0.5, condition="CT 2 mm off", direction="gradient"),
+        row(0, "weighted", 0.1, "single-angle", "exact", "gradient"),
+    ]
+    shown = in_the_pages(rows)
+    assert shown["study-proof"] == "On 2 simulated patients `weighted` shows 70% of the bone that beams reach, the plain average 30%."
+    assert "| weighted | 0.70 | 0.70 | 70 | 70 | 70 | 0.70 | 0.70 | 0.70 |" in shown["study-methods"].splitlines()
+    assert "| one angle only: weighted | 0.10 |" in shown["study-methods"]
+    assert "| CT 2 mm off | 0.50 | 0.50 | 50 | 50 | 50 |" in shown["study-wrong-ct"].splitlines()
+
+
+def test_what_was_measured_stands_in_the_pages_that_mark_a_place(tmp_path, monkeypatch):
+    page = tmp_path / "page.md"
+    page.write_text("a\n<!-- measured: speed -->\nold\n<!-- end -->\nb\n", "utf-8")
+    monkeypatch.setattr(measured, "FOLDER", tmp_path)
+    monkeypatch.setattr(measured, "pages", lambda: [page])
+    assert measured.keep({"speed": "| 1 |\n|---|"}, "make bench", "here") == [tmp_path / "speed.md", page]
+    made = f"*`make bench`, {date.today().isoformat()}, here.*"
+    assert page.read_text("utf-8") == f"a\n<!-- measured: speed -->\n| 1 |\n|---|\n\n{made}\n<!-- end -->\nb\n"
