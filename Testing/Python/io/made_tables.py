@@ -279,7 +279,8 @@ def bare(r: Recording, kind: int | None = None) -> Made:
         rows = [",".join([f"{t:.6f}", *numbers(pose[:3, 3]), *quaternion(pose, "xyzw")]) for t, pose in zip(r.times, poses)]
         return Made(poses, r.times - r.times[0], "\n".join(["time,x,y,z,qx,qy,qz,qw", *rows]))
     if kind == 0:
-        text = "\n".join(" ".join(numbers(pose[: 3 + r.random.integers(2)])) for pose in poses)
+        rows_written = 3 + int(r.random.integers(2))
+        text = "\n".join(" ".join(numbers(pose[:rows_written])) for pose in poses)
     elif kind == 1:
         text = "\n".join(",".join(numbers(pose.T)) for pose in poses)
         return Made(poses, None, text, answers=answers(COLUMN_MAJOR={"column_major": True}))
