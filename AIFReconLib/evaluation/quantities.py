@@ -274,7 +274,8 @@ def what_counted(result: BoneMetrics, frames: int | None) -> str:
 
 IN_WORDS = (
     "CNR, contrast-to-noise ratio: by how many standard deviations bone is brighter than the tissue before it",
-    "coverage: share of that bone that stands out; oblique: met beyond 45 degrees at best",
+    "oblique: bone that beams hit at more than 45 degrees at best",
+    "coverage: share of the bone in reach that stands out from the tissue before it",
 )
 """What the lines of a terminal's table mean."""
 

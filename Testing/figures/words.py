@@ -3,7 +3,8 @@
     python Testing/figures/words.py            all pages
     python Testing/figures/words.py README.md docs/method.md
 
-Words are those of running text and lists; code blocks, tables, headings and pictures' captions in brackets do not count.
+Sentences are those of running text and lists, and end with a stop: a colon or a semicolon ends none. Code blocks, tables and headings have
+none, but their words count.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def sentences(markdown: str) -> list[str]:
     found: list[str] = []
     for paragraph in re.split(r"\n\s*\n|^\s*(?:[-*]|\d+\.)\s+", text, flags=re.MULTILINE):
         plain = re.sub(r"[*_]{1,2}(?=\S)|(?<=\S)[*_]{1,2}", "", " ".join(paragraph.split()))
-        found += [one for one in re.split(r"(?<=[.!?:])\)?\s+", plain) if re.search(r"[A-Za-z]{2}", one)]
+        found += [one for one in re.split(r"(?<=[.!?])\)?\s+", plain) if re.search(r"[A-Za-z]{2}", one)]
     return found
 
 
