@@ -9,10 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
+from ...remedies import Remedy
 from ..disk.regular_files import require_regular_file
 from ..metafile.opening import METAIMAGE_SUFFIXES
 from ..sequence.decoded_images import DecodedImages
+from ..sequence.files import recording_kind
 from ..sequence.metafiles import METAFILES
+from ..sequence.others.unread import refuse_unread
 from .dicom import open_dicom
 from .images import ImportedImages, describe_stack
 from .numpy_arrays import open_numpy
@@ -38,10 +41,12 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     FileFormatError
         Names the file, and what was expected.
     """
+    _refuse_recordings([Path(path) for path in paths])
     files = _listed([Path(path) for path in paths])
     suffixes = {path.suffix.lower() for path in files}
     kind = next((k for k in _KINDS if suffixes <= set(k[0])), None)
     if kind is None:
+        refuse_unread(files[0])
         known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
         raise FileFormatError(
             f"{files[0]}: images must all be pictures, DICOM or MetaImage files, one video or one .npy array ({known}); got "
@@ -72,6 +77,13 @@ def _listed(paths: list[Path]) -> list[Path]:
     if not files:
         raise FileFormatError("Input images must be at least one file. Name pictures, a folder, a video or a .npy file.")
     return files
+
+
+def _refuse_recordings(paths: list[Path]) -> None:
+    for path in paths:
+        kind = recording_kind(path)
+        if kind not in (None, METAFILES):
+            raise FileFormatError(f"{path}: this is {kind.name}, which holds images and their poses.", Remedy.OPEN_IT)
 
 
 def _open_metaimages(files: list[Path]) -> ImportedImages:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -47,6 +48,8 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
     White may be zero, which is turned round at any depth; an orientation is followed. The largest of 2 and 4 bits becomes 255.
     """
     tifffile = library("tifffile", "TIFF files")
+    # What is wrong is said by an error; it would also be printed
+    logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
     def page_at(file: IO[bytes], place: int) -> tuple[TiffFile, TiffPage]:
         file.seek(0)
@@ -56,6 +59,8 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
         samples = max(int(page.samplesperpixel), 1)
         check_pixels(path, page.imagewidth, page.imagelength * max(page.imagedepth, 1), -(-page.bitspersample * samples // 8))
         check_pixels(path, page.tilewidth or 0, (page.tilelength or 0) * max(page.tiledepth, 1), -(-page.bitspersample * samples // 8))
+        if not page.dataoffsets or not all(page.dataoffsets) or not all(page.databytecounts):
+            raise FileFormatError(f"{path}: parts of the page at byte {place} are missing. Export it again.")
         return tiff, page
 
     def read(number: int) -> Numbers:
@@ -66,18 +71,17 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
     with _readable(path), open(path, "rb") as file:
         places = _pages(file, path)
         tiff, page = page_at(file, places[0])
-        said = tiff.imagej_metadata or {}
         if page.compression in _JPEG:
             check_scans(pieces_of(file), path, page.imagewidth * page.imagelength // max(len(page.dataoffsets), 1), len(places))
-    count = _frames_of_imagej(path, said)
-    done = {
-        "turned as they say": page.tags.valueof(ORIENTATION, default=1) != 1,
-        "white was zero": page.photometric == tifffile.PHOTOMETRIC.MINISWHITE,
-    }
-    notes = tuple(note for note, holds in done.items() if holds)
-    if len(places) > 1 or count <= 1:
-        return len(places), read, notes
-    return count, _stack_of_imagej(tifffile, path, page, count), notes
+        done = {
+            "turned as they say": page.tags.valueof(ORIENTATION, default=1) != 1,
+            "white was zero": page.photometric == tifffile.PHOTOMETRIC.MINISWHITE,
+        }
+        notes = tuple(note for note, holds in done.items() if holds)
+        count = _frames_of_imagej(path, tiff.imagej_metadata or {})
+        if len(places) > 1 or count <= 1:
+            return len(places), read, notes
+        return count, _stack_of_imagej(tifffile, path, page, count), notes
 
 
 def _frames_of_imagej(path: Path, said: dict[str, object]) -> int:
@@ -101,8 +105,13 @@ def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: in
     held = (path.stat().st_size - start) // frame_bytes
     if held < count:
         raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames, but it ends after {held}. Copy or save it again.")
-    read = frames_in_place(path, shape, dtype, start)
-    return lambda number: _as_shown(tifffile, path, page, read(number))
+    stored = frames_in_place(path, shape, dtype, start)
+
+    def read(number: int) -> Numbers:
+        with _readable(path):
+            return _as_shown(tifffile, path, page, stored(number))
+
+    return read
 
 
 def _pages(file: IO[bytes], path: Path) -> list[int]:

@@ -108,6 +108,7 @@ def test_a_stack_of_imagej_beyond_4_gb_is_read_where_its_frames_lie(tmp_path):
     [
         ({"images": 12}, "holds 12 frames, but it ends after 11"),
         ({"images": 10**9}, "holds 1000000000 frames; they must be at most"),
+        ({"images": "."}, "it cannot be read as a picture"),
         ({"images": 11, "channels": 2, "frames": 5}, "its frames have 2 channels each"),
     ],
 )
