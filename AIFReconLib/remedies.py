@@ -62,6 +62,13 @@ class Remedy(Enum):
     EULER_ORDER = auto()
     COLUMN_MAJOR = auto()
     UNITS = auto()
+    ANGLE_UNIT = auto()
+    TIME_UNIT = auto()
+    WHICH_TOOL = auto()
+    NO_TOOL = auto()
+    GOOD_STATUS = auto()
+    ROWS_OR_COLUMNS = auto()
+    SURE = auto()
 
 
 IN_PYTHON = {
@@ -114,9 +121,17 @@ IN_PYTHON = {
     Remedy.NO_IMAGE_COLUMN: "Leave out that column (columns, with -).",
     Remedy.QUATERNION_ORDER: "Give quaternion_order, xyzw or wxyz.",
     Remedy.EULER_ORDER: (
-        "Give euler_order with the axes in the order in which the turns are applied: xyz about fixed axes, ZYX about axes that turn along."
+        "Give euler_order with the axes in the order in which the turns are applied: xyz about fixed axes, ZYX about axes that turn along; "
+        "or vector, for a rotation vector (axis times angle), as robots of UR and Vicon write."
     ),
     Remedy.COLUMN_MAJOR: "Where matrices are written column by column, give column_major=True.",
     Remedy.UNITS: "If they are in {unit}, give units{choice}.",
+    Remedy.ANGLE_UNIT: "Give angle_unit, deg or rad.",
+    Remedy.TIME_UNIT: 'Give time_unit, as in time_unit="{unit}".',
+    Remedy.WHICH_TOOL: 'Give the one that holds the image, as in tool="{tool}".',
+    Remedy.NO_TOOL: "Leave out tool.",
+    Remedy.GOOD_STATUS: 'Give the words that mean a valid pose, as in good_statuses=("{word}",).',
+    Remedy.ROWS_OR_COLUMNS: "Give column_major, True or False.",
+    Remedy.SURE: "If it is right as it is, give sure=True.",
 }
 """What to do for who calls the library from Python."""

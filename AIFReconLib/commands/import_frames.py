@@ -15,8 +15,9 @@ from ..io.disk.atomic import check_writable, write_text
 from ..io.foreign.calibration import read_calibration
 from ..io.foreign.importing import IMAGE_FRAME, ImportSettings, import_sequence
 from ..io.foreign.openers import open_images
-from ..io.foreign.pose_files import read_poses
-from ..io.foreign.pose_rows import ANGLE_UNITS, LENGTH_UNITS, QUATERNION_ORDERS, PoseFormat
+from ..io.foreign.poses.files import read_poses
+from ..io.foreign.poses.headings import ANGLES, LENGTHS, TIMES
+from ..io.foreign.poses.rotations import QUATERNION_ORDERS, PoseFormat
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
@@ -54,11 +55,19 @@ def add_to(commands: Commands) -> None:
     meaning.add_argument(
         "--columns", metavar="WORDS", help='names of the columns, e.g. "time x y z qw qx qy qz"; - for one that is not used'
     )
+    meaning.add_argument("--tool", metavar="NAME", help="the one whose poses are taken, where the file holds several: its name or place")
     meaning.add_argument("--quaternion-order", choices=QUATERNION_ORDERS, help="of a quaternion whose numbers have no names")
-    meaning.add_argument("--euler-order", metavar="AXES", help="order of the turns: xyz about fixed axes, ZYX about axes that turn along")
-    meaning.add_argument("--angle-unit", choices=ANGLE_UNITS, default="deg", help="of Euler angles (default: %(default)s)")
-    meaning.add_argument("--units", choices=tuple(LENGTH_UNITS), default="mm", help="of lengths in the poses (default: %(default)s)")
-    meaning.add_argument("--column-major", action="store_true", help="matrices are written column by column")
+    meaning.add_argument(
+        "--euler-order",
+        metavar="AXES",
+        help="order of the turns: xyz about fixed axes, ZYX about axes that turn along; vector: a rotation vector",
+    )
+    meaning.add_argument("--angle-unit", choices=ANGLES, help="of angles (default: as the file says)")
+    meaning.add_argument("--units", choices=tuple(LENGTHS), help="of lengths in the poses (default: as the file says, else mm)")
+    meaning.add_argument("--time-unit", choices=tuple(TIMES), help="of times in the poses (default: as the file says, or by their size)")
+    meaning.add_argument("--status-ok", nargs="+", metavar="WORD", default=[], help="words of the tracker that mean a valid pose")
+    meaning.add_argument("--column-major", action=argparse.BooleanOptionalAction, help="matrices are written column by column")
+    meaning.add_argument("--sure", action="store_true", help="take poses as they are where no hand moves so")
     image = parser.add_argument_group("image")
     image.add_argument("--spacing", type=float, nargs=2, metavar=("X", "Y"), help="size of a pixel in mm, where poses take millimeters")
     image.add_argument(
@@ -66,7 +75,7 @@ def add_to(commands: Commands) -> None:
     )
     image.add_argument("--calibration", metavar="[NAME=]FILE", help="ImageToProbe: Plus configuration, Slicer transform or 16 numbers")
     image.add_argument("--orientation", default="MF", metavar="CODE", help="how the pixels run: MF, MN, UF or UN (default: %(default)s)")
-    image.add_argument("--rate", type=float, metavar="HZ", help="frames per second, where no file has times")
+    image.add_argument("--rate", type=float, metavar="HZ", help="frames per second of the images, where no file has their times")
     output = parser.add_argument_group("output")
     output.add_argument("--drawing", type=Path, metavar="FILE.svg", help="where to draw the sweep (default: beside the output)")
     output.add_argument("--compress", action=argparse.BooleanOptionalAction, default=True, help="compress the images (default: yes)")
@@ -91,10 +100,13 @@ def settings_from(arguments: argparse.Namespace) -> tuple[ImportSettings, Path |
     """What the options say, and the file of the calibration."""
     form = PoseFormat(
         columns=tuple(arguments.columns.replace(",", " ").split()) if arguments.columns else None,
+        tool=arguments.tool,
         quaternion_order=arguments.quaternion_order,
         euler_order=arguments.euler_order,
         angle_unit=arguments.angle_unit,
         length_unit=arguments.units,
+        time_unit=arguments.time_unit,
+        good_statuses=tuple(arguments.status_ok),
         column_major=arguments.column_major,
     )
     transform = TransformName.parse(arguments.transform)
@@ -111,6 +123,7 @@ def settings_from(arguments: argparse.Namespace) -> tuple[ImportSettings, Path |
         arguments.orientation,
         arguments.rate,
         form,
+        arguments.sure,
     )
     return settings, path
 

@@ -62,10 +62,18 @@ IN_OPTIONS = {
     Remedy.QUATERNION_ORDER: "Give --quaternion-order xyzw or wxyz.",
     Remedy.EULER_ORDER: (
         "Give --euler-order with the axes in the order in which the turns are applied: "
-        "xyz about fixed axes, ZYX about the axes that turn along."
+        "xyz about fixed axes, ZYX about the axes that turn along; or vector, for a rotation vector (axis times angle), "
+        "as robots of UR and Vicon write."
     ),
     Remedy.COLUMN_MAJOR: "Where matrices are written column by column, give --column-major.",
     Remedy.UNITS: "If they are in {unit}, give --units{choice}.",
+    Remedy.ANGLE_UNIT: "Give --angle-unit deg or rad.",
+    Remedy.TIME_UNIT: "Give --time-unit, for example {unit}.",
+    Remedy.WHICH_TOOL: 'Give the one that holds the image, for example --tool "{tool}".',
+    Remedy.NO_TOOL: "Leave out --tool.",
+    Remedy.GOOD_STATUS: 'Give the words that mean a valid pose, for example --status-ok "{word}".',
+    Remedy.ROWS_OR_COLUMNS: "Give --column-major or --no-column-major.",
+    Remedy.SURE: "If it is right as it is, give --sure.",
 }
 """A command's options, as they are typed."""
 

@@ -10,8 +10,8 @@ import numpy as np
 from files import CONFIGURATION, IMAGE_TO_PROBE, tracked_sequence
 
 from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.foreign.pose_files import read_poses
-from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.foreign.poses.files import read_poses
+from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.writer import write_sequence
 

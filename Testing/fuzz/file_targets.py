@@ -12,8 +12,8 @@ import numpy as np
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.calibration import read_calibration
 from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.foreign.pose_files import read_poses
-from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.foreign.poses.files import read_poses
+from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import read_importance_mask

@@ -17,8 +17,9 @@ from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pose_tracks import PoseTrack
 from ..sequence.orientation import IN_MEMORY, parse_orientation
 from .images import FlippedImages, ImportedImages
-from .pose_files import PoseTable
-from .pose_rows import PoseFormat, in_millimeters
+from .poses.files import PoseTable
+from .poses.rotations import PoseFormat, in_millimeters
+from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME = "Image"
 
@@ -48,6 +49,8 @@ class ImportSettings:
     rate : float or None, Hz
         Frames per second, where no file has times.
     form : PoseFormat
+    sure : bool
+        Take poses as they are where no hand moves so.
     """
 
     transform: TransformName
@@ -57,6 +60,7 @@ class ImportSettings:
     orientation: str = IN_MEMORY
     rate: float | None = None
     form: PoseFormat = field(default_factory=PoseFormat)
+    sure: bool = False
 
     def __post_init__(self) -> None:
         parse_orientation(self.orientation)
@@ -87,12 +91,10 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     if not good.any():
         raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
-    matrices = in_millimeters(matrices, settings.form, takes_pixels=places_image and not rigid)
+    matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=places_image and not rigid)
+    doubts = _doubts(matrices, good, poses, settings)
     matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
-    samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)])
-    if times is None and settings.rate is not None:
-        times = np.arange(len(samples)) / settings.rate
-        pairing += f", times from {settings.rate:g} frames/s"
+    samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)], settings.rate)
     records = [FrameRecord(None if times is None else float(times[n]), transforms={name: sample}) for n, sample in enumerate(samples)]
     orientation = parse_orientation(settings.orientation)
     stack = images.stack if orientation[:2] == IN_MEMORY[:2] else FlippedImages(images.stack, orientation)
@@ -103,7 +105,8 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
         f"place of the image: {how}",
         f"pairing: {pairing}",
         "times: " + ("none; frames are taken in this order" if times is None else _span(times)),
-        *_doubts(matrices, good, settings),
+        *_first_frames(samples, times),
+        *doubts,
     )
     return TrackedSequence(stack, records, transforms=header), understood
 
@@ -200,8 +203,8 @@ def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
     return TransformSample(matrix, status)
 
 
-def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample]) -> _Pairs:
-    """One sample per image, times, and how that was done."""
+def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], rate: float | None) -> _Pairs:
+    """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
     missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
     if poses.images is not None:
@@ -211,23 +214,31 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
             "one series."
         )
-    if len(samples) == count:
-        times = poses.times if poses.times is not None else images.times
-        return samples, times, "image by image, in order"
-    if poses.times is not None and images.times is not None:
+    by_rate = "" if rate is None else f", images {rate:g} times a second"
+    image_times = images.times if rate is None else np.arange(count) / rate
+    if len(samples) == count and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
+        return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
+    if poses.times is not None and image_times is not None:
         track = PoseTrack(zip(poses.times, samples))
-        found = [track.at(time)[0] for time in images.times]
+        found = [track.at(time)[0] for time in image_times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
-                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(images.times)}. Make both "
+                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(image_times)}{by_rate}. Make both "
                 "start at 0."
             )
         paired = [missing if matrix is None else TransformSample(matrix) for matrix in found]
-        return paired, images.times, f"{len(samples)} poses interpolated at the times of {count} images"
+        return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
         f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both."
     )
+
+
+def _in_step(poses: Floats, images: Floats) -> bool:
+    """Whether two clocks tell the same but for when they began: within half of the time between two images."""
+    if len(poses) < 2:
+        return True
+    return float(np.ptp(poses - images)) <= 0.5 * float(np.median(np.abs(np.diff(images)))) + 1e-9
 
 
 def _paired_by_name(
@@ -266,12 +277,59 @@ def _span(times: Floats) -> str:
     return f"{times.min():.3f} to {times.max():.3f} s"
 
 
-def _doubts(matrices: Matrix, good: Mask, settings: ImportSettings) -> list[str]:
-    """What looks like a wrong unit."""
-    extent = float(np.ptp(matrices[good][:, :3, 3], axis=0).max())
+SLOWEST_DOUBTED = 500.0
+"""mm/s in the median; no hand scans so fast."""
+
+
+def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportSettings) -> list[str]:
+    """What is unusual and can be right. Raises SettingsError for what no hand or machine does, unless the user is sure of it."""
+    moved = matrices[good]
+    extent = float(np.ptp(moved[:, :3, 3], axis=0).max())
     doubts: list[str] = []
-    if 0 < extent < 1.0 and settings.form.length_unit == "mm" and good.sum() > 5:
-        doubts.append(Sentence(f"doubt: the poses move by {extent:.3g} mm in all.", Remedy.UNITS, unit="meters", choice=" m"))
+    if len(moved) > 5 and extent == 0.0 and not np.ptp(moved, axis=0).any():
+        doubts.append(Sentence("The tool never moves: all poses are the same. Was it the fixed one of several?", Remedy.SURE))
+    if 0 < extent < 1.0 and len(moved) > 5:
+        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", Remedy.UNITS, unit="meters", choice=" m"))
     if extent > 2000.0:
-        doubts.append(Sentence(f"doubt: the poses move by {extent / 1000:.3g} m.", Remedy.UNITS, unit="another unit", choice=""))
-    return doubts
+        doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", Remedy.UNITS, unit="another unit", choice=""))
+    times = None if poses.times is None else poses.times[good]
+    if times is not None and len(np.unique(times)) > 5:
+        steps = np.diff(times)
+        typical = float(np.median(steps))
+        if not FASTEST <= typical <= SLOWEST:
+            doubts.append(Sentence(f"Poses are {typical:.3g} s apart, in the median.", Remedy.TIME_UNIT, unit="ms"))
+        elif (speed := min(_speed(moved, steps), _speed(np.asarray(np.linalg.inv(moved), np.float64), steps))) > SLOWEST_DOUBTED:
+            doubts.append(
+                Sentence(
+                    f"The tool moves at {speed / 1000:.2g} m/s, in the median: poses of several tools, or another unit of length or time?",
+                    Remedy.SURE,
+                )
+            )
+    if doubts and not settings.sure and not (poses.knows_length and "in all" in doubts[0]):
+        raise SettingsError(doubts[0])
+    return [Sentence(f"doubt: {doubt}", doubt) for doubt in doubts]
+
+
+def _speed(matrices: Matrix, steps: Floats) -> float:
+    """mm/s, in the median."""
+    moved = np.linalg.norm(np.diff(matrices[:, :3, 3], axis=0), axis=1)
+    return float(np.median(moved[steps > 0] / steps[steps > 0])) if (steps > 0).any() else 0.0
+
+
+def _first_frames(samples: list[TransformSample], times: Floats | None) -> list[str]:
+    """The first three poses in words: where, turned how, how fast from the one before."""
+    told: list[str] = []
+    before: tuple[Floats, float] | None = None
+    for number, sample in enumerate(samples):
+        if sample.status is not TransformStatus.OK or len(told) == 3:
+            continue
+        place, axes = sample.matrix[:3, 3], sample.matrix[:3, :3] / np.linalg.norm(sample.matrix[:3, :3], axis=0)
+        angle = np.degrees(np.arccos(np.clip((np.trace(axes) - 1.0) / 2.0, -1.0, 1.0)))
+        line = f"frame {number}: at {place[0]:.1f} {place[1]:.1f} {place[2]:.1f} mm, turned by {angle:.1f} degrees"
+        if times is not None:
+            line += f", at {times[number]:.3f} s"
+            if before is not None and times[number] > before[1]:
+                line += f", {np.linalg.norm(place - before[0]) / (times[number] - before[1]):.1f} mm/s since the one before"
+            before = place, float(times[number])
+        told.append(line)
+    return told

@@ -12,7 +12,7 @@ import pytest
 from files import refused
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.io.foreign.pose_files import read_poses
+from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.provenance.settings_files import read_settings

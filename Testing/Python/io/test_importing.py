@@ -263,3 +263,88 @@ def test_two_images_of_one_name_are_not_given_one_pose(tmp_path, results, capsys
     poses = save(tmp_path / "p.csv", rows, header=["image", *(f"m{i}{j}" for i in range(4) for j in range(4))])
     words = ["import", tmp_path / "a", tmp_path / "b", "--poses", poses, "--transform", "ImageToReference", "-o", results / "x.mha"]
     assert "Two of the images are called 0.png" in refused(words, capsys, results)
+
+
+def table(path, header, rows):
+    return save(path, rows, header)
+
+
+COLUMNS = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"]
+
+
+def moving(count=12, step=0.05, speed=20.0, start=0.0):
+    """Rows of a tool that moves along x, in mm and s."""
+    return [[f"{start + step * n:.6f}", 10 + speed * step * n, 20, 30, 0, 0, 0, 1] for n in range(count)]
+
+
+@pytest.fixture
+def twelve(tmp_path):
+    np.save(tmp_path / "twelve.npy", np.random.default_rng(1).integers(0, 255, (12, 24, 32), np.uint8))
+    return tmp_path / "twelve.npy"
+
+
+@pytest.mark.parametrize(
+    ("header", "rows", "message"),
+    [
+        (COLUMNS, moving(speed=3000.0), "moves at 3 m/s, in the median.*--sure"),
+        (COLUMNS, moving(speed=0.001), "move by 0.00055 mm in all. If they are in meters, give --units m"),
+        (COLUMNS, moving(speed=0.0), "never moves: all poses are the same.*--sure"),
+        (
+            COLUMNS,
+            moving(step=50.0, speed=0.02),
+            "unit of the times .column time. is not known: in seconds, poses would be 50 s apart. Give --time",
+        ),
+        (["time_s", *COLUMNS[1:]], moving(step=50.0, speed=0.02), "Poses are 50 s apart"),
+        ([*COLUMNS, "stamp"], [[*row, row[0]] for row in moving()], r"2 columns can be the time: time .column 1., stamp .column 9."),
+        ([*COLUMNS, "tx"], [[*row, row[1]] for row in moving()], r"2 columns mean x: x .column 2., tx .column 9."),
+        ([*COLUMNS, "status"], [[*row, "zzz"] for row in moving()], 'column status says of a pose is not known: zzz. .*--status-ok "zzz"'),
+        ([*COLUMNS, "status"], [[*row, 0] for row in moving()], "not known: 0"),
+        (
+            ["time", *(f"{tool}_{name}" for tool in ("probe", "ref") for name in COLUMNS[1:])],
+            [[*row, *row[1:]] for row in moving()],
+            "poses of 2 tools side by side: probe, ref. .*--tool",
+        ),
+    ],
+)
+def test_what_no_hand_does_and_what_can_be_two_things_is_asked(tmp_path, results, twelve, capsys, header, rows, message):
+    poses = table(tmp_path / "p.csv", header, rows)
+    said = refused(["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "-o", results / "s.mha"], capsys, results)
+    assert re.search(message, said)
+
+
+def test_who_is_sure_gets_what_he_asks_for_and_the_doubt(tmp_path, results, twelve, capsys):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(speed=3000.0))
+    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--sure")
+    assert "doubt: The tool moves at 3 m/s" in capsys.readouterr().out
+
+
+def test_the_first_three_frames_are_told_as_understood(tmp_path, results, twelve, capsys):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving())
+    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker")
+    said = capsys.readouterr().out
+    assert "frame 2: at 12.0 20.0 30.0 mm, turned by 0.0 degrees, at 0.100 s, 20.0 mm/s since the one before" in said
+    assert "frame 3: at" not in said
+
+
+def places(sequence):
+    return np.array([record.transforms[TransformName("Probe", "Tracker")].matrix[0, 3] for record in sequence.records])
+
+
+def test_equal_numbers_do_not_outvote_clocks_that_disagree(tmp_path, results, twelve):
+    """12 images at 20 a second, 12 poses at 10 a second: frame 2 was taken at the second pose."""
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(step=0.1))
+    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
+    np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
+    assert [record.timestamp for record in sequence.records] == pytest.approx([0.05 * n for n in range(12)])
+
+
+def test_a_rate_pairs_images_with_more_poses_by_time(tmp_path, results, twelve):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.01))
+    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
+    np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
+
+
+def test_clocks_that_began_at_other_times_are_in_step(tmp_path, results, twelve):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(start=1_700_000_000.0))
+    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
+    assert sequence.records[1].timestamp == pytest.approx(1_700_000_000.05)

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.errors import AIFReconError, FileFormatError, SettingsError
-from AIFReconLib.io.foreign.pose_files import read_poses
-from AIFReconLib.io.foreign.pose_rows import PoseFormat, in_millimeters
+from AIFReconLib.io.foreign.poses.files import read_poses
+from AIFReconLib.io.foreign.poses.rotations import PoseFormat, in_millimeters
 
 POSES = [rigid((10.0 * n - 20.0, 5.0, 30.0 + n), (1.5 * n, -20.0, 7.25)) for n in range(3)]
 
@@ -125,7 +125,7 @@ def test_poses_in_json(tmp_path, name):
 
 @pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("cm", 10.0), ("m", 1000.0)])
 def test_lengths_become_millimeters(unit, factor):
-    found = in_millimeters(np.array(POSES), PoseFormat(length_unit=unit), takes_pixels=False)
+    found = in_millimeters(np.array(POSES), unit, takes_pixels=False)
     np.testing.assert_allclose(found[:, :3, 3], factor * np.array(POSES)[:, :3, 3])
     np.testing.assert_array_equal(found[:, :3, :3], np.array(POSES)[:, :3, :3])
 
@@ -150,7 +150,7 @@ def test_lengths_become_millimeters(unit, factor):
         ),
         (table([[1, 2, 3]], ["x", "y", "z"]), None, "must be 4x4 matrices .*known columns: x, y, z"),
         (table([pose.T.ravel().tolist() for pose in POSES]), None, r"0 0 0 1 as its last row; got .*column_major"),
-        ("1 0 0 0\n0 1 0 0\n0 0 1 0\n", None, "must come in fours"),
+        ("1 0 0 0\n0 1 0 0\n", None, "must come in fours or threes"),
         (table(BY_ROW), PoseFormat(columns=("x", "y")), r"must have 2 columns; got 16"),
     ],
 )
@@ -185,7 +185,7 @@ def test_json_that_cannot_be_used_is_explained(tmp_path, text, message):
         ({"euler_order": "xyzz"}, "three axes"),
         ({"euler_order": "xXy"}, "three axes"),
         ({"euler_order": "xxy"}, "three axes"),
-        ({"length_unit": "inch"}, "mm, cm or m"),
+        ({"length_unit": "inch"}, "mm or cm or m"),
     ],
 )
 def test_a_convention_that_is_none_is_refused(options, message):

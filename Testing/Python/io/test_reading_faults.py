@@ -19,8 +19,8 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.disk import small_files
 from AIFReconLib.io.disk.small_files import read_bytes
 from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.foreign.pose_files import read_poses
-from AIFReconLib.io.foreign.pose_rows import PoseFormat
+from AIFReconLib.io.foreign.poses.files import read_poses
+from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.metafile import opening
 from AIFReconLib.io.metafile.metafile import Metafile
 from AIFReconLib.io.sequence.files import read_sequence

@@ -19,8 +19,8 @@ from fuzz.registry import TARGETS  # noqa: E402
 from fuzz.target import check  # noqa: E402
 
 from AIFReconLib.io.foreign.openers import natural_order  # noqa: E402
-from AIFReconLib.io.foreign.pose_files import read_poses  # noqa: E402
-from AIFReconLib.io.foreign.pose_rows import PoseFormat  # noqa: E402
+from AIFReconLib.io.foreign.poses.files import read_poses  # noqa: E402
+from AIFReconLib.io.foreign.poses.rotations import PoseFormat  # noqa: E402
 from AIFReconLib.io.metafile.text_values import parse_number  # noqa: E402
 from AIFReconLib.io.sequence.files import KINDS  # noqa: E402
 

@@ -1,0 +1,117 @@
+"""When each pose was taken: seconds from columns in any unit, in parts, or as the hour of the day."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....arrays import Floats
+from ....errors import SettingsError
+from ....message import listed, shorten
+from ....remedies import Remedy
+from .headings import RECEIVED, TIME, TIMES, Column
+from .sheet import is_number, number_in
+
+_PARTS = {"h": 3600.0, "min": 60.0, **TIMES}
+_SINCE_1970 = (("ns", 1e17, 1e19), ("us", 1e14, 1e16), ("ms", 1e11, 1e13), ("s", 1e8, 1e10))
+"""Times since 1970 tell their unit: those of the years 1973 to 2286."""
+
+SLOWEST, FASTEST = 2.0, 1e-4
+"""s between poses that no tracker takes, in the median."""
+
+
+@dataclass(frozen=True)
+class Times:
+    """Times in s, or None where there are none; and in words what they are of."""
+
+    seconds: Floats | None
+    told: tuple[str, ...] = ()
+
+
+def times_of(columns: dict[int, Column], rows: Sequence[tuple[int, Sequence[str]]], unit: str | None) -> Times:
+    """The times of rows.
+
+    Parameters
+    ----------
+    columns : dict of int to Column
+        Those of one tool, by their place.
+    rows : sequence of (int, cells)
+    unit : str or None
+        As the user says.
+
+    Raises
+    ------
+    SettingsError
+        When two columns can be the time, or the unit cannot be told.
+    """
+    found = {place: column for place, column in columns.items() if column.role == TIME}
+    found = found or {place: column for place, column in columns.items() if column.role == RECEIVED}
+    if not found or not rows:
+        return Times(None)
+    parts = {place: column.unit for place, column in found.items()}
+    if len(found) > 1 and (len(set(parts.values())) < len(found) or None in parts.values() or unit is not None):
+        names = listed(f"{column.heading} (column {place + 1})" for place, column in found.items())
+        raise SettingsError(f"{len(found)} columns can be the time: {names}.", Remedy.NAME_THE_COLUMNS)
+    if len(found) > 1:
+        seconds = sum(_numbers(place, rows) * _PARTS[part] for place, part in parts.items() if part is not None)
+        return _checked(np.asarray(seconds), f"time: {' + '.join(column.heading for column in found.values())}", unit, None)
+    ((place, column),) = found.items()
+    cells = [cells[place] for _number, cells in rows]
+    if any(cell and not is_number(cell) for cell in cells):
+        return _checked(_clock(cells, column), f"time: {column.heading}, by date or hour", None, None)
+    numbers = _numbers(place, rows)
+    unit = unit or column.unit
+    if unit is None:
+        largest = float(np.nanmax(np.abs(numbers))) if np.isfinite(numbers).any() else 0.0
+        unit = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
+        told = f"time: {column.heading}" + (f" in {unit}, by its size" if unit is not None and unit != "s" else "")
+        return _checked(numbers * _PARTS[unit or "s"], told, None if unit is None else unit, column.heading)
+    return _checked(numbers * _PARTS[unit], f"time: {column.heading} in {unit}", unit, None)
+
+
+def _numbers(place: int, rows: Sequence[tuple[int, Sequence[str]]]) -> Floats:
+    return np.array([number_in(cells[place]) for _number, cells in rows])
+
+
+def _clock(cells: Sequence[str], column: Column) -> Floats:
+    """Seconds of dates, or of hours of a day."""
+    seconds = []
+    for cell in cells:
+        text = cell.strip().removesuffix("Z").replace(" ", "T").replace(",", ".")
+        try:
+            parts = text.split(":")
+            if "-" in text or "/" in text:
+                seconds.append(np.datetime64(text.replace("/", "-")).astype("datetime64[ns]").astype(np.int64) * 1e-9)
+            elif len(parts) == 3:
+                seconds.append(float(int(parts[0]) * 3600 + int(parts[1]) * 60 + float(parts[2])))
+            elif not cell:
+                seconds.append(np.nan)
+            else:
+                raise ValueError
+        except ValueError:
+            raise SettingsError(
+                f"The time (column {column.heading}) must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05; "
+                f"got {shorten(cell)!r}.",
+                Remedy.NAME_THE_COLUMNS,
+            ) from None
+    found = np.array(seconds)
+    if np.ptp(found[np.isfinite(found)]) > 43200.0 and max(found, default=0.0) < 86400.0:
+        found = np.where(found < 43200.0, found + 86400.0, found)  # over midnight
+    return found
+
+
+def _checked(seconds: Floats, told: str, unit: str | None, heading: str | None) -> Times:
+    """Times, unless no tracker takes poses so; `heading` where nothing says the unit."""
+    finite = np.unique(seconds[np.isfinite(seconds)])
+    if unit is None and heading is not None and len(finite) > 2:
+        step = float(np.median(np.diff(finite)))
+        if step > SLOWEST or step < FASTEST:
+            likely = next((name for name in ("ms", "us", "ns") if FASTEST <= step * TIMES[name] <= SLOWEST), "s")
+            raise SettingsError(
+                f"The unit of the times (column {heading}) is not known: in seconds, poses would be {step:g} s apart.",
+                Remedy.TIME_UNIT,
+                unit=likely,
+            )
+    return Times(seconds, (told,))

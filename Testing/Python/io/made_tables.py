@@ -1,0 +1,326 @@
+"""Tables of poses as trackers, robots and programs write them, made up: the truth, the file, and what a user would answer when asked."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from AIFReconLib.remedies import Remedy
+
+
+@dataclass
+class Made:
+    """A table: the poses of the tool that is meant (n, 4, 4) in mm, NaN where it has none; times in s from the first; the file; answers."""
+
+    poses: np.ndarray
+    times: np.ndarray | None
+    text: str
+    name: str = "poses.csv"
+    answers: dict[Remedy, dict[str, Any]] = field(default_factory=dict)
+    layout: str = ""
+
+
+@dataclass
+class Recording:
+    """What a tracker saw: poses of several tools (tools, n, 4, 4) in mm, times, and which poses are good."""
+
+    poses: np.ndarray
+    times: np.ndarray
+    good: np.ndarray
+    names: list[str]
+    random: np.random.Generator
+
+    def of(self, tool: int) -> tuple[np.ndarray, np.ndarray]:
+        """Truth of a tool: its poses, NaN where they are not good, and times from the first."""
+        poses = self.poses[tool].copy()
+        poses[~self.good[tool]] = np.nan
+        return poses, self.times - self.times[0]
+
+
+def recording(random: np.random.Generator, tools: int) -> Recording:
+    """A scan of 24 to 40 poses of a hand-held probe and of others that hardly move, 20 to 60 times a second, with some lost."""
+    count = int(random.integers(24, 40))
+    times = np.cumsum(1.0 / random.uniform(20, 60) * random.uniform(0.9, 1.1, count))
+    poses = np.tile(np.eye(4), (tools, count, 1, 1))
+    good = np.ones((tools, count), bool)
+    for tool in range(tools):
+        start, turn = random.uniform(-300, 300, 3), random.uniform(-100, 100, 3)
+        speed = random.uniform(20, 60) if tool == 0 else 0.5
+        along = np.cumsum(np.append(0, np.diff(times)))[:, None] * speed * np.array([0.6, 0.64, 0.48]) + random.normal(0, 0.05, (count, 3))
+        swing = np.outer(np.linspace(-1, 1, count), random.uniform(5, 25, 3) if tool == 0 else (0.2, 0.1, 0.3))
+        poses[tool, :, :3, :3] = (Rotation.from_rotvec(turn, degrees=True) * Rotation.from_rotvec(swing, degrees=True)).as_matrix()
+        poses[tool, :, :3, 3] = start + along
+        good[tool] = random.uniform(size=count) > random.choice([0.0, 0.1])
+        good[tool, :2] = True
+    return Recording(poses, times, good, ["Probe", "Reference", "Stylus"][:tools], random)
+
+
+def numbers(values) -> list[str]:
+    return [repr(round(float(value), 9)) for value in np.ravel(values)]
+
+
+def quaternion(pose, order="wxyz") -> list[str]:
+    return numbers([dict(zip("xyzw", Rotation.from_matrix(pose[:3, :3]).as_quat()))[axis] for axis in order])
+
+
+def answers(**given) -> dict[Remedy, dict[str, Any]]:
+    return {getattr(Remedy, name): value for name, value in given.items()}
+
+
+def ndi_side_by_side(r: Recording) -> Made:
+    """NDI's sample of the Combined API: headings again and again, markers beside tools."""
+    marker = ",Marker0.Status,Tx,Ty,Tz" if r.random.uniform() < 0.5 else ""
+    head = "ToolCount" + "".join(
+        ",ToolInfo,Frame#,PortHandle,Face#,timespec_s,timespec_ns,TransformStatus,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,#Markers" + marker
+        for _name in r.names
+    )
+    lines = [head]
+    for n, time in enumerate(r.times):
+        line = str(len(r.names))
+        for tool in range(len(r.names)):
+            pose = r.poses[tool, n]
+            values = [*quaternion(pose), *numbers(pose[:3, 3])] if r.good[tool, n] else [""] * 7
+            seconds = 1_700_000_000 + time
+            line += f",,{n},0{tool + 1:X},0,{int(seconds)},{round((seconds % 1) * 1e9)},{'Enabled' if r.good[tool, n] else 'ToolMissing'},"
+            line += ",".join(values) + ",0.12,1" + (",OK,1,2,3" if marker else "")
+        lines.append(line)
+    poses, times = r.of(0)
+    return Made(poses, times, "\n".join(lines), answers=answers(WHICH_TOOL={"tool": "01"}))
+
+
+def ndi_in_rows(r: Recording) -> Made:
+    """One row for each tool and moment."""
+    rows = ["Tool ID,Timestamp,Frame #,Tx,Ty,Tz,q0,qx,qy,qz,Tracking Quality"]
+    for n, time in enumerate(r.times):
+        for tool in range(len(r.names)):
+            pose = r.poses[tool, n]
+            values = [*numbers(pose[:3, 3]), *quaternion(pose)] if r.good[tool, n] else ["0"] * 7
+            rows.append(",".join([str(tool), f"{time:.6f}", str(n), *values, "0.2"]))
+    poses, times = r.of(0)
+    return Made(poses, times, "\n".join(rows), answers=answers(WHICH_TOOL={"tool": "0"}))
+
+
+def motive(r: Recording) -> Made:
+    unit, factor = [("Meters", 1e-3), ("Millimeters", 1.0), ("Centimeters", 0.1)][r.random.integers(3)]
+    count = len(r.names)
+    head = [
+        f"Format Version,1.23,Take Name,Take 1,Capture Frame Rate,40.0,Rotation Type,Quaternion,Length Units,{unit}",
+        "",
+        ",," + ",".join(["Rigid Body"] * 8 * count),
+        ",," + ",".join(name for name in r.names for _ in range(8)),
+        ",," + ",".join(f"{17 + tool}" for tool in range(count) for _ in range(8)),
+        ",," + ",".join((["Rotation"] * 4 + ["Position"] * 3 + ["Mean Marker Error"]) * count),
+        "Frame,Time (Seconds)," + ",".join(["X", "Y", "Z", "W", "X", "Y", "Z", ""] * count),
+    ]
+    rows = []
+    for n, time in enumerate(r.times):
+        cells = [str(n), f"{time:.6f}"]
+        for tool in range(count):
+            pose = r.poses[tool, n]
+            cells += [*quaternion(pose, "xyzw"), *numbers(factor * pose[:3, 3]), "0.0002"] if r.good[tool, n] else [""] * 8
+        rows.append(",".join(cells))
+    poses, times = r.of(0)
+    return Made(poses, times, "\n".join([*head, *rows]), answers=answers(WHICH_TOOL={"tool": f"{r.names[0]} 17"}))
+
+
+def vicon(r: Recording) -> Made:
+    rate = 50
+    r = replace(r, times=np.arange(len(r.times)) / rate)
+    count = len(r.names)
+    names = "," + "".join(f",{name}:{name},,,,," for name in r.names)
+    head = ["Segments", str(rate), names, "Frame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * count, "," + ",deg,deg,deg,mm,mm,mm" * count]
+    rows = []
+    for n in range(len(r.times)):
+        line = f"{n + 1},0"
+        for tool in range(count):
+            pose = r.poses[tool, n]
+            turn = Rotation.from_matrix(pose[:3, :3]).as_rotvec(degrees=True)
+            line += "," + ",".join(numbers([*turn, *pose[:3, 3]]) if r.good[tool, n] else [""] * 6)
+        rows.append(line)
+    after = ["", "Trajectories", str(rate), "," + ",Probe:M1,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm", "1,0,1,2,3"]
+    poses, times = r.of(0)
+    text = "\n".join([*head, *rows, *(after if r.random.uniform() < 0.5 else [])])
+    said = answers(WHICH_TOOL={"tool": f"{r.names[0]} {r.names[0]}"}, EULER_ORDER={"euler_order": "vector"})
+    return Made(poses, times, text, answers=said)
+
+
+def qualisys(r: Recording) -> Made:
+    head = [
+        f"NO_OF_FRAMES\t{len(r.times)}",
+        f"NO_OF_BODIES\t{len(r.names)}",
+        "FREQUENCY\t40",
+        "DATA_INCLUDED\t6D",
+        "BODY_NAMES\t" + "\t".join(r.names),
+        "\t".join(
+            [
+                "Frame",
+                "Time",
+                *(w for n in r.names for w in (f"{n} X", "Y", "Z", "Roll", "Pitch", "Yaw", "Residual", *(f"Rot[{k}]" for k in range(9)))),
+            ]
+        ),
+    ]
+    rows = []
+    for n, time in enumerate(r.times):
+        cells = [str(n + 1), f"{time:.6f}"]
+        for tool in range(len(r.names)):
+            pose = r.poses[tool, n]
+            angles = Rotation.from_matrix(pose[:3, :3]).as_euler("XYZ", degrees=True)
+            cells += numbers([*pose[:3, 3], *angles, 0.1, *pose[:3, :3].T.ravel()]) if r.good[tool, n] else [""] * 16
+        rows.append("\t".join(cells))
+    poses, times = r.of(0)
+    said = answers(WHICH_TOOL={"tool": "1"}, ROWS_OR_COLUMNS={"column_major": True})
+    return Made(poses, times, "\n".join([*head, *rows]), "poses.tsv", said)
+
+
+def robot(r: Recording, kuka: bool | None = None) -> Made:
+    """Universal Robots: meters and rotation vectors under rx ry rz; KUKA: A B C; either with units in the headings or not."""
+    said = kuka is None and r.random.uniform() < 0.5
+    kuka = r.random.uniform() < 0.5 if kuka is None else kuka
+    poses, times = r.of(0)
+    poses = r.poses[0]
+    if kuka:
+        head = (
+            ["Time [s]", "X [mm]", "Y [mm]", "Z [mm]", "A [deg]", "B [deg]", "C [deg]"] if said else ["time", "X", "Y", "Z", "A", "B", "C"]
+        )
+        turns, factor = Rotation.from_matrix(poses[:, :3, :3]).as_euler("ZYX", degrees=True), 1.0
+    else:
+        head = ["time_s", "x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"] if said else ["time", "x", "y", "z", "rx", "ry", "rz"]
+        turns, factor = Rotation.from_matrix(poses[:, :3, :3]).as_rotvec(), 1e-3
+    rows = [numbers([t, *(factor * pose[:3, 3]), *turn]) for t, pose, turn in zip(r.times, poses, turns)]
+    given = answers(EULER_ORDER={"euler_order": "vector"}, ANGLE_UNIT={"angle_unit": "rad"}, UNITS={"length_unit": "m"})
+    return Made(poses, times, "\n".join(";".join(row) for row in [head, *rows]), answers=given)
+
+
+def polhemus(r: Recording) -> Made:
+    poses, times = r.poses[0], r.times - r.times[0]
+    turns = Rotation.from_matrix(poses[:, :3, :3]).as_euler("ZYX", degrees=True)
+    rows = [" ".join(numbers([t, *(0.1 * pose[:3, 3]), *turn])) for t, pose, turn in zip(r.times, poses, turns)]
+    text = "\n".join(["# time x_cm y_cm z_cm azimuth elevation roll", *rows])
+    return Made(poses, times, text, "poses.txt")
+
+
+def ros(r: Recording) -> Made:
+    poses, times = r.poses[0], r.times - r.times[0]
+    start = 1_700_000_000_123_456_789
+    stamps = [start + round(t * 1e9) for t in r.times]
+    if r.random.uniform() < 0.5:
+        head = "%time,field.header.seq,field.header.stamp,field.header.frame_id," + ",".join(
+            [*(f"field.pose.position.{a}" for a in "xyz"), *(f"field.pose.orientation.{a}" for a in "xyzw")]
+        )
+        front = [f"{stamp + 900_000},{n},{stamp},tracker" for n, stamp in enumerate(stamps)]
+    else:
+        head = "sec,nanosec,frame_id,x,y,z,qx,qy,qz,qw"
+        front = [f"{stamp // 10**9},{stamp % 10**9},tracker" for stamp in stamps]
+    rows = [",".join([f, *numbers(1e-3 * pose[:3, 3]), *quaternion(pose, "xyzw")]) for f, pose in zip(front, poses)]
+    return Made(poses, times, "\n".join([head, *rows]), answers=answers(UNITS={"length_unit": "m"}, SURE={"length_unit": "m"}))
+
+
+def plain(r: Recording) -> Made:
+    """What people write themselves: prefixes or suffixes for tools, any unit of time, statuses, separators, decimal commas."""
+    tools = range(len(r.names))
+    where = r.random.integers(3)
+    labels = [name if len(r.names) > 1 else "" for name in r.names]
+
+    def named(tool: int, word: str) -> str:
+        return word if not labels[tool] else [f"{labels[tool]}_{word}", f"{word}_{labels[tool]}", f"{labels[tool]}.{word}"][where]
+
+    separator = [",", ";", "\t"][r.random.integers(3)]
+    unit, scale = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)][r.random.integers(4)]
+    said = r.random.uniform() < 0.5
+    start = [0.0, 1_700_000_000.0][r.random.integers(2)] if unit != "ns" else 0.0
+    words = [("OK", "MISSING"), ("True", "False"), ("1", "0"), ("Valid", "Invalid"), ("tracking", "lost"), ("A", "B")][r.random.integers(6)]
+    kind = r.random.integers(4)
+    turn_names = [
+        ("qw", "qx", "qy", "qz"),
+        ("q1", "q2", "q3", "q4"),
+        ("rx", "ry", "rz"),
+        tuple(f"r{i}{j}" for i in range(3) for j in range(3)),
+    ][kind]
+    head = [f"time_{unit}" if said else "timestamp"]
+    for tool in tools:
+        head += [named(tool, word) for word in ("tx", "ty", "tz", *turn_names)] + [named(tool, "status")]
+    rows = []
+    for n, time in enumerate(r.times):
+        cells = [f"{(start + time) * scale:.6f}" if unit in ("s", "ms") else str(round((start + time) * scale))]
+        for tool in tools:
+            pose = r.poses[tool, n]
+            turn = [
+                quaternion(pose, "wxyz"),
+                quaternion(pose, "wxyz"),
+                numbers(Rotation.from_matrix(pose[:3, :3]).as_euler("xyz", degrees=True)) if kind == 2 else [],
+                numbers(pose[:3, :3]),
+            ][kind]
+            cells += [*numbers(pose[:3, 3]), *turn, words[0]] if r.good[tool, n] else [*["0"] * (3 + len(turn_names)), words[1]]
+        rows.append(cells)
+    if separator == ";" and r.random.uniform() < 0.5:
+        rows = [[cell.replace(".", ",") for cell in row] for row in rows]
+    poses, times = r.of(0)
+    given = answers(
+        WHICH_TOOL={"tool": r.names[0]},
+        TIME_UNIT={"time_unit": unit},
+        QUATERNION_ORDER={"quaternion_order": "wxyz"},
+        EULER_ORDER={"euler_order": "xyz"},
+        ANGLE_UNIT={"angle_unit": "deg"},
+        GOOD_STATUS={"good_statuses": (words[0],)},
+    )
+    return Made(poses, times, "\n".join(separator.join(row) for row in [head, *rows]), answers=given)
+
+
+def bare(r: Recording, kind: int | None = None) -> Made:
+    """Matrices without headings, in rows of 12 or 16 or in lines of four, row by row or column by column; JSON."""
+    poses = r.poses[0]
+    kind = r.random.integers(4) if kind is None else kind
+    if kind == 4:
+        rows = [",".join([f"{t:.6f}", *numbers(pose[:3, 3]), *quaternion(pose, "xyzw")]) for t, pose in zip(r.times, poses)]
+        return Made(poses, r.times - r.times[0], "\n".join(["time,x,y,z,qx,qy,qz,qw", *rows]))
+    if kind == 0:
+        text = "\n".join(" ".join(numbers(pose[: 3 + r.random.integers(2)])) for pose in poses)
+    elif kind == 1:
+        text = "\n".join(",".join(numbers(pose.T)) for pose in poses)
+        return Made(poses, None, text, answers=answers(COLUMN_MAJOR={"column_major": True}))
+    elif kind == 2:
+        height = 3 + int(r.random.integers(2))
+        text = "\n".join("\n".join(" ".join(numbers(line)) for line in pose[:height]) for pose in poses)
+    else:
+        items = [
+            {
+                "timestamp": float(t),
+                "pose": {
+                    "position": dict(zip("xyz", p[:3, 3].tolist())),
+                    "orientation": dict(zip("xyzw", map(float, quaternion(p, "xyzw")))),
+                },
+            }
+            for t, p in zip(r.times, poses)
+        ]
+        return Made(poses, r.times - r.times[0], json.dumps({"poses": items}), "poses.json")
+    return Made(poses, None, text, "poses.txt")
+
+
+LAYOUTS: list[Callable[[Recording], Made]] = [
+    ndi_side_by_side,
+    ndi_in_rows,
+    motive,
+    vicon,
+    qualisys,
+    robot,
+    polhemus,
+    ros,
+    plain,
+    plain,
+    plain,
+    bare,
+]
+
+
+def made_table(seed: int) -> Made:
+    """One of them."""
+    random = np.random.default_rng(seed)
+    layout = LAYOUTS[seed % len(LAYOUTS)]
+    made = layout(recording(random, int(random.integers(1, 4))))
+    made.layout = layout.__name__
+    return made
