@@ -15,7 +15,7 @@ from ..plus.configuration import read_plus_configuration
 from .kinds import RecordingKind
 from .metafiles import METAFILES
 from .orientation import parse_orientation
-from .others.custusx import CUSTUSX
+from .others.custusx import CUSTUSX, refuse_one_frame
 from .others.numpy_archives import NUMPY_ARCHIVES
 from .others.ros import BAGS
 from .others.slicer_bundles import BUNDLES
@@ -110,6 +110,7 @@ def read_sequence(
     it is multiplied into those transforms, so that they take pixels here as everywhere. Those of a configuration take pixels as they are.
     """
     path = Path(path)
+    refuse_one_frame(path)
     recorded = kind_of_recording(path).read(path, parse_orientation(orientation) if orientation else None)
     records, notes = recorded.records, recorded.notes
     if transform_sequences:

@@ -17,6 +17,7 @@ from AIFReconLib import read_sequence
 from AIFReconLib.errors import FileFormatError, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.sequence.others import ros_bounds
 from AIFReconLib.io.sequence.others.unread import UNREAD
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.poses import sweep_poses
@@ -119,6 +120,12 @@ def test_an_acquisition_that_is_not_whole_says_what_is_missing(tmp_path, damage,
     damage(folder / "US-Acq_1_20260101T120000_Probe")
     with pytest.raises(SequenceFormatError, match=message):
         read_sequence(folder)
+
+
+def test_one_frame_of_an_acquisition_is_not_taken_for_a_recording(tmp_path):
+    frame = acquisition(tmp_path / "a") / "US-Acq_1_20260101T120000_Probe_0.mhd"
+    with pytest.raises(SequenceFormatError, match=r"one frame of an acquisition of CustusX\. Give the folder, or US-Acq_1.*\.fts"):
+        read_sequence(frame)
 
 
 def test_what_is_a_recording_already_is_not_imported(tmp_path):
@@ -368,6 +375,25 @@ def test_a_bag_that_is_cut_short_is_refused(tree_bag):
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
     with pytest.raises(FileFormatError, match=r"bag of ROS|cannot be decoded"):
         np.asarray(read_sequence(tree_bag).images)
+
+
+@pytest.mark.parametrize(("storage", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "zstd")])
+def test_compressed_bags_are_read_and_one_that_would_fill_the_memory_is_refused(tmp_path, monkeypatch, storage, compression):
+    from rosbags.rosbag1 import Writer as First
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode
+
+    bag = Bag(tmp_path / "sweep", storage)
+    if storage == "bag":
+        bag.writer.set_compression(First.CompressionFormat[compression.upper()])
+    else:
+        bag.writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with bag.writer:
+        for number in range(COUNT):
+            bag.image(number)
+    np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
+    monkeypatch.setattr(ros_bounds, "MOST_BYTES", 500)
+    with pytest.raises(SequenceFormatError, match=r"its chunk at byte .* unpacks to another size than it says, or to more than 500 bytes"):
+        read_sequence(bag.path)
 
 
 def test_images_of_an_encoding_that_is_not_known_are_named(tmp_path):

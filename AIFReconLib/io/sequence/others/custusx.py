@@ -147,6 +147,18 @@ def _frames(path: Path, base: str) -> list[Path]:
     return [file for _, file in found]
 
 
+def refuse_one_frame(path: Path) -> None:
+    """Return unless a file is one frame of an acquisition, which alone has neither place nor time.
+
+    Raises
+    ------
+    SequenceFormatError
+    """
+    base = re.sub(r"_[0-9]{1,9}\.mhd$", "", path.name)
+    if base != path.name and path.with_name(f"{base}.fts").is_file():
+        raise SequenceFormatError(f"{path}: this is one frame of an acquisition of CustusX. Give the folder, or {base}.fts.")
+
+
 def _times_of_frames(path: Path) -> Path:
     """The file of an acquisition by which it is known, in its folder or as it is."""
     if not path.is_dir():

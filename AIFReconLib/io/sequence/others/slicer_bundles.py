@@ -45,20 +45,19 @@ _PICTURES, _MOVES = "VolumeSequenceStorage", "LinearTransformSequenceStorage"
 
 def _read(path: Path, orientation: str | None) -> Recorded:
     require_regular_file(path, SequenceFormatError)
-    folder = Path(tempfile.mkdtemp(prefix="aifrecon-"))
-    unpacked: dict[str, Path] = {}
-    try:
-        with decoding(f"{path}: it cannot be read as a scene of Slicer", "Save it from Slicer again."), zipfile.ZipFile(path) as archive:
-            scene = _Scene.of(path, archive, folder, unpacked)
-            recorded = _recorded(scene, orientation)
-    except BaseException as error:
-        shutil.rmtree(folder, ignore_errors=True)
-        if isinstance(error, AIFReconError) and str(folder) in said(error):
-            text = str(said(error))
-            for member, file in unpacked.items():
-                text = text.replace(str(file), member)
-            raise SequenceFormatError(f"{path}: {text}", error) from error
-        raise
+    with decoding(f"{path}: it cannot be read as a scene of Slicer", "Save it from Slicer again."), zipfile.ZipFile(path) as archive:
+        folder = Path(tempfile.mkdtemp(prefix="aifrecon-"))
+        unpacked: dict[str, Path] = {}
+        try:
+            recorded = _recorded(_Scene.of(path, archive, folder, unpacked), orientation)
+        except BaseException as error:
+            shutil.rmtree(folder, ignore_errors=True)
+            if isinstance(error, AIFReconError) and str(folder) in said(error):
+                text = str(said(error))
+                for member, file in unpacked.items():
+                    text = text.replace(str(file), member)
+                raise SequenceFormatError(f"{path}: {text}", error) from error
+            raise
     images = _Unpacked(recorded.images)
     weakref.finalize(images, shutil.rmtree, folder, ignore_errors=True)
     return replace(recorded, images=images)
