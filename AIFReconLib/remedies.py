@@ -46,6 +46,7 @@ class Remedy(Enum):
     ORIENTATION = auto()
     NO_TIME_OFFSET = auto()
     IMPORT_IT = auto()
+    OPEN_IT = auto()
 
     CALIBRATION_FILE = auto()
     WRONG_CALIBRATION = auto()
@@ -107,6 +108,7 @@ IN_PYTHON = {
     Remedy.ORIENTATION: "Look which side of the images is marked and say it as orientation: a wrong code mirrors the anatomy.",
     Remedy.NO_TIME_OFFSET: "Leave out time_offset, or record the sweep with time stamps.",
     Remedy.IMPORT_IT: "Give a MetaImage or NRRD file; import_sequence makes one of pictures, DICOM or video.",
+    Remedy.OPEN_IT: "It is read as it is: read_sequence(path).",
     Remedy.CALIBRATION_FILE: 'Give it with read_sequence(path, config="PlusDeviceSet.xml"), or as calibration.',
     Remedy.WRONG_CALIBRATION: "Give that too, as wrong.",
     Remedy.REPLAY_RATE: "Give the rate to replay it at.",

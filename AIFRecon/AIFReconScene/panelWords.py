@@ -82,6 +82,7 @@ def remedies() -> dict[Remedy, str]:
         ),
         Remedy.NO_TIME_OFFSET: _("Set “Time offset” to 0, or record the sweep with time stamps."),
         Remedy.IMPORT_IT: _("Choose a MetaImage or NRRD file; the command line makes one of pictures, DICOM or video."),
+        Remedy.OPEN_IT: _("It is read as it is: choose it as the recording."),
         **dict.fromkeys((Remedy.CALIBRATION_FILE, Remedy.WRONG_CALIBRATION), converted),
         Remedy.REPLAY_RATE: commandLine.replace("{command}", "replay"),
         **dict.fromkeys(

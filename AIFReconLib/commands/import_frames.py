@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import AIFReconError
+from ..geometry.mechanism import Mechanism
 from ..geometry.transform_graph import TransformName
 from ..inspection.offset_estimate import estimate_time_offset
 from ..inspection.sweep_drawing import draw_sweep
@@ -15,6 +16,7 @@ from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import check_writable, write_text
 from ..io.foreign.calibration import read_calibration
 from ..io.foreign.importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
 from ..io.foreign.openers import open_images
 from ..io.foreign.poses.files import read_poses
 from ..io.foreign.poses.headings import ANGLES, LENGTHS, TIMES
@@ -80,6 +82,13 @@ def add_to(commands: Commands) -> None:
     output = parser.add_argument_group("output")
     output.add_argument("--drawing", type=Path, metavar="FILE.svg", help="where to draw the sweep (default: beside the output)")
     output.add_argument("--compress", action=argparse.BooleanOptionalAction, default=True, help="compress the images (default: yes)")
+    mechanism = parser.add_argument_group("mechanism")
+    mechanism.add_argument(
+        "--mechanism",
+        type=Path,
+        metavar="FILE",
+        help="axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names",
+    )
     parser.set_defaults(run=run)
 
 
@@ -88,12 +97,14 @@ def run(arguments: argparse.Namespace) -> None:
     check_sequence_name(arguments.output)
     drawing = arguments.drawing or arguments.output.with_name(arguments.output.name.split(".")[0] + "-sweep.svg")
     settings, calibration_path = settings_from(arguments)
-    refuse_to_overwrite([arguments.output, drawing], [*arguments.images, arguments.poses, calibration_path])
+    refuse_to_overwrite([arguments.output, drawing], [*arguments.images, arguments.poses, calibration_path, arguments.mechanism])
     check_writable(drawing)
-    sequence, understood = import_sequence(open_images(arguments.images), read_poses(arguments.poses, settings.form), settings)
+    mechanism = read_mechanism(arguments.mechanism) if arguments.mechanism else None
+    poses = read_joint_poses(arguments.poses, mechanism, settings.form) if mechanism else read_poses(arguments.poses, settings.form)
+    sequence, understood = import_sequence(open_images(arguments.images), poses, settings)
     with ProgressBar() as progress:
         write_sequence(sequence, arguments.output, arguments.compress, progress)
-    lines = [*map(in_options, understood), *_check(sequence, settings.transform, drawing, arguments.output.name)]
+    lines = [*map(in_options, understood), *_check(sequence, settings.transform, drawing, arguments.output.name, mechanism)]
     print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {arguments.output}"]))
 
 
@@ -136,7 +147,7 @@ def _default_name(path: Path, transform: TransformName) -> TransformName | None:
     return TransformName(IMAGE_FRAME, "Probe" if "Probe" in (transform.source, transform.target) else transform.source)
 
 
-def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, name: str) -> list[str]:
+def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, name: str, mechanism: Mechanism | None) -> list[str]:
     """Facts of the sweep, and its drawing, where the images can be placed."""
     moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
     reference = transform.source if transform.target in moving else transform.target
@@ -146,7 +157,8 @@ def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, n
         return ["no drawing: the image cannot be placed without a calibration"]
     if not len(poses.usable):
         return ["no drawing: no frame has a valid pose"]
-    write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference))
+    axes = mechanism.lines() if mechanism and reference == transform.target else []
+    write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes))
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     if np.isfinite(sequence.timestamps).all():
         rows.append(f"clocks: {estimate_time_offset(sequence, poses).to_text()}")

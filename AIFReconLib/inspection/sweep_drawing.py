@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -17,10 +18,16 @@ PANEL = 420.0
 
 MARGIN = 48.0
 _AXES = "xyz"
-_COLUMN_COLOR, _ROW_COLOR = "#c0392b", "#1e8449"
+_COLUMN_COLOR, _ROW_COLOR, _AXIS_COLOR = "#c0392b", "#1e8449", "#2471a3"
 
 
-def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: str = "", reference: str = "Reference") -> str:
+def draw_sweep(
+    image_to_reference: Matrix,
+    frame_size: tuple[int, int],
+    title: str = "",
+    reference: str = "Reference",
+    lines: Sequence[tuple[str, Floats, Floats]] = (),
+) -> str:
     """The text of an SVG file.
 
     The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
@@ -33,13 +40,16 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
     frame_size : (columns, rows)
     reference : str
         What the frame of the axes is called.
+    lines : sequence of (name, point, direction)
+        Axes of the mechanism that moved the probe, in Reference, mm: drawn in blue and dashed, each through its point.
     """
     poses = np.asarray(image_to_reference, dtype=np.float64)
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_OUTLINES)).round().astype(int))
     columns, rows = frame_size
     corners = np.array([(0, 0, 0, 1), (columns - 1, 0, 0, 1), (columns - 1, rows - 1, 0, 1), (0, rows - 1, 0, 1)], dtype=np.float64)
     outlines = np.einsum("nij,kj->nki", poses[chosen, :3], corners)
-    low, high = outlines.reshape(-1, 3).min(axis=0), outlines.reshape(-1, 3).max(axis=0)
+    shown = np.concatenate([outlines.reshape(-1, 3), *(point[None] for _, point, _ in lines)])
+    low, high = shown.min(axis=0), shown.max(axis=0)
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
     width, height = len(VIEWS) * (PANEL + 2 * MARGIN), PANEL + 2 * MARGIN + 24
@@ -53,10 +63,25 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
         corner = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
         middle = (low + high)[list(axes)] / 2
 
-        on_page = corner + PANEL / 2 + (outlines[..., list(axes)] - middle) * scale
-        elements += _panel(on_page, corner, axes, scale, reference)
+        def on_page(points: Floats, corner: Floats = corner, axes: tuple[int, int] = axes, middle: Floats = middle) -> Floats:
+            placed: Floats = corner + PANEL / 2 + (points[..., list(axes)] - middle) * scale
+            return placed
+
+        elements += _panel(on_page(outlines), corner, axes, scale, reference)
+        for name, point, direction in lines:
+            elements += _line(name, on_page(np.array([point - extent / 6 * direction, point + extent / 6 * direction])))
     elements.append("</svg>\n")
     return "\n".join(elements)
+
+
+def _line(name: str, ends: Floats) -> list[str]:
+    """An axis, dashed, from one end to the other on the page."""
+    (x1, y1), (x2, y2) = ends
+    return [
+        f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{_AXIS_COLOR}" stroke-width="2" stroke-dasharray="6 4"/>',
+        f'<circle cx="{x2:.1f}" cy="{y2:.1f}" r="3" fill="{_AXIS_COLOR}"/>',
+        f'<text x="{x2 + 5:.1f}" y="{y2 - 4:.1f}" fill="{_AXIS_COLOR}">{escape(name)}</text>',
+    ]
 
 
 def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:

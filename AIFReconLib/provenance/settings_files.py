@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import json
-from collections import Counter
 from collections.abc import Mapping
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
+from typing import cast
 
 from .. import __version__
 from ..errors import OutputError, SettingsFileError
 from ..io.disk.atomic import check_writable, write_text
 from ..io.disk.small_files import read_bytes
+from ..io.disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..message import shorten
 from ..recipe.recipe import Recipe
@@ -20,13 +19,10 @@ from .kept import KeptSettings, understood
 from .record import INPUTS, SETTINGS, VERSION
 
 VOLUME_SUFFIXES = (*NRRD_SUFFIXES, *METAIMAGE_SUFFIXES)
-JSON, TOML = ".json", ".toml"
 WRITTEN_BY = "version"
 """Key of a settings file for the version that wrote it."""
 
 MOST_BYTES = 2**20
-MOST_TOML_BYTES = 2**14
-"""Python's reader takes time that grows with the square of a name's parts."""
 
 
 def read_settings(path: str | Path) -> KeptSettings:
@@ -131,7 +127,7 @@ def _text(path: Path, most: int) -> str:
 
 def _from_json(path: Path, text: str) -> dict[str, object]:
     try:
-        table = json.loads(text, object_pairs_hook=_without_twins)
+        table = parse_table(text, JSON)
     except (ValueError, RecursionError) as error:
         raise _damaged(path, "JSON", error) from None
     if not isinstance(table, dict):
@@ -141,22 +137,13 @@ def _from_json(path: Path, text: str) -> dict[str, object]:
     return table
 
 
-def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    table = dict(pairs)
-    if len(table) < len(pairs):
-        counts = Counter(name for name, _ in pairs)
-        raise ValueError(f"{counts.most_common(1)[0][0]!r} is there twice")
-    return table
-
-
 def _from_toml(path: Path, text: str) -> dict[str, object]:
-    if find_spec("tomllib") is None:
+    if not reads_toml():
         raise SettingsFileError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Give the settings as .json.")
     try:
-        table: dict[str, object] = import_module("tomllib").loads(text)
+        return cast("dict[str, object]", parse_table(text, TOML))
     except (ValueError, RecursionError) as error:
         raise _damaged(path, "TOML", error) from None
-    return table
 
 
 def _damaged(path: Path, kind: str, error: Exception) -> SettingsFileError:

@@ -46,6 +46,7 @@ IN_OPTIONS = {
     ),
     Remedy.NO_TIME_OFFSET: "Leave out --time-offset, or record the sweep with time stamps.",
     Remedy.IMPORT_IT: "Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM or video.",
+    Remedy.OPEN_IT: "It is read as it is: give it to aifrecon info or aifrecon reconstruct.",
     Remedy.CALIBRATION_FILE: "Give it with --config PlusDeviceSet.xml or --calibration FILE.",
     Remedy.WRONG_CALIBRATION: "Give that too, with --wrong-calibration FILE.",
     Remedy.REPLAY_RATE: "Give the rate to replay it at (--rate).",

@@ -26,7 +26,7 @@ from AIFReconLib.recipe.recipe import KEPT
 from AIFReconLib.resolve import asked_imaging
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 
-from . import seeds
+from . import foreign_seeds, seeds
 from .target import Target
 
 METAIMAGE_WORDS = tuple(
@@ -60,6 +60,11 @@ def _check_sequence(path: Path) -> None:
         image = sequence.images[number]
         assert image.shape == (rows, columns)
         assert image.dtype == sequence.images.dtype
+
+
+def _check_acquisition(path: Path) -> None:
+    foreign_seeds.spread(path)
+    _check_sequence(path)
 
 
 def _check_transform_sequence(path: Path) -> None:
@@ -163,11 +168,24 @@ def _plain_metaimages() -> list[bytes]:
     return [seeds.metaimage(CompressedData=None), seeds.metaimage(CompressedData=None, DimSize="3 2 3", ElementType="MET_FLOAT")]
 
 
+XML_WORDS = tuple(
+    b"<!DOCTYPE a> <!ENTITY &lt; &#0; &#x41; <a> </a> <![CDATA[ ]]> <!-- --> <?a?> utf-16 ascii LINEAR MEAN LATEST ON OFF FanAngles "
+    b'FanOrigin Compounding Calculation FanDepth DISTANCE_WEIGHT_INVERSE Status="INVALID" ProbeToTracker'.split()
+)
+TEXT_WORDS = tuple(
+    b'x y z qx qw q1 q4 m00 m33 rx e0 time time_ms image status null true [] {} [ ] { } , ; " - # // nan quaternion matrix'.split()
+)
 SEQUENCES = (
     Target("sequence-metaimage", "sweep.mha", _check_sequence, seeds.metaimage_sequences, words=METAIMAGE_WORDS),
     Target("sequence-compressed", "sweep.mha", _check_sequence, _plain_metaimages, _deflated, words=METAIMAGE_WORDS),
     Target("sequence-detached", "sweep.mhd", _check_sequence, seeds.metaimage_sequences, _detached, words=METAIMAGE_WORDS),
     Target("sequence-nrrd", "sweep.seq.nrrd", _check_sequence, seeds.nrrd_sequences, words=NRRD_WORDS),
+    Target("sequence-bundle", "sweep.mrb", _check_sequence, foreign_seeds.scenes, foreign_seeds.bundled, words=XML_WORDS),
+    Target("sequence-arrays", "sweep.npz", _check_sequence, foreign_seeds.archives),
+    Target("sequence-custusx", f"{foreign_seeds.ACQUISITION}.fts", _check_acquisition, foreign_seeds.acquisitions, words=TEXT_WORDS),
+    Target("sequence-ros-1", "sweep.bag", _check_sequence, partial(foreign_seeds.bags, ".bag")),
+    Target("sequence-mcap", "sweep.mcap", _check_sequence, partial(foreign_seeds.bags, ".mcap")),
+    Target("sequence-ros-2", "sweep.db3", _check_sequence, partial(foreign_seeds.bags, ".db3")),
     Target("transform-sequence", "move.seq.mha", _check_transform_sequence, seeds.metaimage_sequences, words=METAIMAGE_WORDS),
 )
 VOLUMES = (
@@ -176,13 +194,6 @@ VOLUMES = (
     Target("labels-nrrd", "bone.seg.nrrd", _check_labels, lambda: seeds.volumes(".nrrd"), words=NRRD_WORDS),
     Target("volume-nifti", "ct.nii", _check_volume, seeds.nifti),
     Target("volume-nifti-compressed", "ct.nii.gz", _check_volume, seeds.nifti, _gzipped),
-)
-XML_WORDS = tuple(
-    b"<!DOCTYPE a> <!ENTITY &lt; &#0; &#x41; <a> </a> <![CDATA[ ]]> <!-- --> <?a?> utf-16 ascii LINEAR MEAN LATEST ON OFF FanAngles "
-    b'FanOrigin Compounding Calculation FanDepth DISTANCE_WEIGHT_INVERSE Status="INVALID" ProbeToTracker'.split()
-)
-TEXT_WORDS = tuple(
-    b'x y z qx qw q1 q4 m00 m33 rx e0 time time_ms image status null true [] {} [ ] { } , ; " - # // nan quaternion matrix'.split()
 )
 SETTINGS_WORDS = tuple(f"{name} ".encode() for name in KEPT) + TEXT_WORDS
 TRANSFORM_WORDS = tuple(
@@ -202,6 +213,7 @@ TEXTS = (
 )
 IMAGES = (
     Target("pictures", "frame.png", _check_images, seeds.pictures),
+    Target("tiff", "frame.tif", _check_images, foreign_seeds.tiffs),
     Target("dicom", "frame.dcm", _check_images, seeds.dicom),
     Target("numpy", "images.npy", _check_images, seeds.arrays),
     *(Target(f"importance-mask-{kind}", f"mask.{kind}", _check_mask, partial(seeds.masks, f".{kind}")) for kind in ("png", "jpg", "tif")),

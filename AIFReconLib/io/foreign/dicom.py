@@ -12,9 +12,10 @@ import numpy as np
 
 from ...arrays import Floats, Numbers
 from ...errors import FileFormatError
+from ..sequence.decoded_images import DecodedImages, decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
 from .bounds import check_pixels, check_scans
-from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
+from .images import ImportedImages, describe_stack
 
 if TYPE_CHECKING:
     from pydicom import Dataset
@@ -24,6 +25,10 @@ _JPEG = ("1.2.840.10008.1.2.4.5", "1.2.840.10008.1.2.4.6", "1.2.840.10008.1.2.4.
 
 _BEFORE_FRAGMENTS = 12
 """Bytes of tag, kind and length."""
+
+_ENHANCED_US_VOLUME = "1.2.840.10008.5.1.4.1.1.6.2"
+_OF_SLICES = ("CT", "MR", "PT", "NM")
+"""Kinds of examination whose images are slices of a volume."""
 
 _CENTIMETERS = 3
 """PhysicalUnitsXDirection of an ultrasound region in cm."""
@@ -118,6 +123,7 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
             raise FileFormatError(f"{path}: DICOM files that are deflated as a whole are not read. Export it uncompressed.")
         with open(path, "rb") as file:
             header = pydicom.dcmread(file, stop_before_pixels=True)
+            _check_frames(path, header)
             _check_pixels(path, header, file)
         # Values are decoded when first asked for, so what is wrong with one shows here
         count = _frame_count(header)
@@ -127,6 +133,25 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
     if "Rows" not in header or "Columns" not in header:
         raise FileFormatError(f"{path}: this DICOM file holds no image. Give the images of the sweep.")
     return header
+
+
+def _check_frames(path: Path, header: Dataset) -> None:
+    """Return if the file holds frames of a sweep, not slices of a volume."""
+    groups = [*_groups(header, "SharedFunctionalGroupsSequence"), *_groups(header, "PerFrameFunctionalGroupsSequence")[:1]]
+    modality = str(getattr(header, "Modality", ""))
+    what = None
+    if getattr(header, "SOPClassUID", "") == _ENHANCED_US_VOLUME or any("PlanePositionVolumeSequence" in group for group in groups):
+        what = f"{_frame_count(header)} slices (Enhanced US Volume)"
+    elif modality in _OF_SLICES:
+        what = f"slices ({modality})"
+    elif _frame_count(header) > 1 and getattr(header, "SpacingBetweenSlices", None):
+        what = f"{_frame_count(header)} slices ({float(header.SpacingBetweenSlices):g} mm apart)"
+    if what is not None:
+        raise FileFormatError(f"{path}: this is a 3D volume of {what}; frames must be 2D. Give the images of the sweep.")
+
+
+def _groups(header: Dataset, name: str) -> list[Dataset]:
+    return list(getattr(header, name, None) or ())
 
 
 def _number(header: Dataset) -> int | None:
@@ -160,7 +185,8 @@ def _times(header: Dataset, count: int) -> Floats | None:
 
 
 def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, str | None]:
-    """Size of a pixel in mm: of the ultrasound regions, else PixelSpacing (which lists rows first); None where neither is positive.
+    """Size of a pixel in mm: of the ultrasound regions, else PixelSpacing (which lists rows first), also that of the functional groups of
+    multi-frame files (PS3.3 C.7.6.16.2.1); None where none is positive.
 
     Beside it, why what regions say is not that of the whole image, where it is not.
     """
@@ -169,15 +195,16 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, str | None]:
         for region in getattr(header, "SequenceOfUltrasoundRegions", None) or ()
         if {getattr(region, f"PhysicalUnits{axis}Direction", 0) for axis in "XY"} == {_CENTIMETERS}
     ]
-    spacing = getattr(header, "PixelSpacing", None)
+    spacings = [spacing] if (spacing := getattr(header, "PixelSpacing", None)) else _measured(header)
     sizes = [(abs(10.0 * float(region.PhysicalDeltaX)), abs(10.0 * float(region.PhysicalDeltaY))) for region in regions]
-    sizes = sizes or ([(float(spacing[1]), float(spacing[0]))] if spacing else [])
+    sizes = sizes or [(float(spacing[1]), float(spacing[0])) for spacing in spacings]
     sizes = [size for size in sizes if np.isfinite(size).all() and min(size) > 0]
     if not sizes:
         return None, None
     other = next((size for size in sizes if not np.allclose(size, sizes[0], rtol=1e-3, atol=0.0)), None)
     if other is not None:
-        return None, f"the image has regions of different pixel sizes ({_words(sizes[0])} and {_words(other)})"
+        parts = "image has regions" if regions else "file has frames"
+        return None, f"the {parts} of different pixel sizes ({_words(sizes[0])} and {_words(other)})"
     columns, rows = int(getattr(header, "Columns", 0)), int(getattr(header, "Rows", 0))
     boxes = [box for region in regions if (box := _box(region)) is not None]
     if not boxes:
@@ -190,6 +217,13 @@ def _spacing(header: Dataset) -> tuple[tuple[float, float] | None, str | None]:
             f"the image, of {columns} x {rows} pixels"
         )
     return sizes[0], None
+
+
+def _measured(header: Dataset) -> list[list[float]]:
+    """PixelSpacing of all frames together, or of each."""
+    groups = [*_groups(header, "SharedFunctionalGroupsSequence"), *_groups(header, "PerFrameFunctionalGroupsSequence")]
+    measures = [item for group in groups for item in _groups(group, "PixelMeasuresSequence")]
+    return [list(spacing) for item in measures if (spacing := getattr(item, "PixelSpacing", None))]
 
 
 def _box(region: Dataset) -> tuple[int, ...] | None:

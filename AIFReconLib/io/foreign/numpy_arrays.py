@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
-from ...arrays import Numbers, NumberType
 from ...errors import FileFormatError
-from ..disk.regular_files import file_stamp, stamp
-from .images import DecodedImages, ImportedImages, decoding, describe_stack
+from ..sequence.decoded_images import DecodedImages, decoding, frames_in_place
+from .images import ImportedImages, describe_stack
 
 
 def open_numpy(path: Path) -> ImportedImages:
@@ -35,30 +32,9 @@ def open_numpy(path: Path) -> ImportedImages:
             f"{path}: the array must have shape (frames, rows, columns) or (frames, rows, columns, 3); got {array.shape}. Transpose it."
         )
     if array.flags.c_contiguous:
-        frame = _frame_reader(path, array.shape[1:], array.dtype, array.offset)
+        frame = frames_in_place(path, array.shape[1:], array.dtype, array.offset)
     else:
         frame = np.load(path, allow_pickle=False).__getitem__
     count = len(array)
     stack = DecodedImages(count, frame, lambda n: f"{path}, frame {n}")
     return ImportedImages(stack, describe_stack(count, "frames", stack.shape[1:], stack.dtype) + f" in {path.name}")
-
-
-def _frame_reader(path: Path, shape: tuple[int, ...], dtype: NumberType, offset: int) -> Callable[[int], Numbers]:
-    """A function that reads frame n from the file, provided that it is still the one that was opened."""
-    frame_bytes = int(np.prod(shape)) * dtype.itemsize
-    opened = file_stamp(path)
-
-    def read(number: int) -> Numbers:
-        try:
-            with open(path, "rb") as file:
-                same = stamp(os.fstat(file.fileno())) == opened
-                file.seek(offset + number * frame_bytes)
-                data = file.read(frame_bytes)
-                same = same and stamp(os.fstat(file.fileno())) == opened
-        except OSError as error:
-            raise FileFormatError(f"{path}: frame {number} cannot be read ({error.strerror}). Copy the file again.") from error
-        if not same or len(data) != frame_bytes:
-            raise FileFormatError(f"{path}: the file has changed since it was opened. Import it again.")
-        return np.frombuffer(data, dtype).reshape(shape)
-
-    return read

@@ -6,10 +6,18 @@ import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ...errors import FileFormatError
+from ...remedies import Remedy
 from ..disk.regular_files import require_regular_file
+from ..metafile.opening import METAIMAGE_SUFFIXES
+from ..sequence.decoded_images import DecodedImages
+from ..sequence.files import recording_kind
+from ..sequence.metafiles import METAFILES
+from ..sequence.others.unread import refuse_unread
 from .dicom import open_dicom
-from .images import ImportedImages
+from .images import ImportedImages, describe_stack
 from .numpy_arrays import open_numpy
 from .pictures import open_pictures
 from .video import open_video
@@ -26,20 +34,22 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     Parameters
     ----------
     paths : sequence of str or Path
-        Pictures or DICOM files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
+        Pictures, DICOM or MetaImage files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
 
     Raises
     ------
     FileFormatError
         Names the file, and what was expected.
     """
+    _refuse_recordings([Path(path) for path in paths])
     files = _listed([Path(path) for path in paths])
     suffixes = {path.suffix.lower() for path in files}
     kind = next((k for k in _KINDS if suffixes <= set(k[0])), None)
     if kind is None:
+        refuse_unread(files[0])
         known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
         raise FileFormatError(
-            f"{files[0]}: images must all be pictures, DICOM files, one video or one .npy array ({known}); got "
+            f"{files[0]}: images must all be pictures, DICOM or MetaImage files, one video or one .npy array ({known}); got "
             f"{', '.join(sorted(suffixes)) or 'no suffix'}. Give files of one kind."
         )
     return kind[1](files)
@@ -69,6 +79,40 @@ def _listed(paths: list[Path]) -> list[Path]:
     return files
 
 
+def _refuse_recordings(paths: list[Path]) -> None:
+    for path in paths:
+        kind = recording_kind(path)
+        if kind not in (None, METAFILES):
+            raise FileFormatError(f"{path}: this is {kind.name}, which holds images and their poses.", Remedy.OPEN_IT)
+
+
+def _open_metaimages(files: list[Path]) -> ImportedImages:
+    """One image a file, or the images of one recording, with its times."""
+    opened = [METAFILES.read(path, None) for path in files]
+    frames = [(path, recorded, number) for path, recorded in zip(files, opened) for number in range(len(recorded.images))]
+    single = len(frames) == len(files)
+    if not single and (len(files) > 1 or METAFILES.frame_fields(files[0]) is None):
+        path, slices = next((path, len(recorded.images)) for path, recorded in zip(files, opened) if len(recorded.images) > 1)
+        raise FileFormatError(
+            f"{path}: this is a 3D volume of {slices} slices; frames must be 2D. Give one image a file, or all frames as a .npy array."
+        )
+    stack = DecodedImages(
+        len(frames),
+        lambda n: frames[n][1].images[frames[n][2]],
+        lambda n: str(frames[n][0]) + ("" if single else f", frame {frames[n][2]}"),
+    )
+    spacings = {recorded.records[0].stated_spacing for recorded in opened}
+    times = [] if single else [record.timestamp for record in opened[0].records]
+    return ImportedImages(
+        stack,
+        describe_stack(len(frames), "MetaImage frames", stack.shape[1:], stack.dtype),
+        tuple(path.name for path, _, _ in frames) if single else None,
+        np.array(times, dtype=np.float64) if times and None not in times else None,
+        spacings.pop() if len(spacings) == 1 else None,
+        "the files state several" if len(spacings) > 1 else None,
+    )
+
+
 def _only(files: list[Path], what: str) -> Path:
     if len(files) != 1:
         raise FileFormatError(f"{files[1]}: there must be one {what}; got {len(files)} files. Import them one by one.")
@@ -78,6 +122,7 @@ def _only(files: list[Path], what: str) -> Path:
 _KINDS: tuple[tuple[tuple[str, ...], Callable[[list[Path]], ImportedImages]], ...] = (
     (PICTURE_SUFFIXES, open_pictures),
     (DICOM_SUFFIXES, open_dicom),
+    (METAIMAGE_SUFFIXES, _open_metaimages),
     (VIDEO_SUFFIXES, lambda files: open_video(_only(files, "video"))),
     (NUMPY_SUFFIXES, lambda files: open_numpy(_only(files, "array"))),
 )

@@ -1,21 +1,23 @@
-"""Frames from pictures: PNG, JPEG, TIFF (of many pages too), BMP."""
+"""Frames from pictures: PNG, JPEG, TIFF (of many pages too), BMP, each turned as viewers turn it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
 from ...arrays import Numbers
 from ...errors import FileFormatError
 from ..disk.regular_files import file_stamp
+from ..sequence.decoded_images import DecodedImages, decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
 from .bounds import check_picture, check_pixels, check_scans, pieces_of
-from .images import DecodedImages, ImportedImages, decoding, describe_stack, library
+from .images import ImportedImages, describe_stack
+from .tiff import ORIENTATION, is_tiff, tiff_frames
 
-_FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "MPO")
+_FORMATS = ("PNG", "JPEG", "BMP", "MPO")
 """Pillow's names. It goes by the content, whatever the suffix, and would start Ghostscript for PostScript."""
 
 _AS_THEY_ARE = ("L", "I", "F", "RGB", "RGBA", "I;16", "I;16L", "I;16B", "I;16N", "LA")
@@ -30,27 +32,18 @@ def open_pictures(files: list[Path]) -> ImportedImages:
     FileFormatError
         When a file is no picture.
     """
-    image_module = library("PIL.Image", "Pictures")
     opened = {path: file_stamp(path) for path in files}
-    pages = [(path, page) for path in files for page in range(_page_count(image_module, path))]
+    readers = {path: tiff_frames(path) if is_tiff(path) else _picture_frames(path) for path in files}
+    pages = [(path, page) for path in files for page in range(readers[path][0])]
     several = len(pages) > len(files)
 
     def decode(number: int) -> Numbers:
         path, page = pages[number]
-        pixels = decoded(path, page)
+        pixels = readers[path][1](page)
         # Asked afterwards: it may have changed before or meanwhile
         if file_stamp(path) != opened[path]:
             raise FileFormatError(f"{path}: the file has changed since it was opened. Import it again.")
         return pixels
-
-    def decoded(path: Path, page: int) -> Numbers:
-        # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
-        with _readable(path), open(path, "rb") as file, image_module.open(file, formats=_FORMATS) as picture:
-            picture.seek(page)
-            check_pixels(path, picture.width, picture.height, 4)
-            if picture.mode == "1":
-                return np.asarray(picture.convert("L"))
-            return np.asarray(picture if picture.mode in _AS_THEY_ARE else picture.convert("RGB"))
 
     def where(number: int) -> str:
         path, page = pages[number]
@@ -60,19 +53,34 @@ def open_pictures(files: list[Path]) -> ImportedImages:
     kinds = "/".join(sorted({path.suffix[1:].upper() for path in files}))
     what = f"{kinds} {'pages' if several else 'pictures'}"
     names = None if several else tuple(path.name for path, _ in pages)
-    return ImportedImages(stack, describe_stack(len(pages), what, stack.shape[1:], stack.dtype), names)
+    notes = dict.fromkeys(note for _, _, notes in readers.values() for note in notes)
+    return ImportedImages(stack, ", ".join([describe_stack(len(pages), what, stack.shape[1:], stack.dtype), *notes]), names)
 
 
-def _page_count(image_module: ModuleType, path: Path) -> int:
+def _picture_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, ...]]:
+    """How many pages a file has, what reads one, and what is done to it."""
+    pictures, turns = library("PIL.Image", "Pictures"), library("PIL.ImageOps", "Pictures")
+
+    def read(page: int) -> Numbers:
+        # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
+        with _readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
+            picture.seek(page)
+            check_pixels(path, picture.width, picture.height, 4)
+            shown = turns.exif_transpose(picture)
+            if shown.mode == "1":
+                return np.asarray(shown.convert("L"))
+            return np.asarray(shown if shown.mode in _AS_THEY_ARE else shown.convert("RGB"))
+
     with _readable(path), open(path, "rb") as file:
         check_picture(file, path)
         file.seek(0)
-        with image_module.open(file, formats=_FORMATS) as picture:
+        with pictures.open(file, formats=_FORMATS) as picture:
             # One more is refused as any recording of so many frames is
             count = min(int(getattr(picture, "n_frames", 1)), MAXIMUM_FRAMES + 1)
-            if picture.format in ("JPEG", "MPO") or picture.info.get("compression") == "jpeg":
+            if picture.format in ("JPEG", "MPO"):
                 check_scans(pieces_of(file), path, picture.width * picture.height // max(len(picture.tile), 1), count)
-            return count
+            turned = picture.getexif().get(ORIENTATION, 1) in range(2, 9)
+    return count, read, ("turned as they say",) if turned else ()
 
 
 def _readable(path: Path) -> AbstractContextManager[None]:

@@ -15,7 +15,8 @@ import numpy as np
 from ...arrays import Bytes, Floats
 from ...errors import FileFormatError
 from ...message import one_line
-from .images import DecodedImages, ImportedImages, describe_stack, library
+from ..sequence.decoded_images import DecodedImages, library
+from .images import ImportedImages, describe_stack
 
 _ONLY_THIS_FILE = ("-protocol_whitelist", "file", "-format_whitelist", "mov,mp4,avi,matroska,webm,asf")
 """ffmpeg goes by the content, whatever the suffix: without this, a list of other files or addresses would be followed."""

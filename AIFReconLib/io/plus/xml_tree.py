@@ -13,8 +13,8 @@ MAXIMUM_BYTES = 16 * 2**20
 MAXIMUM_DEPTH = 64
 
 
-def parse_xml(path: Path) -> Element:
-    """The root element of an XML file.
+def parse_xml(path: Path, bare_doctype: bool = False) -> Element:
+    """The root element of an XML file. With `bare_doctype` it may say the name of its document type, and nothing else of it.
 
     Raises
     ------
@@ -41,8 +41,9 @@ def parse_xml(path: Path) -> Element:
         depth -= 1
         builder.end(tag)
 
-    def refuse_doctype(*_: object) -> None:
-        raise ConfigurationError(f"{path}: a DOCTYPE declaration is not allowed in a configuration. Remove it.")
+    def refuse_doctype(_name: str, *more: object) -> None:
+        if any(more) or not bare_doctype:
+            raise ConfigurationError(f"{path}: it declares a DOCTYPE, which no configuration of Plus does. Give a Plus configuration file.")
 
     parser = expat.ParserCreate()
     parser.StartElementHandler = start

@@ -15,13 +15,18 @@ from ..plus.configuration import read_plus_configuration
 from .kinds import RecordingKind
 from .metafiles import METAFILES
 from .orientation import parse_orientation
+from .others.custusx import CUSTUSX, refuse_one_frame
+from .others.numpy_archives import NUMPY_ARCHIVES
+from .others.ros import BAGS
+from .others.slicer_bundles import BUNDLES
+from .others.unread import refuse_unread
 from .slicer import place_frames
 from .transforms import pair_transforms
 from .writer import write_sequence
 
 __all__ = ["read_sequence", "write_sequence"]
 
-KINDS = (METAFILES,)
+KINDS = (METAFILES, BUNDLES, NUMPY_ARCHIVES, CUSTUSX, BAGS)
 """Every kind of recording that is read: what chooses files, and what reads or damages them in tests, goes by this table."""
 
 IMAGE_FRAME = "Image"
@@ -32,16 +37,26 @@ def recording_suffixes() -> tuple[str, ...]:
     return tuple(suffix for kind in KINDS for suffix in kind.suffixes)
 
 
+def recording_kind(path: Path) -> RecordingKind | None:
+    """The kind that opens a file of this name, or this folder; None where none does."""
+    if path.is_dir():
+        return next((kind for kind in KINDS if kind.is_folder(path)), None)
+    return next((kind for kind in KINDS if path.suffix.lower() in kind.suffixes), None)
+
+
 def kind_of_recording(path: Path) -> RecordingKind:
-    """The kind that opens a file of this name.
+    """The same.
 
     Raises
     ------
     SequenceFormatError
-        When none does.
+        When none opens it.
     """
-    kind = next((kind for kind in KINDS if path.suffix.lower() in kind.suffixes), None)
+    kind = recording_kind(path)
+    if kind is None and path.is_dir():
+        raise SequenceFormatError(f"{path}: this is a folder, and no recording that is known.", Remedy.IMPORT_IT)
     if kind is None:
+        refuse_unread(path)
         raise SequenceFormatError(f"{path}: its suffix must be one of {', '.join(recording_suffixes())}.", Remedy.IMPORT_IT)
     return kind
 
@@ -60,7 +75,7 @@ def read_sequence(
     Parameters
     ----------
     path : str or Path
-        .mha, .mhd, .nrrd or .nhdr, compressed or not, of Plus or of Slicer.
+        .mha, .mhd, .nrrd or .nhdr of Plus or of Slicer, compressed or not; or a file or folder of another kind in `KINDS`.
     config : str, Path, PlusConfiguration or None
         The Plus configuration it was recorded with, which holds the calibration.
     orientation : str or None
@@ -95,6 +110,7 @@ def read_sequence(
     it is multiplied into those transforms, so that they take pixels here as everywhere. Those of a configuration take pixels as they are.
     """
     path = Path(path)
+    refuse_one_frame(path)
     recorded = kind_of_recording(path).read(path, parse_orientation(orientation) if orientation else None)
     records, notes = recorded.records, recorded.notes
     if transform_sequences:

@@ -52,9 +52,12 @@ class RecordingKind:
         Where the caller knows which way the stored pixels run, that is upper case, as MFA; else None.
     frame_fields : callable of path
         The names of fields that frames have; None for a file of these suffixes that is no recording, but a volume.
+    is_folder : callable of path
+        Whether a folder is one.
     """
 
     name: str
     suffixes: tuple[str, ...]
     read: Callable[[Path, str | None], Recorded]
     frame_fields: Callable[[Path], Set[str] | None]
+    is_folder: Callable[[Path], bool] = lambda _: False

@@ -40,7 +40,7 @@ PACKAGES = {
     "bone": {"onnxruntime"},
     "evaluation": {"matplotlib", "vtk"},
     "inspection": {"vtkmodules"},
-    "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg"},
+    "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg", "rosbags", "tifffile", "lz4", "backports", "compression"},
     "live": {"pyigtl"},
 }
 """What a folder of the library may import of others' besides that."""

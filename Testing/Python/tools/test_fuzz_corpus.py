@@ -24,7 +24,13 @@ from fuzz.target import LONGEST_MESSAGE, Finding, Target, check  # noqa: E402
 from AIFReconLib.errors import FileFormatError  # noqa: E402
 
 INPUTS = read_corpus()
-NEEDED = {"pictures": "PIL", "dicom": "pydicom", "settings-toml": "tomllib"}
+NEEDED = {
+    "pictures": "PIL",
+    "dicom": "pydicom",
+    "tiff": "tifffile",
+    "settings-toml": "tomllib",
+    **dict.fromkeys(("sequence-ros-1", "sequence-mcap", "sequence-ros-2"), "rosbags"),
+}
 
 
 @pytest.fixture

@@ -1,0 +1,261 @@
+"""Descriptions of mechanisms (TOML or JSON), and tables of what their axes read, which together give poses."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+from ...arrays import Floats, Matrix
+from ...errors import AIFReconError, FileFormatError, GeometryError
+from ...geometry.mechanism import FIXED, SHIFT, TURN, Axis, Mechanism
+from ...geometry.transforms import as_matrix, why_not_rigid
+from ...message import listed, said, shorten
+from ..disk.small_files import read_bytes
+from ..disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
+from ..metafile.text_values import NotANumberError
+from .poses.files import MAXIMUM_BYTES, PoseTable
+from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
+from .poses.rotations import PoseFormat
+from .poses.sheet import Sheet, number_in, sheets_of
+from .poses.statuses import statuses_of
+from .poses.times import times_of
+
+METERS = 1000.0
+MOST_AXES = 64
+_BESIDES = (TIME, RECEIVED, IMAGE, STATUS)
+_AXIS = {"name", "kind", "direction", "point", "scale", "zero"}
+_JOINT = {"name", "type", "axis", "xyz", "rpy", "scale", "zero"}
+_OF_URDF = {"prismatic": SHIFT, "revolute": TURN, "continuous": TURN, "fixed": FIXED}
+
+
+def read_mechanism(path: str | Path) -> Mechanism:
+    """The mechanism that a file describes.
+
+    Parameters
+    ----------
+    path : str or Path
+        .toml or .json. Either ``axis``, a list of tables in order from the base to the probe: name, kind (shift or turn), direction, and
+        of a turn the point that it goes through in mm, all in the base and as they lie with all axes at zero. Or ``joint``, a list as URDF
+        has them: name, type (prismatic, revolute, continuous, fixed), axis, xyz in m and rpy in rad. Each may have scale and zero: where
+        the table reads r, it has moved by (r - zero) * scale. And ``home``, the probe's pose when all are at zero: 4 rows of 4 numbers, mm.
+
+    Raises
+    ------
+    FileFormatError
+        Names what is missing, or cannot be used.
+    """
+    path = Path(path)
+    table = _table(path)
+    unknown = set(table) - {"axis", "joint", "home"}
+    lists = [table[name] for name in ("axis", "joint") if name in table]
+    if unknown or len(lists) != 1 or not isinstance(lists[0], list) or not 0 < len(lists[0]) <= MOST_AXES:
+        raise FileFormatError(
+            f"{path}: a mechanism must have a list of axis or of joint (1 to {MOST_AXES}), and may have home; "
+            f"got {shorten(listed(table)) or 'nothing'}."
+        )
+    read = _axis if "axis" in table else _joint
+    axes = []
+    for number, item in enumerate(lists[0]):
+        where = f"{path}: {'axis' if read is _axis else 'joint'} {number + 1}"
+        if not isinstance(item, dict):
+            raise FileFormatError(f"{where} must be a table of names and values. Correct the file.")
+        axes.append(read(where, item))
+    mechanism = Mechanism(tuple(axes), _home(path, table.get("home", np.eye(4))))
+    names = [axis.name.lower() for axis in mechanism.moving]
+    if len(set(names)) < len(names) or not names:
+        raise FileFormatError(f"{path}: its axes must have a name each, and one must move; got {listed(names) or 'none'}.")
+    return mechanism
+
+
+def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | None = None) -> PoseTable:
+    """The poses of what a mechanism carries, from a table with a column for each of its axes, by their names.
+
+    Parameters
+    ----------
+    path : str or Path
+        Columns besides: time, image, status. Without headings the columns are the axes in order, with the time in front or not.
+    mechanism : Mechanism
+    form : PoseFormat
+        Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
+
+    Raises
+    ------
+    FileFormatError
+        Names the line and the column that cannot be used.
+    SettingsError
+        When the times or what the table says of a pose cannot be understood.
+    """
+    path, form = Path(path), form or PoseFormat()
+    data = read_bytes(path, MAXIMUM_BYTES + 1, FileFormatError)
+    if len(data) > MAXIMUM_BYTES or b"\0" in data:
+        raise FileFormatError(f"{path}: this is not a table in text of what the axes read. Give .csv or .txt.")
+    try:
+        sheet = next((sheet for sheet in sheets_of(data.decode("utf-8-sig", "replace")) if sheet.rows), None)
+        if sheet is None:
+            raise FileFormatError("it holds no values of the axes. Give a table with one row per frame.")
+        return _poses(sheet, mechanism, form)
+    except AIFReconError as error:
+        raise type(error)(f"{path}: {said(error)}", error) from None
+
+
+def _poses(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
+    columns = _columns(sheet, mechanism, form)
+    moved, told = [], []
+    for axis in mechanism.moving:
+        place = next(place for place, column in columns.items() if column.role == axis.name.lower())
+        unit, amount = _unit(axis, columns[place], form)
+        readings = [_reading(line, cells, place, columns[place]) for line, cells in sheet.rows]
+        moved.append((np.array(readings) - axis.zero) * axis.scale * amount)
+        told.append(f"{axis.name} ({axis.kind}, {unit})")
+    matrices = mechanism.poses(np.stack(moved, axis=1))
+    times = times_of(columns, sheet.rows, form.time_unit)
+    besides = {column.role: place for place, column in columns.items() if column.role in (IMAGE, STATUS)}
+    words = {role: [cells[place] for _, cells in sheet.rows] for role, place in besides.items()}
+    statuses, of_status = None, []
+    if STATUS in words:
+        has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+        heading = columns[besides[STATUS]].heading
+        statuses, how = statuses_of(words[STATUS], heading, STATUS, has_pose, form.good_statuses)
+        of_status = [how]
+    seconds = times.seconds if times.seconds is not None and np.isfinite(times.seconds).all() else None
+    understood = (f"{len(sheet.rows)}, of a mechanism: {listed(told)}", *times.told, *of_status)
+    return PoseTable(matrices, seconds, tuple(words[IMAGE]) if IMAGE in words else None, statuses, understood, "mm", True)
+
+
+def _unit(axis: Axis, column: Column, form: PoseFormat) -> tuple[str, float]:
+    """In which unit an axis is read, and how much 1 of it is, in mm or radians."""
+    if axis.kind == SHIFT:
+        unit = column.unit if column.unit in LENGTHS else form.length_unit or "mm"
+        return unit, LENGTHS[unit]
+    unit = column.unit if column.unit in ANGLES else form.angle_unit or "deg"
+    return unit, math.pi / 180 if unit == "deg" else 1.0
+
+
+def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, Column]:
+    """What each column holds: an axis under its name in small letters, or time, image, status."""
+    axes = [axis.name.lower() for axis in mechanism.moving]
+    width = len(sheet.rows[0][1])
+    headings = list(form.columns) if form.columns is not None else sheet.headings
+    if headings is None:
+        if width - len(axes) not in (0, 1):
+            raise FileFormatError(
+                f"without headings there must be {len(axes)} columns ({listed(axes)}), or the time in front; got {width}."
+            )
+        headings = [TIME, *axes][len(axes) + 1 - width :]
+    columns = {}
+    for place, (heading, unit) in enumerate(zip(headings, [*sheet.units, *[""] * len(headings)])):
+        bare = re.sub(r"[(\[][^)\]]*[)\]]", "", heading).strip().lower()
+        column = column_of(heading, (), unit)
+        columns[place] = replace(column, role=bare) if bare in axes else column if column.role in _BESIDES else replace(column, role=None)
+    roles = [column.role for column in columns.values()]
+    wrong = next((name for name in axes if roles.count(name) != 1), None)
+    if wrong is not None:
+        raise FileFormatError(f"it must have one column {wrong}, for the axis of this name; got {listed(headings)}. Correct the headings.")
+    for line, cells in sheet.rows:
+        if len(cells) != len(headings):
+            raise FileFormatError(f"line {line} must have {len(headings)} columns; got {len(cells)}. Export it again.")
+    return columns
+
+
+def _reading(line: int, cells: list[str], place: int, column: Column) -> float:
+    try:
+        return number_in(cells[place])
+    except NotANumberError as error:
+        raise FileFormatError(f"line {line}, column {column.heading} must be a number; {error}. Export it again.") from None
+
+
+def _table(path: Path) -> Mapping[str, object]:
+    suffix = path.suffix.lower()
+    if suffix not in (JSON, TOML):
+        raise FileFormatError(f"{path}: a mechanism is described in .toml or .json. Give such a file.")
+    if suffix == TOML and not reads_toml():
+        raise FileFormatError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Describe the mechanism in .json.")
+    data = read_bytes(path, MOST_TOML_BYTES + 1, FileFormatError)
+    try:
+        if len(data) > MOST_TOML_BYTES:
+            raise ValueError(f"it is longer than {MOST_TOML_BYTES} bytes")
+        table = parse_table(data.decode("utf-8-sig"), suffix)
+    except (ValueError, RecursionError) as error:
+        why = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
+        raise FileFormatError(f"{path}: it cannot be read as {suffix[1:].upper()} ({why}). Correct the file.") from None
+    if not isinstance(table, dict):
+        raise FileFormatError(f"{path}: a mechanism is names and values. Correct the file.")
+    return table
+
+
+def _axis(where: str, item: Mapping[str, object]) -> Axis:
+    kind = item.get("kind")
+    if kind not in (SHIFT, TURN):
+        raise FileFormatError(f"{where}: kind must be shift or turn; got {shorten(repr(kind))}.")
+    name = _name(where, item, _AXIS)
+    if (kind == TURN) != ("point" in item):
+        raise FileFormatError(f"{where} ({name}): a turn must have a point that its axis goes through, in mm; a shift must have none.")
+    point = _vector(where, item, "point") if kind == TURN else np.zeros(3)
+    return Axis(name, str(kind), _direction(where, item, "direction"), point, np.eye(4), *_scaled(where, item))
+
+
+def _joint(where: str, item: Mapping[str, object]) -> Axis:
+    """As in URDF: a joint's frame is its origin (xyz, rpy about fixed axes) in that of the one before; its axis is given in its own."""
+    kind = _OF_URDF.get(str(item.get("type")))
+    if kind is None:
+        raise FileFormatError(f"{where}: type must be {listed(_OF_URDF, ' or ')}; got {shorten(repr(item.get('type')))}.")
+    before = np.eye(4)
+    before[:3, 3] = METERS * _vector(where, item, "xyz", np.zeros(3))
+    turned = scipy.spatial.transform.Rotation.from_euler("xyz", _vector(where, item, "rpy", np.zeros(3)))
+    before[:3, :3] = turned.as_matrix()
+    direction = np.array([1.0, 0, 0]) if kind == FIXED or "axis" not in item else _direction(where, item, "axis")
+    return Axis(_name(where, item, _JOINT), kind, direction, np.zeros(3), before, *_scaled(where, item))
+
+
+def _name(where: str, item: Mapping[str, object], known: set[str]) -> str:
+    name = item.get("name")
+    if not isinstance(name, str) or not re.fullmatch(r"[^\s,;]+", name):
+        raise FileFormatError(f"{where}: name must be a word, the heading of its column; got {shorten(repr(name))}.")
+    if unknown := sorted(set(item) - known):
+        raise FileFormatError(f"{where} ({name}): {listed(unknown)} is not known; known are {listed(sorted(known))}.")
+    return name
+
+
+def _vector(where: str, item: Mapping[str, object], key: str, otherwise: Floats | None = None) -> Floats:
+    value = item.get(key, otherwise)
+    numbers = list(value) if isinstance(value, list | np.ndarray) else []
+    if len(numbers) != 3 or not all(_finite(number) for number in numbers):
+        raise FileFormatError(f"{where}: {key} must be three numbers; got {shorten(repr(value))}.")
+    return np.array(numbers, dtype=np.float64)
+
+
+def _direction(where: str, item: Mapping[str, object], key: str) -> Floats:
+    vector = _vector(where, item, key)
+    length = math.hypot(*vector)
+    if not 0 < length < math.inf:
+        raise FileFormatError(f"{where}: {key} must not be 0 0 0.")
+    unit: Floats = vector / length
+    return unit
+
+
+def _scaled(where: str, item: Mapping[str, object]) -> tuple[float, float]:
+    scale, zero = item.get("scale", 1.0), item.get("zero", 0.0)
+    if not _finite(scale) or not _finite(zero) or not scale:
+        raise FileFormatError(f"{where}: scale and zero must be numbers, and scale not 0; got {shorten(repr((scale, zero)))}.")
+    return float(str(scale)), float(str(zero))
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
+
+
+def _home(path: Path, value: object) -> Matrix:
+    try:
+        matrix = as_matrix(np.array(value, dtype=np.float64), "home")
+        reason = why_not_rigid(matrix)
+    except (GeometryError, TypeError, ValueError, OverflowError) as error:
+        raise FileFormatError(f"{path}: home must be 4 rows of 4 numbers, in mm. {shorten(str(error), 200)}") from None
+    if reason:
+        raise FileFormatError(f"{path}: home must be a rotation and a translation; it is {reason}. Correct the numbers.")
+    return matrix

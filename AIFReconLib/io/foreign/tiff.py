@@ -1,0 +1,175 @@
+"""Frames from TIFF files: a page each, or ImageJ's stacks, whose frames lie one after the other behind a single page."""
+
+from __future__ import annotations
+
+import logging
+import struct
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from types import ModuleType
+from typing import IO, TYPE_CHECKING
+
+import numpy as np
+
+from ...arrays import Numbers
+from ...errors import FileFormatError
+from ..sequence.decoded_images import decoding, frames_in_place, library
+from ..sequence.file_images import MAXIMUM_FRAMES
+from .bounds import check_pixels, check_scans, pieces_of
+
+if TYPE_CHECKING:
+    from tifffile import TiffFile, TiffPage
+
+_BEGINNINGS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+_JPEG = (6, 7)
+_DIRECTORIES = {42: ("H", "I", 12, 4), 43: ("Q", "Q", 20, 8)}
+"""Of TIFF and BigTIFF: types of the number of entries and of a place, bytes of an entry, and where the place of the first one stands."""
+MOST_ENTRIES = 4096
+ORIENTATION = 274
+
+
+def is_tiff(path: Path) -> bool:
+    """Whether a file begins as TIFF does, whatever its name."""
+    with open(path, "rb") as file:
+        return file.read(4) in _BEGINNINGS
+
+
+def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, ...]]:
+    """How many frames a file has, what reads one (gray levels or colors as a viewer shows them), and what is done to its first page.
+
+    Raises
+    ------
+    FileFormatError
+        When the file is damaged, its pages follow each other in a circle, or ImageJ says more than the file holds.
+
+    Notes
+    -----
+    White may be zero, which is turned round at any depth; an orientation is followed. The largest of 2 and 4 bits becomes 255.
+    """
+    tifffile = library("tifffile", "TIFF files")
+    # What is wrong is said by an error; it would also be printed
+    logging.getLogger("tifffile").addHandler(logging.NullHandler())
+
+    def page_at(file: IO[bytes], place: int) -> tuple[TiffFile, TiffPage]:
+        file.seek(0)
+        tiff = tifffile.TiffFile(file)
+        tiff.filehandle.seek(place)
+        page = tifffile.TiffPage(tiff, 0)
+        samples = max(int(page.samplesperpixel), 1)
+        check_pixels(path, page.imagewidth, page.imagelength * max(page.imagedepth, 1), -(-page.bitspersample * samples // 8))
+        check_pixels(path, page.tilewidth or 0, (page.tilelength or 0) * max(page.tiledepth, 1), -(-page.bitspersample * samples // 8))
+        if not page.dataoffsets or not all(page.dataoffsets) or not all(page.databytecounts):
+            raise FileFormatError(f"{path}: parts of the page at byte {place} are missing. Export it again.")
+        return tiff, page
+
+    def read(number: int) -> Numbers:
+        with _readable(path), open(path, "rb") as file:
+            _, page = page_at(file, places[number])
+            return _as_shown(tifffile, path, page, page.asarray(squeeze=True, maxworkers=1))
+
+    with _readable(path), open(path, "rb") as file:
+        places = _pages(file, path)
+        tiff, page = page_at(file, places[0])
+        if page.compression in _JPEG:
+            check_scans(pieces_of(file), path, page.imagewidth * page.imagelength // max(len(page.dataoffsets), 1), len(places))
+        done = {
+            "turned as they say": page.tags.valueof(ORIENTATION, default=1) != 1,
+            "white was zero": page.photometric == tifffile.PHOTOMETRIC.MINISWHITE,
+        }
+        notes = tuple(note for note, holds in done.items() if holds)
+        count = _frames_of_imagej(path, tiff.imagej_metadata or {})
+        if len(places) > 1 or count <= 1:
+            return len(places), read, notes
+        return count, _stack_of_imagej(tifffile, path, page, count), notes
+
+
+def _frames_of_imagej(path: Path, said: dict[str, object]) -> int:
+    channels, slices, frames, images = (int(str(said.get(key, 1))) for key in ("channels", "slices", "frames", "images"))
+    # Of channels alone, without slices or frames, each is a frame: tifffile writes stacks so
+    if channels > 1 and slices * frames > 1:
+        raise FileFormatError(f"{path}: ImageJ says that its frames have {channels} channels each. Convert them to gray levels or RGB.")
+    count = max(images, channels * slices * frames)
+    if not 0 <= count <= MAXIMUM_FRAMES:
+        raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames; they must be at most {MAXIMUM_FRAMES}. Save it again.")
+    return count
+
+
+def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: int) -> Callable[[int], Numbers]:
+    """What reads a frame of those that lie behind the only page."""
+    if not page.is_final or page.dtype is None:
+        raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames, of which one can be found. Save it as an image sequence.")
+    dtype = page.dtype.newbyteorder(page.parent.byteorder)
+    shape = tuple(page.shape)
+    start, frame_bytes = page.dataoffsets[0], int(np.prod(shape)) * dtype.itemsize
+    held = (path.stat().st_size - start) // frame_bytes
+    if held < count:
+        raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames, but it ends after {held}. Copy or save it again.")
+    stored = frames_in_place(path, shape, dtype, start)
+
+    def read(number: int) -> Numbers:
+        with _readable(path):
+            return _as_shown(tifffile, path, page, stored(number))
+
+    return read
+
+
+def _pages(file: IO[bytes], path: Path) -> list[int]:
+    """Where the pages begin. tifffile would follow a circle of more than a hundred of them for hours."""
+    beginning = file.read(16)
+    order = "<" if beginning[:2] == b"II" else ">"
+    count_type, place_type, entry, first = _DIRECTORIES[struct.unpack(f"{order}H", beginning[2:4])[0]]
+    size = struct.calcsize(place_type)
+    (place,) = struct.unpack(order + place_type, beginning[first : first + size])
+    places: dict[int, None] = {}
+    while place:
+        if place in places or len(places) > MAXIMUM_FRAMES:
+            raise FileFormatError(f"{path}: its pages follow each other in a circle. Export it again.")
+        places[place] = None
+        file.seek(place)
+        (entries,) = struct.unpack(order + count_type, file.read(struct.calcsize(count_type)))
+        if entries > MOST_ENTRIES:
+            raise FileFormatError(f"{path}: page {len(places) - 1} has {entries} entries, and must have {MOST_ENTRIES} at most.")
+        file.seek(entries * entry, 1)
+        (place,) = struct.unpack(order + place_type, file.read(size))
+    if not places:
+        raise FileFormatError(f"{path}: it holds no page. Export it again.")
+    return list(places)
+
+
+def _as_shown(tifffile: ModuleType, path: Path, page: TiffPage, pixels: Numbers) -> Numbers:
+    """Stored values as gray levels or colors, turned as the file says."""
+    kind = tifffile.PHOTOMETRIC
+    if page.photometric == kind.PALETTE and page.colormap is not None:
+        pixels = (np.moveaxis(page.colormap, 0, -1)[pixels] // 257).astype(np.uint8)
+    elif page.photometric in (kind.MINISWHITE, kind.MINISBLACK):
+        pixels = _gray(path, pixels, int(page.bitspersample), white_is_zero=page.photometric == kind.MINISWHITE)
+    elif page.photometric != kind.RGB and not (page.photometric == kind.YCBCR and page.compression in _JPEG):
+        raise FileFormatError(f"{path}: colors of the kind {kind(page.photometric).name} are not read. Export it as gray levels or RGB.")
+    if pixels.ndim == 3 and int(page.planarconfig) == 2:
+        pixels = np.moveaxis(pixels, 0, -1)
+    return _turned(path, pixels, page.tags.valueof(ORIENTATION, default=1))
+
+
+def _gray(path: Path, pixels: Numbers, bits: int, white_is_zero: bool) -> Numbers:
+    if white_is_zero and pixels.dtype.kind not in "biu":
+        raise FileFormatError(f"{path}: it says that white is zero, which {pixels.dtype} does not tell. Export it with black as zero.")
+    if pixels.dtype.kind == "u":
+        largest = 2**bits - 1
+        pixels = (largest - pixels).astype(pixels.dtype) if white_is_zero else pixels
+        return np.multiply(pixels, 255 // largest, dtype=pixels.dtype) if bits < 8 else pixels
+    return np.invert(pixels) if white_is_zero else pixels
+
+
+def _turned(path: Path, pixels: Numbers, orientation: int) -> Numbers:
+    """An image as the orientation of TIFF 6.0 and EXIF says that it is shown: which edges its first row and column are."""
+    if orientation not in range(1, 9):
+        raise FileFormatError(f"{path}: its orientation must be 1 to 8; got {orientation}. Export it again.")
+    pixels = np.swapaxes(pixels, 0, 1) if orientation > 4 else pixels
+    columns = -1 if orientation in (2, 3, 6, 7) else 1
+    rows = -1 if orientation in (3, 4, 7, 8) else 1
+    return pixels[::rows, ::columns]
+
+
+def _readable(path: Path) -> AbstractContextManager[None]:
+    return decoding(f"{path}: it cannot be read as a picture", "Export it again without compression.")

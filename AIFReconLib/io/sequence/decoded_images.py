@@ -1,0 +1,141 @@
+"""Images that a function decodes one at a time, and what decoders share: optional packages, errors of one line, frames at known places."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import warnings
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from ...arrays import Numbers, NumberType
+from ...errors import AIFReconError, FileFormatError
+from ...imaging.images import luminance
+from ..disk.regular_files import file_stamp, stamp
+from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
+from .images_on_demand import ImagesOnDemand
+
+_INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
+"""What pip calls a package whose import has another name."""
+
+
+class DecodedImages(ImagesOnDemand):
+    """An `ImageStack` over a function that decodes one frame.
+
+    Parameters
+    ----------
+    count : int
+    decode : callable of int
+        The frame as (rows, columns) or (rows, columns, 3 or 4).
+    where : callable of int
+        What to call a frame in a message: its file, and its number in it.
+
+    Notes
+    -----
+    Size and type are those of the first frame; a frame that differs is an error that names it. Colors become luminance.
+    """
+
+    def __init__(self, count: int, decode: Callable[[int], Numbers], where: Callable[[int], str]):
+        self._decode, self._where = decode, where
+        self._last: tuple[int, Numbers] | None = None
+        self.shape: tuple[int, ...] = (count,)
+        self.dtype: NumberType = np.dtype(np.uint8)
+        first = self._gray(0)
+        self.shape, self.dtype = (count, *first.shape), first.dtype
+        if count > MAXIMUM_FRAMES or first.nbytes > MAXIMUM_FRAME_BYTES:
+            raise FileFormatError(f"{where(0)}: {count} frames of {first.nbytes} bytes are beyond the limits. Split the recording.")
+
+    def _image(self, index: int) -> Numbers:
+        image = self._gray(index)
+        if image.shape != self.shape[1:] or image.dtype != self.dtype:
+            raise FileFormatError(
+                f"{self._where(index)}: every frame must have {in_pixels(self.shape[1:], self.dtype)} as the first; got "
+                f"{in_pixels(image.shape, image.dtype)}. Export all frames alike."
+            )
+        return image
+
+    def _gray(self, index: int) -> Numbers:
+        if self._last is not None and self._last[0] == index:
+            return self._last[1].copy()
+        image = np.asarray(self._decode(index))
+        if image.ndim == 3 and image.shape[2] in (1, 2):
+            image = image[..., 0]  # gray, with transparency or without
+        if image.ndim == 3 and image.shape[2] in (3, 4):
+            image = luminance(image)
+        if image.ndim != 2 or not image.size:
+            raise FileFormatError(f"{self._where(index)}: a frame must be an image of gray levels or colors; got shape {image.shape}.")
+        if image.dtype == bool:
+            image = image.astype(np.uint8) * np.uint8(255)
+        if image.dtype.kind not in "iuf" or image.dtype.itemsize > 8 or image.dtype == np.float16:
+            raise FileFormatError(f"{self._where(index)}: pixels must be whole numbers or floats; got {image.dtype}. Convert the images.")
+        image = np.array(image, dtype=image.dtype.newbyteorder("="), order="C")
+        self._last = (index, image)
+        return image.copy()
+
+
+def library(name: str, purpose: str) -> ModuleType:
+    """An optional package, or an error that says how to get it."""
+    package = name.split(".")[0]
+    try:
+        return import_module(name)
+    except ImportError:
+        raise FileFormatError(
+            "{purpose} cannot be read without the Python package {package}. Install it: pip install {package}.".format(
+                purpose=purpose, package=_INSTALLED_AS.get(package, package)
+            )
+        ) from None
+
+
+@contextlib.contextmanager
+def decoding(what: str, advice: str) -> Iterator[None]:
+    """Turn whatever another package's decoder raises into an error of one line.
+
+    Parameters
+    ----------
+    what : Message
+        File, frame and what cannot be done: ``"a.png: it cannot be read as a picture"``.
+    advice : Message
+        What to do.
+
+    Notes
+    -----
+    Decoders meet damaged files with exceptions of every type, and with warnings; here both are the file's fault.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except AIFReconError:
+        raise
+    except Exception as error:
+        raise FileFormatError(f"{what} ({str(error)[:200] or type(error).__name__}). {advice}") from error
+
+
+def frames_in_place(path: Path, shape: tuple[int, ...], dtype: NumberType, offset: int) -> Callable[[int], Numbers]:
+    """A function that reads frame n from the file, provided that it is still the one that was opened."""
+    frame_bytes = int(np.prod(shape)) * dtype.itemsize
+    opened = file_stamp(path)
+
+    def read(number: int) -> Numbers:
+        try:
+            with open(path, "rb") as file:
+                same = stamp(os.fstat(file.fileno())) == opened
+                file.seek(offset + number * frame_bytes)
+                data = file.read(frame_bytes)
+                same = same and stamp(os.fstat(file.fileno())) == opened
+        except OSError as error:
+            raise FileFormatError(f"{path}: frame {number} cannot be read ({error.strerror}). Copy the file again.") from error
+        if not same or len(data) != frame_bytes:
+            raise FileFormatError(f"{path}: the file has changed since it was opened. Open it again.")
+        return np.frombuffer(data, dtype).reshape(shape)
+
+    return read
+
+
+def in_pixels(shape: tuple[int, ...], dtype: NumberType) -> str:
+    """``640 x 480 pixels, uint8``."""
+    return f"{shape[1]} x {shape[0]} pixels, {np.dtype(dtype).name}"

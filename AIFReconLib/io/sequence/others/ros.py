@@ -1,0 +1,211 @@
+"""Bags of ROS 1 (.bag) and 2 (a folder, .mcap, .db3): images with the poses and the tree of transforms that were recorded beside them.
+
+The package rosbags reads the containers; messages are taken by the definitions of ROS itself, not by those that a bag brings along.
+Lengths are meters there (REP 103). A transform of tf takes points of its child frame to its header's frame, and so does a pose, whose own
+frame is called as its topic. Frames of ROS are words of small letters: ``us_probe`` becomes ``UsProbe``.
+"""
+
+from __future__ import annotations
+
+import re
+import weakref
+from collections.abc import Callable, Generator, Mapping, Set
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....arrays import Matrix, Numbers
+from ....errors import SequenceFormatError
+from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ....message import listed
+from ....sweep.frames import FrameRecord
+from ....sweep.pose_tracks import PoseTrack
+from ...disk.regular_files import require_regular_file
+from ..decoded_images import DecodedImages, decoding, library
+from ..file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
+from ..kinds import Recorded, RecordingKind
+from .ros_bounds import bound_chunks, check_mcap
+from .ros_messages import compressed_image, image_of, matrix_of
+
+IMAGES = {"sensor_msgs/msg/Image": image_of, "sensor_msgs/msg/CompressedImage": compressed_image}
+POSE, TRANSFORM = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped"
+TREES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+STILL = "tf_static"
+_MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
+_PURPOSE = "Bags of ROS"
+
+
+@dataclass
+class _Found:
+    """What the messages of a bag say, each with its time in s."""
+
+    images: list[tuple[int, float]] = field(default_factory=list)
+    """When each was written (ns), and its own time."""
+    frame: str = ""
+    tracks: dict[TransformName, list[tuple[float, TransformSample]]] = field(default_factory=dict)
+    still: dict[TransformName, TransformSample] = field(default_factory=dict)
+
+
+class _Bag:
+    """A bag, its messages in order, and its images one at a time; open as long as it is used."""
+
+    def __init__(self, path: Path):
+        first = path.suffix.lower() == ".bag"
+        self.path = path
+        types = library("rosbags.typesys", _PURPOSE)
+        store = types.get_typestore(types.Stores.ROS1_NOETIC if first else types.Stores.ROS2_HUMBLE)
+        if TREES[0] not in store.types:
+            store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TREES[0]))
+        self._decode = store.deserialize_ros1 if first else store.deserialize_cdr
+        for file in [path] if path.is_file() else path.glob("*.mcap"):
+            if file.suffix.lower() == ".mcap":
+                check_mcap(file)
+        self._reader = library("rosbags.rosbag1" if first else "rosbags.rosbag2", _PURPOSE).Reader(path)
+        self._reader.open()
+        if first:
+            bound_chunks(self._reader, path)
+        self._under_way: list[Generator[Any, None, None]] = []
+        weakref.finalize(self, _close, self._reader, self._under_way)
+        self.by_type: dict[str, list[Any]] = {}
+        for connection in self._reader.connections:
+            self.by_type.setdefault(connection.msgtype, []).append(connection)
+        self._next = -1
+
+    def messages(self, connections: list[Any]) -> Generator[tuple[Any, int, Any], None, None]:
+        """Connection, when it was written (ns), and message, from the first on."""
+        return _messages(self._reader, self._decode, connections, None)
+
+    def image(self, connections: list[Any], number: int, written: list[int]) -> Any:
+        """The message of one image; they are read on from the one before."""
+        if number != self._next:
+            first = number
+            while first and written[first - 1] == written[number]:
+                first -= 1
+            _end(self._under_way)
+            self._under_way.append(_messages(self._reader, self._decode, connections, written[number]))
+            for _ in range(number - first):
+                next(self._under_way[0])
+        self._next = number + 1
+        return next(self._under_way[0])[2]
+
+
+def _messages(reader: Any, decode: Callable[[bytes, str], Any], connections: list[Any], start: int | None) -> Generator[Any, None, None]:
+    for connection, written, raw in reader.messages(connections=connections, start=start):
+        yield connection, written, decode(raw, TREES[0] if connection.msgtype in TREES else connection.msgtype)
+
+
+def _end(under_way: list[Generator[Any, None, None]]) -> None:
+    while under_way:
+        under_way.pop().close()
+
+
+def _close(reader: Any, under_way: list[Generator[Any, None, None]]) -> None:
+    _end(under_way)
+    reader.close()
+
+
+def _read(path: Path, orientation: str | None) -> Recorded:
+    if orientation is not None and not orientation.startswith("MF"):
+        raise SequenceFormatError(f"{path}: images of a bag are taken as MF, the marked side on the right, the transducer at the top.")
+    if not path.is_dir():
+        require_regular_file(path, SequenceFormatError)
+    readable = f"{path}: it cannot be read as a bag of ROS"
+    with decoding(readable, "Record or copy it again."):
+        bag = _Bag(path)
+        topics = [connection for kind in IMAGES for connection in bag.by_type.get(kind, ())]
+        names = list(dict.fromkeys(connection.topic for connection in topics))
+        if len(names) != 1:
+            raise SequenceFormatError(
+                f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. "
+                "Write a bag of one: rosbags-convert with --include-topic."
+            )
+        decode = IMAGES[topics[0].msgtype]
+        found = _found(bag, topics)
+        written = [time for time, _ in found.images]
+
+        def image(number: int) -> Numbers:
+            with decoding(f"{path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
+                pixels: Numbers = decode(bag.image(topics, number, written), MAXIMUM_FRAME_BYTES)
+                return pixels
+
+        images = DecodedImages(len(written), image, lambda n: f"{path}, image {n}")
+    records = _records(found)
+    return Recorded(images, records, transforms=found.still, notes=_notes(found))
+
+
+def _found(bag: _Bag, topics: list[Any]) -> _Found:
+    """What all messages say, in one pass."""
+    found = _Found()
+    poses = [connection for kind in (POSE, TRANSFORM, *TREES) for connection in bag.by_type.get(kind, ())]
+    for connection, written, message in bag.messages([*topics, *poses]):
+        if connection.msgtype in IMAGES:
+            found.images.append((written, _time(message.header, written)))
+            found.frame = found.frame or message.header.frame_id
+            if len(found.images) > MAXIMUM_FRAMES:
+                raise SequenceFormatError(f"{bag.path}: it holds more than {MAXIMUM_FRAMES} images. Split the recording.")
+        elif connection.msgtype == POSE:
+            name = _name(re.sub("_?(pose|stamped)", "", connection.topic.rstrip("/").lower()), message.header.frame_id)
+            pose = message.pose
+            _add(found.tracks, name, _time(message.header, written), matrix_of(pose.position, pose.orientation))
+        else:
+            for item in [message] if connection.msgtype == TRANSFORM else message.transforms:
+                name = _name(item.child_frame_id, item.header.frame_id)
+                matrix = matrix_of(item.transform.translation, item.transform.rotation)
+                if connection.topic.strip("/").endswith(STILL):
+                    found.still[name] = _sample(matrix)
+                else:
+                    _add(found.tracks, name, _time(item.header, written), matrix)
+    if not found.images:
+        raise SequenceFormatError(f"{bag.path}: topic {topics[0].topic} holds no image. Record it again.")
+    return found
+
+
+def _add(tracks: dict[TransformName, list[tuple[float, TransformSample]]], name: TransformName, time: float, matrix: Matrix | None) -> None:
+    tracks.setdefault(name, []).append((time, _sample(matrix)))
+
+
+def _sample(matrix: Matrix | None) -> TransformSample:
+    return _MISSING if matrix is None else TransformSample(matrix)
+
+
+def _records(found: _Found) -> list[FrameRecord]:
+    """One for each image, with every transform at its time."""
+    tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
+    return [FrameRecord(time, transforms=_at(tracks, time)) for _, time in found.images]
+
+
+def _at(tracks: Mapping[TransformName, PoseTrack], time: float) -> dict[TransformName, TransformSample]:
+    return {name: _sample(track.at(time)[0]) for name, track in tracks.items()}
+
+
+def _notes(found: _Found) -> tuple[str, ...]:
+    frame = frame_word(found.frame)
+    return (f"Images of this bag are of frame {frame}: a calibration ImageTo{frame} places them.",) if frame else ()
+
+
+def _time(header: Any, written: int) -> float:
+    """When something was measured, in s; when it was written, where that was not said."""
+    nanoseconds = int(header.stamp.sec) * 10**9 + int(header.stamp.nanosec)
+    return (nanoseconds or written) / 1e9
+
+
+def _name(child: str, parent: str) -> TransformName:
+    return TransformName(frame_word(child) or "Child", frame_word(parent) or "World")
+
+
+def frame_word(frame: str) -> str:
+    """``/us_probe`` as `UsProbe`."""
+    return "".join(word[:1].upper() + word[1:] for word in re.findall("[A-Za-z0-9]+", frame))
+
+
+def _frame_fields(_: Path) -> Set[str]:
+    return frozenset()
+
+
+def _is_folder(path: Path) -> bool:
+    return (path / "metadata.yaml").is_file() and any(next(path.glob(f"*{suffix}*"), None) for suffix in (".mcap", ".db3"))
+
+
+BAGS = RecordingKind("a bag of ROS", (".bag", ".mcap", ".db3"), _read, _frame_fields, _is_folder)

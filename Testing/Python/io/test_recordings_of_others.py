@@ -1,0 +1,404 @@
+"""Recordings that other programs wrote: the right images, at the right place and time, and one sentence where that cannot be said."""
+
+from __future__ import annotations
+
+import io
+import re
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from sweeps import rigid
+
+from AIFReconLib import read_sequence
+from AIFReconLib.errors import FileFormatError, SequenceFormatError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.sequence.others import ros_bounds
+from AIFReconLib.io.sequence.others.unread import UNREAD
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.poses import sweep_poses
+
+COUNT, ROWS, COLUMNS = 6, 12, 17
+IMAGES = np.random.default_rng(0).integers(0, 256, (COUNT, ROWS, COLUMNS), np.uint8)
+SPACING = (0.2, 0.3)
+TO_MM = np.diag([0.2, 0.3, 0.25, 1.0])
+
+
+def pose(number: float) -> np.ndarray:
+    """Oblique, and smooth in time."""
+    return rigid((10.0 + 2.0 * number, 25.0, -40.0 + number), (3.0 * number, 40.0, -7.0))
+
+
+POSES = np.array([pose(number) for number in range(COUNT)])
+
+# ---- CustusX
+
+
+def three_rows(matrices) -> str:
+    return "".join(" ".join(f"{value:.12g}" for value in row) + "\n" for matrix in matrices for row in matrix[:3])
+
+
+def acquisition(folder: Path, *, frame_poses=True, tool_times=None, spacing=SPACING, probe=None) -> Path:
+    """What CustusX writes: see its US Acquisition Data File Format."""
+    folder.mkdir(exist_ok=True)
+    base = folder / "US-Acq_1_20260101T120000_Probe"
+    for number, image in enumerate(IMAGES):
+        Path(f"{base}_{number}.raw").write_bytes(image.tobytes())
+        Path(f"{base}_{number}.mhd").write_text(
+            f"ObjectType = Image\nNDims = 3\nElementSpacing = {spacing[0]} {spacing[1]} 1\nDimSize = {COLUMNS} {ROWS} 1\n"
+            f"ElementType = MET_UCHAR\nElementDataFile = {base.name}_{number}.raw\n"
+        )
+    Path(f"{base}.fts").write_text("".join(f"{1700000000000 + 50 * number}\n" for number in range(COUNT)))
+    if frame_poses:
+        Path(f"{base}.fp").write_text(three_rows(POSES))
+    times = np.arange(-1, 2 * COUNT) / 2 if tool_times is None else np.array(tool_times)
+    Path(f"{base}.tts").write_text("".join(f"{1700000000000 + 50 * time:.6f}\n" for time in times))
+    Path(f"{base}.tp").write_text(three_rows([pose(time) for time in times]))
+    if probe is not None:
+        Path(f"{base}.probedata.xml").write_text(f"<!DOCTYPE navnet>\n<navnet><configuration>{probe}</configuration></navnet>\n")
+    return folder
+
+
+def without(base: Path, *patterns: str) -> None:
+    """Remove these files of an acquisition."""
+    for file in [file for pattern in patterns for file in base.parent.glob(pattern)]:
+        file.unlink()
+
+
+PROBE = '<image origin_p="8 -3 0" spacing="0.2 0.3 1" width="17" height="12"/>'
+
+
+def test_an_acquisition_of_custusx_is_read_by_its_folder_and_by_its_times(tmp_path):
+    folder = acquisition(tmp_path / "acquisition")
+    for path in (folder, next(folder.glob("*.fts"))):
+        sequence = read_sequence(path)
+        np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES)
+        np.testing.assert_allclose(np.diff(sequence.timestamps), 0.05, atol=1e-6)
+        np.testing.assert_allclose(sweep_poses(sequence).image_to_reference, POSES @ TO_MM, atol=1e-9)
+
+
+def test_without_poses_of_its_frames_those_of_the_tool_are_taken_at_their_times(tmp_path):
+    """The image in the tool, by the turns and shifts of `ProbeSector::get_tMu` and `get_uMv`, written out."""
+    sequence = read_sequence(acquisition(tmp_path / "a", frame_poses=False, probe=PROBE))
+    height = (ROWS - 1) * 0.3
+    origin_u = np.array([8 * 0.2, (ROWS - 1 + 3) * 0.3, 0.0])
+    turn = np.eye(4)
+    turn[:3, :3] = Rotation.from_euler("x", -90, degrees=True).as_matrix() @ Rotation.from_euler("y", 90, degrees=True).as_matrix()
+    shift, upside_down, below = np.eye(4), np.eye(4), np.eye(4)
+    shift[:3, 3] = -origin_u
+    upside_down[:3, :3] = Rotation.from_euler("x", 180, degrees=True).as_matrix()
+    below[:3, 3] = 0, -height, 0
+    expected = POSES @ turn @ shift @ upside_down @ below @ TO_MM
+    np.testing.assert_allclose(sweep_poses(sequence).image_to_reference, expected, atol=1e-6)
+
+
+def test_frames_that_the_tracker_did_not_see_have_no_pose(tmp_path):
+    """CustusX goes on with the last ones."""
+    sequence = read_sequence(acquisition(tmp_path / "a", tool_times=[-20.0, -19.0, 0.0, 1.0, 2.5]))
+    assert sweep_poses(sequence).usable.tolist() == [0, 1, 2, 3, 4]
+    assert "1 frames that the tracker did not see" in sequence.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda base: Path(f"{base}.fts").write_text("1\n2\n"), r"\.fts: there must be a time for each frame; got 2 for 6 frames"),
+        (lambda base: Path(f"{base}.fts").write_text("1\nx\n"), r"\.fts: it must hold numbers alone; 'x' is not a number"),
+        (lambda base: Path(f"{base}.fp").write_text("1 2 3\n"), r"\.fp: poses must have three rows of four numbers; got 3"),
+        (lambda base: Path(f"{base}.fp").write_text(three_rows(POSES[:2])), r"\.fp: there must be a pose for each frame; got 2"),
+        (lambda base: without(base, "*.fp", "*.tp"), r"\.fp: neither this file nor \.tp and \.tts"),
+        (lambda base: without(base, "*.mhd"), r"_0\.mhd and so on must lie beside it"),
+        (lambda base: Path(f"{base}-2.fts").write_text(""), "2 acquisitions of CustusX"),
+    ],
+)
+def test_an_acquisition_that_is_not_whole_says_what_is_missing(tmp_path, damage, message):
+    folder = acquisition(tmp_path / "a")
+    damage(folder / "US-Acq_1_20260101T120000_Probe")
+    with pytest.raises(SequenceFormatError, match=message):
+        read_sequence(folder)
+
+
+def test_one_frame_of_an_acquisition_is_not_taken_for_a_recording(tmp_path):
+    frame = acquisition(tmp_path / "a") / "US-Acq_1_20260101T120000_Probe_0.mhd"
+    with pytest.raises(SequenceFormatError, match=r"one frame of an acquisition of CustusX\. Give the folder, or US-Acq_1.*\.fts"):
+        read_sequence(frame)
+
+
+def test_what_is_a_recording_already_is_not_imported(tmp_path):
+    with pytest.raises(FileFormatError, match="this is an acquisition of CustusX, which holds images and their poses"):
+        open_images([acquisition(tmp_path / "a")])
+
+
+@pytest.mark.parametrize(("suffixes", "what", "way"), UNREAD)
+def test_what_is_known_and_not_read_is_named_with_the_way_that_there_is(tmp_path, suffixes, what, way):
+    for suffix in suffixes:
+        (tmp_path / f"a{suffix}").write_bytes(b"x")
+        with pytest.raises(SequenceFormatError, match=f"this is {re.escape(what)}, which is not read as it is. {re.escape(way)}"):
+            read_sequence(tmp_path / f"a{suffix}")
+
+
+# ---- archives of NumPy
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_an_archive_of_arrays_is_a_recording(tmp_path, save):
+    save(tmp_path / "a.npz", images=IMAGES, image_to_reference=POSES, spacing=SPACING, timestamps=np.arange(COUNT) / 20)
+    sequence = read_sequence(tmp_path / "a.npz")
+    np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES)
+    np.testing.assert_allclose(sweep_poses(sequence).image_to_reference, POSES @ TO_MM)
+    np.testing.assert_allclose(sequence.timestamps, np.arange(COUNT) / 20)
+
+
+def test_colors_and_other_orders_of_an_archive_are_read(tmp_path):
+    colors = np.asfortranarray(np.repeat(IMAGES[..., None], 3, axis=3))
+    np.savez(tmp_path / "a.npz", images=colors, image_to_reference=POSES @ TO_MM)
+    np.testing.assert_array_equal(np.asarray(read_sequence(tmp_path / "a.npz").images), IMAGES)
+
+
+def edited(path: Path, name: str, edit) -> None:
+    """An archive with one member changed."""
+    with zipfile.ZipFile(path) as archive:
+        members = {info.filename: archive.read(info) for info in archive.infolist()}
+    members[name] = edit(members[name])
+    with zipfile.ZipFile(path, "w") as archive:
+        for member, data in members.items():
+            archive.writestr(member, data)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"frames": IMAGES}, "must hold the arrays images and image_to_reference; got frames"),
+        ({"images": IMAGES, "image_to_reference": POSES[:3]}, r"must have shape \(6, 4, 4\)"),
+        ({"images": IMAGES, "image_to_reference": POSES}, "must take pixels to mm"),
+        ({"images": IMAGES[0], "image_to_reference": POSES}, r"images must have shape \(frames, rows, columns\)"),
+        ({"images": np.array([Path("x")], object), "image_to_reference": POSES}, "must hold numbers; got object"),
+    ],
+)
+def test_an_archive_that_is_no_recording_says_why(tmp_path, arrays, message):
+    np.savez(tmp_path / "a.npz", **arrays)
+    with pytest.raises(SequenceFormatError, match=message):
+        read_sequence(tmp_path / "a.npz")
+
+
+def test_an_array_that_promises_more_than_the_archive_holds_is_refused(tmp_path):
+    np.savez(tmp_path / "a.npz", images=IMAGES, image_to_reference=POSES @ TO_MM)
+    edited(
+        tmp_path / "a.npz", "images.npy", lambda data: data.replace(b"(6, 12, 17)", b"(99999999, 12, 17)").replace(b" " * 7 + b"\n", b"\n")
+    )
+    with pytest.raises(SequenceFormatError, match=r"images\.npy must have 20399999796 bytes of numbers"):
+        read_sequence(tmp_path / "a.npz")
+
+
+# ---- bags of ROS
+
+rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
+START = 1_700_000_000
+FIRST, SECOND = "ros1", "ros2"
+
+
+def ros_types(version):
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC if version == FIRST else Stores.ROS2_HUMBLE)
+    if version == FIRST:
+        store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
+    return store
+
+
+class Bag:
+    """A bag, and what is written into it."""
+
+    def __init__(self, path: Path, storage: str):
+        self.version = FIRST if storage == "bag" else SECOND
+        self.store = ros_types(self.version)
+        if storage == "bag":
+            from rosbags.rosbag1 import Writer
+
+            self.path = path.with_suffix(".bag")
+            self.writer = Writer(self.path)
+        else:
+            from rosbags.rosbag2 import StoragePlugin, Writer
+
+            self.path = path
+            plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
+            self.writer = Writer(path, version=9, storage_plugin=plugin)
+        self.connections: dict[str, Any] = {}
+
+    def make(self, name, *values, **fields):
+        kind = self.store.types[name]
+        return kind(*values, **fields)
+
+    def header(self, seconds, frame):
+        whole, rest = divmod(round(seconds * 1e9), 10**9)
+        stamp = self.make("builtin_interfaces/msg/Time", sec=START + whole, nanosec=rest)
+        extra = {"seq": 0} if self.version == FIRST else {}
+        return self.make("std_msgs/msg/Header", stamp=stamp, frame_id=frame, **extra)
+
+    def write(self, topic, kind, seconds, message):
+        if topic not in self.connections:
+            self.connections[topic] = self.writer.add_connection(topic, kind, typestore=self.store)
+        serialize = self.store.serialize_ros1 if self.version == FIRST else self.store.serialize_cdr
+        # Written a while after it was measured, as networks do
+        self.writer.write(self.connections[topic], round((START + seconds + 0.7) * 1e9), bytes(serialize(message, kind)))
+
+    def moved(self, matrix, kind="Vector3"):
+        x, y, z, w = Rotation.from_matrix(matrix[:3, :3]).as_quat()
+        place = self.make(f"geometry_msgs/msg/{kind}", *(matrix[:3, 3] / 1000))
+        return place, self.make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+
+    def image(self, number, topic="/us/image", encoding="mono8", pixels=None):
+        pixels = IMAGES[number] if pixels is None else pixels
+        message = self.make(
+            "sensor_msgs/msg/Image",
+            header=self.header(0.05 * number, "us_probe"),
+            height=pixels.shape[0],
+            width=pixels.shape[1],
+            encoding=encoding,
+            is_bigendian=0,
+            step=pixels[0].nbytes,
+            data=np.frombuffer(pixels.tobytes(), np.uint8),
+        )
+        self.write(topic, "sensor_msgs/msg/Image", 0.05 * number, message)
+
+    def tree(self, seconds, child, parent, matrix, topic="/tf"):
+        translation, rotation = self.moved(matrix)
+        transform = self.make("geometry_msgs/msg/Transform", translation=translation, rotation=rotation)
+        stamped = self.make(
+            "geometry_msgs/msg/TransformStamped", header=self.header(seconds, parent), child_frame_id=child, transform=transform
+        )
+        self.write(topic, "tf2_msgs/msg/TFMessage", seconds, self.make("tf2_msgs/msg/TFMessage", transforms=[stamped]))
+
+    def pose(self, seconds, frame, matrix, topic="/probe/pose_stamped"):
+        position, orientation = self.moved(matrix, "Point")
+        pose = self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
+        message = self.make("geometry_msgs/msg/PoseStamped", header=self.header(seconds, frame), pose=pose)
+        self.write(topic, "geometry_msgs/msg/PoseStamped", seconds, message)
+
+
+CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ TO_MM
+TO_BASE = rigid((90.0, 0.0, 20.0), (100.0, 20.0, 30.0))
+
+
+@pytest.fixture(params=["bag", "mcap", "sqlite3"])
+def tree_bag(request, tmp_path):
+    """Images of a probe whose place on a robot moves at a rate of its own, under a base that stands still."""
+    bag = Bag(tmp_path / "sweep", request.param)
+    with bag.writer:
+        bag.tree(0.0, "robot", "base", TO_BASE, "/tf_static")
+        for number in range(2 * COUNT + 2):
+            bag.tree(0.025 * number - 0.01, "us_probe", "robot", pose((0.025 * number - 0.01) / 0.05))
+            if number % 2 == 0 and number < 2 * COUNT:
+                bag.image(number // 2)
+    return bag.path
+
+
+def configuration(source, target, matrix):
+    return PlusConfiguration(transforms={TransformName(source, target): TransformSample(matrix)})
+
+
+def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms(tree_bag):
+    sequence = read_sequence(tree_bag, configuration("Image", "UsProbe", CALIBRATION))
+    np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES)
+    np.testing.assert_array_equal(sequence.images[4], IMAGES[4])
+    np.testing.assert_array_equal(sequence.images[1], IMAGES[1])
+    np.testing.assert_allclose(sequence.timestamps - START, 0.05 * np.arange(COUNT), atol=1e-6)
+    poses = sweep_poses(sequence, reference="Base")
+    np.testing.assert_allclose(poses.image_to_reference, TO_BASE @ POSES @ CALIBRATION, atol=0.02)
+    assert "of frame UsProbe" in sequence.notes[0]
+
+
+def test_a_file_of_mcap_is_read_without_its_folder(tmp_path):
+    bag = Bag(tmp_path / "sweep", "mcap")
+    with bag.writer:
+        for number in range(COUNT):
+            bag.image(number)
+            bag.pose(0.05 * number, "tracker", POSES[number])
+    sequence = read_sequence(next(bag.path.glob("*.mcap")), configuration("Image", "Probe", CALIBRATION))
+    poses = sweep_poses(sequence, reference="Tracker")
+    np.testing.assert_allclose(poses.image_to_reference, POSES @ CALIBRATION, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "pixels", "expected"),
+    [
+        ("mono16", IMAGES[0].astype(np.uint16) * 200, IMAGES[0].astype(np.uint16) * 200),
+        ("32FC1", IMAGES[0].astype(np.float32) / 7, IMAGES[0].astype(np.float32) / 7),
+        ("rgb8", np.dstack([IMAGES[0], 0 * IMAGES[0], 0 * IMAGES[0]]), np.rint(0.299 * IMAGES[0]).astype(np.uint8)),
+        ("bgr8", np.dstack([IMAGES[0], 0 * IMAGES[0], 0 * IMAGES[0]]), np.rint(0.114 * IMAGES[0]).astype(np.uint8)),
+    ],
+)
+def test_images_of_several_encodings_are_read(tmp_path, encoding, pixels, expected):
+    bag = Bag(tmp_path / "sweep", "mcap")
+    with bag.writer:
+        bag.image(0, encoding=encoding, pixels=pixels)
+    np.testing.assert_array_equal(read_sequence(bag.path).images[0], expected)
+
+
+def test_compressed_images_are_read(tmp_path):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    bag = Bag(tmp_path / "sweep", "bag")
+    with bag.writer:
+        for number, image in enumerate(IMAGES):
+            file = io.BytesIO()
+            pil.fromarray(image).save(file, "PNG")
+            data = np.frombuffer(file.getvalue(), np.uint8)
+            header = bag.header(0.05 * number, "us")
+            message = bag.make("sensor_msgs/msg/CompressedImage", header=header, format="png", data=data)
+            bag.write("/us/compressed", "sensor_msgs/msg/CompressedImage", 0.05 * number, message)
+    np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
+
+
+def test_a_bag_with_images_of_two_topics_asks_for_one(tmp_path):
+    bag = Bag(tmp_path / "sweep", "mcap")
+    with bag.writer:
+        bag.image(0, "/camera")
+        bag.image(0, "/us/image")
+    with pytest.raises(SequenceFormatError, match="images of one topic; got /camera, /us/image"):
+        read_sequence(bag.path)
+
+
+@pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])
+@pytest.mark.parametrize("content", [b"", b"#ROSBAG V2.0\n", b"\x89MCAP0\r\n" + bytes(200), b"SQLite format 3\0" + bytes(200)])
+def test_what_is_no_bag_is_refused(tmp_path, suffix, content):
+    (tmp_path / f"a{suffix}").write_bytes(content)
+    with pytest.raises(FileFormatError, match="it cannot be read as a bag of ROS"):
+        read_sequence(tmp_path / f"a{suffix}")
+
+
+def test_a_bag_that_is_cut_short_is_refused(tree_bag):
+    file = tree_bag if tree_bag.is_file() else next(file for file in tree_bag.iterdir() if file.suffix in (".mcap", ".db3"))
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    with pytest.raises(FileFormatError, match=r"bag of ROS|cannot be decoded"):
+        np.asarray(read_sequence(tree_bag).images)
+
+
+@pytest.mark.parametrize(("storage", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "zstd")])
+def test_compressed_bags_are_read_and_one_that_would_fill_the_memory_is_refused(tmp_path, monkeypatch, storage, compression):
+    from rosbags.rosbag1 import Writer as First
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode
+
+    bag = Bag(tmp_path / "sweep", storage)
+    if storage == "bag":
+        bag.writer.set_compression(First.CompressionFormat[compression.upper()])
+    else:
+        bag.writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+    with bag.writer:
+        for number in range(COUNT):
+            bag.image(number)
+    np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
+    monkeypatch.setattr(ros_bounds, "MOST_BYTES", 500)
+    with pytest.raises(SequenceFormatError, match=r"its chunk at byte .* unpacks to another size than it says, or to more than 500 bytes"):
+        read_sequence(bag.path)
+
+
+def test_images_of_an_encoding_that_is_not_known_are_named(tmp_path):
+    bag = Bag(tmp_path / "sweep", "mcap")
+    with bag.writer:
+        bag.image(0, encoding="yuv422")
+    with pytest.raises(SequenceFormatError, match="images of the encoding 'yuv422' are not read"):
+        read_sequence(bag.path)
