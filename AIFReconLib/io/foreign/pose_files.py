@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import re
@@ -64,13 +65,14 @@ class PoseTable:
 
 
 def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
-    """The poses in a .csv, .txt, .tsv or .json file.
+    """The poses in a .csv, .txt, .tsv, .json or .npy file.
 
     Parameters
     ----------
     path : str or Path
         Rows of named columns, or of numbers alone: 16 or 12 of a matrix, 4 rows of 4 each, x y z and a quaternion or Euler angles,
-        each with a time in front or not. JSON: a list of poses, or of objects with matrix, or translation and quaternion or euler.
+        each with a time in front or not. NumPy: (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12). JSON: a list of poses, or of objects with
+        matrix, or translation and quaternion or euler.
     form : PoseFormat
         What the file does not say.
 
@@ -82,7 +84,7 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         When a convention is left open.
     """
     path, form = Path(path), form or PoseFormat()
-    text = _text(path)
+    text = _numpy_text(path) if path.suffix.lower() == ".npy" else _text(path)
     rows, understood = _json_rows(path, text) if path.suffix.lower() == ".json" else _text_rows(path, text, form)
     if not rows:
         raise FileFormatError(f"{path}: it holds no poses. Give a file with one pose per frame.")
@@ -112,6 +114,18 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
 
 def _words(rows: list[tuple[str, Row]], name: str) -> tuple[str, ...] | None:
     return tuple(str(row[name]) for _, row in rows) if name in rows[0][1] else None
+
+
+def _numpy_text(path: Path) -> str:
+    """An array of matrices, a line each."""
+    try:
+        array = np.load(io.BytesIO(read_bytes(path, MAXIMUM_BYTES, FileFormatError)), allow_pickle=False)
+        lines = np.asarray(array, np.float64).reshape(len(array), -1) if array.ndim in (2, 3) else np.empty((0, 0))
+    except (ValueError, TypeError, EOFError, OSError) as error:
+        raise FileFormatError(f"{path}: it cannot be read as an array of numbers. Save it with numpy.save.") from error
+    if lines.shape[1] not in (12, 16):
+        raise FileFormatError(f"{path}: poses must be (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12); got {array.shape}.")
+    return "\n".join(" ".join(map(repr, line)) for line in lines.tolist())
 
 
 def _text(path: Path) -> str:
