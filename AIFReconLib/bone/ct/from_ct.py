@@ -124,6 +124,8 @@ def labels_from_ct(
         raise _no_bone(threshold, above)
     if above is None:
         _trim(bone, values, tissue, work.spacing)
+        kept = _pieces(bone, cubic)
+        bone = bone if kept is None else kept
     report(progress, 0.6, "Looking for bone in the CT")
     bone |= _cavities(bone, work.spacing)
     report(progress, 0.8, "Telling vertebrae apart")

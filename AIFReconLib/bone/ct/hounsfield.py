@@ -28,6 +28,9 @@ LEAST_LOW = -50.0
 ABOVE_SOFT, SIGMAS, HIGHEST = 150.0, 6.0, 500.0
 """HU by which bone is at least above soft tissue, in how many widths of its peak, and where the threshold ends at the latest."""
 
+DENSE, MOST_DENSE = 600.0, 0.25
+"""HU of what only bone and metal exceed, and the share of what is no air that they have at most."""
+
 _STEP = 4.0
 
 
@@ -59,9 +62,10 @@ def soft_tissue(values: Numbers) -> SoftTissue:
     middles = edges[:-1] + _STEP / 2
     solid = counts[middles > AIR].sum()
     tissue = counts[(middles > TISSUE[0]) & (middles < TISSUE[1])].sum()
-    if low > LEAST_LOW or tissue < LEAST_TISSUE * solid or high <= ABOVE_SOFT:
+    dense = counts[middles > DENSE].sum()
+    if low > LEAST_LOW or tissue < LEAST_TISSUE * solid or dense > MOST_DENSE * solid or high <= ABOVE_SOFT:
         lies = f"its values run from {low:g} to {high:g}"
-        if low >= 0 and high > 1500:
+        if high > 1000 and (low > LEAST_LOW or dense > MOST_DENSE * solid):
             lies += ", which may be Hounsfield units with 1000 or 1024 added"
         raise GeometryError(f"The CT is not in Hounsfield units: {lies}.", Remedy.HOUNSFIELD)
     return _peak(middles, counts.astype(np.float64))
