@@ -14,15 +14,19 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     # The names below, for editors and type checkers; a test compares
+    from .bone.ct.from_ct import labels_from_ct
     from .bone.echo_bone import bone_from_sweep
     from .bone.map import BoneMap
     from .compounding.own.method import Method, register_method
     from .compounding.reconstructor import Reconstructor
     from .compounding.state import Reconstruction
-    from .errors import AIFReconError
+    from .errors import AIFReconError, DisagreementWarning
     from .evaluation.metrics import evaluate
+    from .geometry.labels import Labels
     from .geometry.transform_graph import TransformGraph
     from .geometry.volume import Volume, VoxelGrid
+    from .guidance.coverage import coverage
+    from .guidance.plan import plan
     from .imaging.beams import ProbeGeometry
     from .imaging.region import ClipRectangle, Fan, ImageRegion
     from .inspection.offset_estimate import estimate_time_offset
@@ -30,7 +34,9 @@ if TYPE_CHECKING:
     from .io.sequence.files import read_sequence
     from .io.sequence.writer import write_sequence
     from .io.transform.files import read_transform
-    from .io.volume.files import read_labels, read_volume, write_volume
+    from .io.volume.dicom_series import read_ct
+    from .io.volume.files import read_volume, write_volume
+    from .io.volume.label_files import read_labels
     from .live.pairing.synchronizer import SynchronizerSettings
     from .live.replay.server import ReplayServer
     from .live.session.session import LiveSession
@@ -47,9 +53,11 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "AIFReconError": "errors",
     "BoneMap": "bone.map",
+    "DisagreementWarning": "errors",
     "Fan": "imaging.region",
     "ClipRectangle": "imaging.region",
     "ImageRegion": "imaging.region",
+    "Labels": "geometry.labels",
     "LabeledBone": "registration.labeled_bone",
     "LiveSession": "live.session.session",
     "Method": "compounding.own.method",
@@ -67,9 +75,13 @@ _PUBLIC = {
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
     "bone_from_sweep": "bone.echo_bone",
+    "coverage": "guidance.coverage",
     "estimate_time_offset": "inspection.offset_estimate",
     "evaluate": "evaluation.metrics",
-    "read_labels": "io.volume.files",
+    "labels_from_ct": "bone.ct.from_ct",
+    "plan": "guidance.plan",
+    "read_ct": "io.volume.dicom_series",
+    "read_labels": "io.volume.label_files",
     "read_plus_configuration": "io.plus.configuration",
     "read_sequence": "io.sequence.files",
     "read_transform": "io.transform.files",
@@ -86,9 +98,11 @@ __all__ = [
     "AIFReconError",
     "BoneMap",
     "ClipRectangle",
+    "DisagreementWarning",
     "Fan",
     "ImageRegion",
     "LabeledBone",
+    "Labels",
     "LiveSession",
     "Method",
     "OpenIGTLinkClient",
@@ -105,8 +119,12 @@ __all__ = [
     "Volume",
     "VoxelGrid",
     "bone_from_sweep",
+    "coverage",
     "estimate_time_offset",
     "evaluate",
+    "labels_from_ct",
+    "plan",
+    "read_ct",
     "read_labels",
     "read_plus_configuration",
     "read_sequence",

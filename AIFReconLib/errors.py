@@ -121,6 +121,10 @@ class OperationCanceled(AIFReconError):
     """The caller's progress function asked to stop. Inputs are untouched."""
 
 
+class DisagreementWarning(UserWarning):
+    """A CT and a sweep that are used together do not agree."""
+
+
 def require_kind(name: str, value: object, kinds: type | tuple[type, ...], advice: str) -> None:
     """Return if `value`, which the caller knows as `name`, is of one of these kinds.
 

@@ -21,14 +21,16 @@ from .compounding.splat_engine import uses_shares
 from .compounding.state import BESIDE, Reconstruction, bytes_per_voxel, part_bytes
 from .errors import NoUsableFramesError
 from .geometry.transforms import pixel_spacing
-from .geometry.volume import VoxelGrid
+from .geometry.volume import Volume, VoxelGrid
 from .holes.automatic import with_limit
 from .imaging.extent import grid_around_sweep
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
-from .provenance.record import input_files, with_origin
+from .provenance.record import input_files, with_origin, with_settings
 from .recipe.recipe import Recipe
+from .registration.comparison import warn_of_disagreement
+from .registration.labeled_bone import LabeledBone
 from .remedies import Remedy
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .sweep.frames import TrackedFrame, TrackedSequence
@@ -210,7 +212,7 @@ def _worked(
 def reconstruct(
     sequence: TrackedSequence | Iterable[TrackedSequence],
     recipe: Recipe | None = None,
-    bone: BoneMap | None = None,
+    bone: BoneMap | LabeledBone | Volume | None = None,
     grid: VoxelGrid | None = None,
     *,
     beside: Collection[str] = BESIDE,
@@ -227,8 +229,9 @@ def reconstruct(
     recipe : Recipe
         What of it says how a file is read (`orientation`, `time_offset`, `longest_gap`) counts where that is read, and what says how a bone
         map is made where that is made.
-    bone : BoneMap or None
-        Needed by methods that weight by incidence.
+    bone : BoneMap, LabeledBone, Volume of labels, or None
+        Needed by methods that weight by incidence. Of labels (in Reference; `LabeledBone` takes the CT's transform) the map is made here:
+        as wide as CT and sweep agree, and a `DisagreementWarning` tells where they do not.
     grid : VoxelGrid or None
         Where to reconstruct; by default the recipe's, else the configuration's box, else the one around the sweep, along Reference's axes.
     beside : names of "score" and "hits"
@@ -248,9 +251,14 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
-    require_kinds(recipe=recipe, bone=bone, grid=grid)
-    sequence = joined(sequence)
+    sequence, labeled = joined(sequence), None
     asked = recipe or Recipe()
+    if isinstance(bone, LabeledBone | Volume):
+        require_kinds(recipe=recipe, grid=grid)
+        labeled = (LabeledBone(bone) if isinstance(bone, Volume) else bone).of_sweep(sequence, asked)
+        bone = labeled.map(asked.method_for(True), part(progress, 0.0, 0.1))
+        progress = part(progress, 0.1, 1.0)
+    require_kinds(recipe=recipe, bone=bone, grid=grid)
     report(progress, 0.0, "Looking at the sweep")
     prepared = _prepare(sequence, asked, bone is not None, grid, beside)
     settings, order, imaging = prepared.settings, prepared.order, prepared.imaging
@@ -275,6 +283,10 @@ def reconstruct(
     logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     result = with_origin(result, imaging, asked, settings, sequence.configuration, input_files(sequence))
+    if labeled is not None:
+        result = with_settings(result, labeled.settings(result.method))
+        result = replace(result, said=(*result.said, *labeled.labels.notes, *labeled.lines(result.method)))
+        warn_of_disagreement(labeled.comparison())
     return replace(
         result,
         said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *result.said),

@@ -20,6 +20,9 @@ class Remedy(Enum):
     BONE_OF_CT = auto()
     TAKE_AS_LABELS = auto()
     TAKE_AS_PROBABILITY = auto()
+    TAKE_AS_CT = auto()
+    HOUNSFIELD = auto()
+    CHOOSE_LABELS = auto()
     PREDICTIONS_FOR_EACH = auto()
     PREDICTED_RECTANGLE = auto()
     PLACE_THE_CT = auto()
@@ -82,6 +85,9 @@ IN_PYTHON = {
     Remedy.BONE_OF_CT: "Give bone=BoneMap.from_labels(...), or no bone.",
     Remedy.TAKE_AS_LABELS: "Divide it by its largest possible value, or give labels to BoneMap.from_labels.",
     Remedy.TAKE_AS_PROBABILITY: "If these are bone probabilities, give them to BoneMap.from_probability.",
+    Remedy.TAKE_AS_CT: "If this is a CT, give it to labels_from_ct.",
+    Remedy.HOUNSFIELD: "Give the CT as the scanner's DICOM files have it, or say which values are bone with labels_from_ct(ct, above=...).",
+    Remedy.CHOOSE_LABELS: "Say which labels are bone with read_labels(path, labels=...).",
     Remedy.PREDICTIONS_FOR_EACH: "Give one for each, in their order.",
     Remedy.PREDICTED_RECTANGLE: "Say with rectangle=(x, y, width, height) which rectangle of the frame they cover.",
     Remedy.PLACE_THE_CT: "Check the transform of the CT.",

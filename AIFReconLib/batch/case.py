@@ -26,13 +26,16 @@ from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.preview import preview
 from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.coverage import Coverage, coverage
 from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.workspace import workspace
 from ..io.transform.files import read_transform, write_transform
-from ..io.volume.files import read_labels, read_volume, write_volume
+from ..io.volume.dicom_series import read_ct
+from ..io.volume.files import write_volume
+from ..io.volume.label_files import read_labels
 from ..message import listed
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
@@ -41,8 +44,9 @@ from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
+from ..terminal.options import labels_from, required_labels
 from ..terminal.recipe_options import load_method_here, recipe_from
-from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_from, grid_from, labeled_bone_from, seen_bone_inputs
+from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_from, bone_inputs, check_bone_options, grid_from
 from ..terminal.remedies import in_columns
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
@@ -165,6 +169,7 @@ class _Work:
         self._report: dict[str, Any] = {}
         self._numbers: Row = {}
         self._notes: list[str] = []
+        self._given = labels_from(self._arguments)
         self._labeled: LabeledBone | None = None
         self._bone: BoneMap | None = None
 
@@ -176,8 +181,11 @@ class _Work:
         if labels is not None:
             self._cover(labels)
         truth = self._truth(labels)
-        self._labeled = labeled_bone_from(self._arguments, self._sequence, self._recipe)
-        if self._labeled is None:
+        check_bone_options(self._arguments)
+        if self._given is not None:
+            self._notes += map(in_columns, self._given.notes)
+            self._labeled = LabeledBone(self._given, self._place(), self._sequence, self._recipe)
+        else:
             self._bone = bone_from(self._arguments, None, self._sequence, self._recipe)
         grid, ct = grid_from(self._arguments), self._ct()
         rows = [self._of_method(method, grid, truth, labels, ct) for method in self._case.methods]
@@ -185,8 +193,7 @@ class _Work:
         return rows
 
     def _register(self) -> None:
-        arguments = self._arguments
-        labels = read_labels(arguments.bone_labels)
+        arguments, labels = self._arguments, required_labels(self._arguments) if self._given is None else self._given
         found = register(
             self._parts, labels, self._ct_to_reference, per_segment=arguments.per_segment, level=arguments.level or 0, recipe=self._recipe
         )
@@ -207,16 +214,21 @@ class _Work:
         """The options with the place that was found, as if it had been given: by files, so that the numbers are those of the files."""
         write_transform(found.transform, self._folder / TRANSFORM)
         self._ct_to_reference = found.transform
-        place: dict[str, Path | None] = {"bone_transform": self._folder / TRANSFORM}
+        place: dict[str, object] = {"bone_transform": self._folder / TRANSFORM}
         if found.segments:
-            write_volume(placed_labels(labels, found.segments.transforms), self._folder / LABELS)
-            place = {"bone_labels": self._folder / LABELS, "bone_transform": None}
+            moved = placed_labels(labels, found.segments.transforms)
+            write_volume(moved, self._folder / LABELS)
+            self._given = Labels(moved.array, moved.ijk_to_reference, {}, self._given.names if self._given else {})
+            place = {"bone_labels": [self._folder / LABELS], "labels": None, "bone_transform": None}
         return argparse.Namespace(**{**vars(self._arguments), **place})
 
     def _labels(self) -> Volume | None:
         """The labels where they lie in Reference."""
-        path, placed = self._arguments.bone_labels, self._arguments.bone_transform
-        return _in_reference(read_labels(path), read_transform(placed) if placed else None) if path else None
+        return None if self._given is None else _in_reference(self._given, self._place())
+
+    def _place(self) -> Matrix | None:
+        placed = self._arguments.bone_transform
+        return read_transform(placed) if placed else None
 
     def _cover(self, labels: Volume) -> None:
         try:
@@ -241,7 +253,7 @@ class _Work:
             return None
 
     def _ct(self) -> Volume | None:
-        return _in_reference(read_volume(self._arguments.ct), self._ct_to_reference) if self._arguments.ct else None
+        return _in_reference(read_ct(self._arguments.ct), self._ct_to_reference) if self._arguments.ct else None
 
     def _of_method(
         self,
@@ -263,8 +275,8 @@ class _Work:
         share = own_memory()
         memory = None if share is None else max(int(share / OVER_PLAN), 1)
         result = reconstruct(self._sequence, recipe, bone, grid, beside=beside, memory=memory)
-        of_bone = [arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
-        result = with_provenance(result, arguments, [*self._sequence_files, *of_bone, *seen_bone_inputs(arguments)], of_map)
+        files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]
+        result = with_provenance(result, arguments, files, of_map)
         stem = result.method.replace(":", "-")
         volume = self._folder / f"{stem}.nrrd"
         result.intensity.write(volume)

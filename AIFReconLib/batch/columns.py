@@ -11,7 +11,7 @@ from typing import NoReturn
 
 from ..compounding.methods.table import is_own_method, method_named
 from ..errors import MethodError, SettingsError
-from ..terminal.one_line_parser import OneLineParser
+from ..terminal.one_line_parser import FilesAction, OneLineParser
 from ..terminal.options import add_beam_option, add_placing_options
 from ..terminal.recipe_options import add_setting
 from ..terminal.reconstruction_options import SIDE_OUTPUTS, add_reconstruction_options
@@ -52,7 +52,6 @@ def case_parser() -> CellParser:
     add_beam_option(parser)
     parser.add_argument("--bone", type=Path, help="true segmentation to measure against, in the frame of bone_labels, which stand in")
     parser.add_argument("--preview", action="store_false", help="no: draw no picture of the volume")
-    parser.add_argument("--ct", type=Path, help="CT to draw beside the volume, in the frame of the labels")
     return parser
 
 
@@ -106,7 +105,7 @@ class Columns:
             return {name: folder / path for name, path in dict(given).items()}  # type: ignore[call-overload]  # of a NamedFileAction
         if action.type is Path:
             several = [folder / each for each in _several(text)]
-            if isinstance(action, argparse._AppendAction):
+            if isinstance(action, argparse._AppendAction | FilesAction):
                 return several
             if len(several) > 1:
                 raise SettingsError(f"{column} takes one file, got {len(several)}.")

@@ -12,6 +12,7 @@ from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
 from ..recipe.recipe import DEFAULT_SPACING
 from ..reconstruction import plan
+from ..terminal.options import labels_inputs, names_labels
 from ..terminal.recipe_options import recipe_from
 from ..terminal.reconstruction_options import seen_source
 from ..terminal.sequence_options import of_each, sequence_from
@@ -113,13 +114,15 @@ def _weight(case: Case) -> float:
 def _of_case(case: Case) -> int:
     """Bytes of the volume and of the bone; 0 of a case that cannot be opened, as its worker will say."""
     arguments = with_method(case.arguments, case.methods[0])
-    has_bone = bool(arguments.bone_labels or arguments.bone_probability or seen_source(arguments))
+    has_bone = bool(names_labels(arguments) or arguments.bone_probability or seen_source(arguments))
     try:
         sequences = [sequence_from(one) for one in of_each(arguments, arguments.sequences)]
         planned = plan(sequences, recipe_from(arguments), has_bone=has_bone).memory
-        if arguments.bone_labels and arguments.bone_labels.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
-            labels = read_metafile(arguments.bone_labels, FileFormatError)
-            planned += PER_LABEL * math.prod(labels.size)
+        largest = 0
+        for path in labels_inputs(arguments):
+            if path.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
+                largest = max(largest, math.prod(read_metafile(path, FileFormatError).size))
+        planned += PER_LABEL * largest
     except (AIFReconError, OSError):
         return 0
     return int(OVER_PLAN * planned)

@@ -22,6 +22,7 @@ from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import said
 from ..recipe.recipe import RULES
+from ..terminal.options import names_labels
 from ..terminal.recipe_options import recipe_from
 from ..terminal.reconstruction_options import check_bone_options, seen_source
 from ..terminal.remedies import in_columns
@@ -260,8 +261,8 @@ class _Reading:
         for name in _OF_REGISTER:
             if values.get(name) and not arguments.register:
                 yield Problem(case.row, name, "it says how a CT is registered. Say yes under register too.")
-        if arguments.register and not arguments.bone_labels:
-            yield Problem(case.row, "register", "a CT is registered by its labels. Name them under bone_labels.")
+        if arguments.register and not names_labels(arguments):
+            yield Problem(case.row, "register", "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct.")
         if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
             yield Problem(case.row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}.")
         try:
@@ -274,7 +275,7 @@ class _Reading:
             source = seen_source(arguments)
             column = "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")
             yield Problem(case.row, column, in_columns(error))
-        has_bone = bool(arguments.bone_labels or arguments.bone_probability or seen_source(arguments))
+        has_bone = bool(names_labels(arguments) or arguments.bone_probability or seen_source(arguments))
         for method in case.methods:
             message = self._why_not_settings(with_method(arguments, method), has_bone)
             if message is not None:

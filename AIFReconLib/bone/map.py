@@ -6,6 +6,7 @@ The recipe for the probability is the paper's; `surface` directions and the insi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..errors import GeometryError
 from ..geometry.box import Box, box_around
 from ..geometry.volume import Volume, VoxelGrid, as_volume
+from ..io.volume.label_files import read_labels
 from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
@@ -64,7 +66,7 @@ class BoneMap(Described):
     @classmethod
     def from_labels(
         cls,
-        labels: Volume | ArrayLike,
+        labels: Volume | ArrayLike | str | Path,
         sigma_voxels: float = SIGMA_VOXELS,
         sigma_mm: float | None = None,
         labels_to_reference: Matrix | None = None,
@@ -76,8 +78,8 @@ class BoneMap(Described):
 
         Parameters
         ----------
-        labels : Volume, or [k, j, i] array_like, of integers or bool
-            Any label above 0 is bone.
+        labels : Volume, path, or [k, j, i] array_like, of integers or bool
+            Any label above 0 is bone. A path is read by `read_labels`.
         sigma_voxels, sigma_mm : float
             Width of the Gaussian, in voxels of `labels` (the paper: 10) or, when given, in mm along every axis.
         labels_to_reference : (4, 4) array or None
@@ -98,7 +100,11 @@ class BoneMap(Described):
         rest is 0 in any case.
         """
         report(progress, 0.0, "Making the bone map")
-        labels = as_volume(labels, ijk_to_reference, "labels")
+        labels = as_volume(read_labels(labels) if isinstance(labels, str | Path) else labels, ijk_to_reference, "labels")
+        if labels.array.dtype.kind == "f" and (labels.array != np.rint(labels.array)).any():
+            raise GeometryError("Input labels must be whole numbers; got fractions.", Remedy.TAKE_AS_PROBABILITY)
+        if labels.array.dtype.kind != "b" and labels.array.min() < 0:
+            raise GeometryError(f"Input labels must not be negative; got {labels.array.min()}.", Remedy.TAKE_AS_CT)
         bone = labels.array > 0
         if not bone.any():
             raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")

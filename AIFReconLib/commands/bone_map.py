@@ -8,11 +8,13 @@ from pathlib import Path
 from ..bone.map import BoneMap
 from ..bone.widths import SIGMA_VOXELS
 from ..errors import SettingsError
-from ..io.volume.files import check_volume_path, read_labels
+from ..io.volume.files import check_volume_path
+from ..progress import part
 from ..recipe.recipe import AUTOMATIC
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.options import Commands, add_labels_options, labels_inputs, refuse_to_overwrite, required_labels
 from ..terminal.reconstruction_options import add_width_options
+from ..terminal.remedies import in_options
 
 
 def add_to(commands: Commands) -> None:
@@ -22,7 +24,14 @@ def add_to(commands: Commands) -> None:
         help="make a bone probability map from a segmentation",
         description="Make the bone probability map that the reconstruction would use, to look at or to reuse with --bone-probability.",
     )
-    parser.add_argument("labels", type=Path, metavar="LABELS", help="segmentation of the CT; any label above 0 is bone")
+    parser.add_argument(
+        "given",
+        type=Path,
+        nargs="?",
+        metavar="LABELS",
+        help="segmentation of the CT: a volume, a model, or a folder of masks",
+    )
+    add_labels_options(parser)
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
     )
@@ -32,13 +41,21 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, smooth, write."""
-    refuse_to_overwrite([arguments.output], [arguments.labels])
+    if arguments.given is not None:
+        arguments.bone_labels = [arguments.given, *(arguments.bone_labels or [])]
+    refuse_to_overwrite([arguments.output], list(labels_inputs(arguments)))
     check_volume_path(arguments.output)
     if arguments.bone_sigma_mm == AUTOMATIC:
         raise SettingsError("--bone-sigma-mm auto compares the CT with a sweep, and there is none. Give a number.")
     voxels = SIGMA_VOXELS if arguments.bone_sigma_voxels is None else arguments.bone_sigma_voxels
     with ProgressBar() as progress:
-        bone = BoneMap.from_labels(read_labels(arguments.labels), voxels, arguments.bone_sigma_mm, progress=progress)
+        labels = required_labels(arguments, part(progress, 0.0, 0.3))
+        bone = BoneMap.from_labels(labels, voxels, arguments.bone_sigma_mm, progress=part(progress, 0.3, 1.0))
         bone.probability.write(arguments.output)
     size = " x ".join(str(n) for n in bone.probability.grid.size)
-    print(f"bone probability on {size} voxels around the labels, 0 elsewhere\n  wrote {arguments.output}")
+    lines = [
+        f"bone probability on {size} voxels around the labels, 0 elsewhere",
+        *map(in_options, labels.notes),
+        f"wrote {arguments.output}",
+    ]
+    print("\n  ".join(lines))

@@ -10,11 +10,11 @@ from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_label_names, read_labels
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
+from ..registration.labeled_bone import LabeledBone
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_beam_option, refuse_to_overwrite
+from ..terminal.options import Commands, add_beam_option, add_labels_options, labels_inputs, refuse_to_overwrite, required_labels
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
@@ -38,7 +38,7 @@ def add_to(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
-    add_labels_options(parser)
+    add_placed_labels_options(parser)
     result = parser.add_argument_group("result")
     result.add_argument(
         "--surface", type=Path, metavar="FILE.vtp", help="also write the bone's surface, with best cosine and frames at its points"
@@ -51,9 +51,9 @@ def add_to(commands: Commands) -> None:
     parser.set_defaults(run=run)
 
 
-def add_labels_options(parser: argparse.ArgumentParser) -> None:
+def add_placed_labels_options(parser: argparse.ArgumentParser) -> None:
     """Labels, and where they belong."""
-    parser.add_argument("--bone-labels", type=Path, required=True, metavar="LABELS", help="segmentation of the CT, one label per vertebra")
+    add_labels_options(parser)
     parser.add_argument(
         "--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it; default: none needed"
     )
@@ -63,26 +63,30 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, follow the beams, say what was met."""
     each = of_each(arguments, arguments.sequences)
     inputs = [path for one in each for path in sequence_inputs(one)]
-    refuse_to_overwrite([arguments.surface, arguments.report], [*inputs, arguments.bone_labels, arguments.bone_transform])
+    refuse_to_overwrite([arguments.surface, arguments.report], [*inputs, *labels_inputs(arguments), arguments.bone_transform])
     if arguments.surface:
         check_surface_path(arguments.surface)
     if arguments.report:
         check_writable(arguments.report)
     with ProgressBar() as progress:
-        labels = read_labels(arguments.bone_labels)
+        labels = required_labels(arguments, part(progress, 0.0, 0.05))
         placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
-        sequences = [sequence_from(one) for one in each]
+        sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
+        labels = LabeledBone(labels, placed, sequences, recipe).labels
         found = coverage(
             sequences,
             labels,
             placed,
-            recipe=recipe_from(arguments),
+            recipe=recipe,
             thickness=arguments.beam_thickness,
-            names=read_label_names(arguments.bone_labels),
             progress=part(progress, 0.05, 0.95),
         )
         written = _write(arguments, found)
-    print("\n".join([*found.lines(), *(f"  {in_options(note)}" for note in found.notes), *(f"  wrote {path}" for path in written)]))
+    print(
+        "\n".join(
+            [*found.lines(), *(f"  {in_options(note)}" for note in (*labels.notes, *found.notes)), *(f"  wrote {path}" for path in written)]
+        )
+    )
 
 
 def _write(arguments: argparse.Namespace, found: Coverage) -> list[Path]:

@@ -22,7 +22,8 @@ from ..guidance.seen import Share
 from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_labels, read_volume
+from ..io.volume.files import read_volume
+from ..io.volume.label_files import read_labels
 from ..message import columns
 from ..progress import part
 from ..recipe.recipe import Recipe

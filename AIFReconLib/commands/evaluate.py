@@ -19,14 +19,24 @@ from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_labels, read_volume
-from ..message import columns
+from ..io.volume.dicom_series import read_ct
+from ..io.volume.files import read_volume
+from ..message import columns, listed
 from ..progress import part
 from ..provenance.settings_files import made_with
 from ..sweep.joined import joined
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_beam_option, real_path, refuse_to_overwrite
+from ..terminal.options import (
+    Commands,
+    add_beam_option,
+    add_labels_options,
+    labels_inputs,
+    real_path,
+    refuse_to_overwrite,
+    required_labels,
+)
 from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_tracking_options, of_each
 
 EXAMPLE = """examples:
@@ -48,23 +58,13 @@ def add_to(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("volumes", type=Path, nargs="+", metavar="VOLUME", help="reconstructed volumes, one row each")
-    parser.add_argument(
-        "--bone",
-        "--bone-labels",
-        type=Path,
-        required=True,
-        metavar="LABELS",
-        help="true segmentation; any label above 0 is bone, one label per vertebra",
-    )
+    add_labels_options(parser, None, "--bone", "--bone-labels", several=False)
     parser.add_argument(
         "--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it; default: none needed"
     )
     parser.add_argument("--mask", type=Path, metavar="VOLUME", help="0 where nothing was measured (default: where a volume is 0)")
     parser.add_argument("--csv", type=Path, metavar="FILE", help="also write every number here")
     parser.add_argument("--report", type=Path, metavar="FILE.html", help="also write a page with numbers, definitions and provenance")
-    parser.add_argument(
-        "--ct", type=Path, metavar="VOLUME", help="CT in the frame of the labels, for the report to show beside the volumes"
-    )
     sweep = parser.add_argument_group("sweep", "decides which bone the beams could reach; without one all bone in the volume counts")
     sweep.add_argument(
         "--sweep",
@@ -83,7 +83,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, measure, print, write."""
     of_sweep = [*arguments.sweep, *(arguments.config or [])]
-    inputs = [*arguments.volumes, arguments.bone, arguments.bone_transform, arguments.ct, arguments.mask, *of_sweep]
+    inputs = [*arguments.volumes, *labels_inputs(arguments), arguments.bone_transform, arguments.mask, *of_sweep]
     outputs = [path for path in (arguments.csv, arguments.report) if path]
     refuse_to_overwrite(outputs, inputs)
     for path in outputs:
@@ -92,16 +92,15 @@ def run(arguments: argparse.Namespace) -> None:
         raise SettingsError(f"Input --beam-thickness must be positive mm; got {arguments.beam_thickness:g}.")
     if arguments.config and not arguments.sweep:
         raise SettingsError("--config describes a sweep, and there is none. Give --sweep SEQUENCE.")
-    if arguments.ct and not arguments.report:
-        raise SettingsError("--ct is for the figure of a report, and there is none. Give --report FILE.html.")
-    if arguments.ct:
+    if arguments.ct and arguments.report:
         require_matplotlib()
     results: dict[str, BoneMetrics] = {}
     shown: dict[str, Volume] = {}
     with ProgressBar() as progress:
         beams = _beams(arguments) if arguments.sweep else None
         to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
-        labels = _placed(read_labels(arguments.bone), to_reference)
+        given = required_labels(arguments, part(progress, 0.0, 0.05))
+        labels = _placed(given, to_reference)
         mask = read_volume(arguments.mask) if arguments.mask else None
         truth = bone_truth(labels, beams, progress=part(progress, 0.05, 0.6))
         for number, (name, path) in enumerate(unique_names(arguments.volumes).items()):
@@ -117,12 +116,12 @@ def run(arguments: argparse.Namespace) -> None:
                         f"{path}: no bone surface that the sweep reaches lies where it was measured. Check --bone-transform and the files."
                     )
                 raise GeometryError(f"{path}: no bone surface lies where it was measured. Check --bone-transform and the files.")
-            if arguments.ct:
+            if arguments.ct and arguments.report:
                 shown[name] = volume
         figure = None
-        if arguments.ct:
+        if arguments.ct and arguments.report:
             progress(0.9, "Drawing")
-            ct = _placed(read_volume(arguments.ct), to_reference)
+            ct = _placed(read_ct(arguments.ct), to_reference)
             center = within_spinous_process(truth.surface, next(iter(shown.values())).grid)
             figure = comparison_png(ct, shown, center, bone=labels, mask=mask)
     frames = len(beams.image_to_reference) if beams else None
@@ -134,8 +133,8 @@ def run(arguments: argparse.Namespace) -> None:
     print(columns(table(results)))
     print(f"\n  {achieved(results, frames)}")
     print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
-    for path in outputs:
-        print(f"  wrote {path}")
+    for line in (*map(in_options, given.notes), *(f"wrote {path}" for path in outputs)):
+        print(f"  {line}")
 
 
 def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
@@ -163,7 +162,10 @@ def _placed(volume: Volume, to_reference: Matrix | None) -> Volume:
 def _report(
     arguments: argparse.Namespace, results: dict[str, BoneMetrics], frames: int | None, inputs: list[Path | None], figure: bytes | None
 ) -> Report:
-    facts = {"Bone": arguments.bone.name, "Registration": arguments.bone_transform.name if arguments.bone_transform else "none needed"}
+    facts = {
+        "Bone": listed(path.name for path in arguments.bone_labels or [arguments.ct]),
+        "Registration": arguments.bone_transform.name if arguments.bone_transform else "none needed",
+    }
     facts["Measured"] = f"where {arguments.mask.name} is not 0" if arguments.mask else "where a volume is not 0"
     if frames is not None:
         facts["Sweep"] = f"{', '.join(path.name for path in arguments.sweep)}, {frames} frames with a pose"

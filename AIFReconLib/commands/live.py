@@ -35,9 +35,9 @@ from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
     add_reconstruction_options,
     bone_from,
+    bone_inputs,
     grid_from,
     labeled_bone_from,
-    seen_bone_inputs,
 )
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_tracking_options
@@ -130,8 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
         if value is not None and not value > 0:
             raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
-    inputs = [arguments.config, arguments.bone_labels, arguments.bone_probability, arguments.bone_transform, arguments.importance_mask]
-    inputs += seen_bone_inputs(arguments)
+    inputs = [arguments.config, *bone_inputs(arguments), arguments.importance_mask]
     of_the_run = [*outputs.values(), arguments.preview, arguments.record, predictions_path(arguments), arguments.save_settings]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
     check_preview(arguments.preview)
@@ -158,9 +157,9 @@ def run(arguments: argparse.Namespace) -> int:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
-        drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
+        drawn = [*write_preview(result, arguments, labeled.in_reference() if labeled else None), *save_settings(result, arguments)]
     files = [path for path in (*outputs.values(), *drawn) if path]
-    width = labeled.lines(result.method) if labeled and method_named(result.method).needs_bone else []
+    width = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled and method_named(result.method).needs_bone else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
     for line in filter(
         None, [*_what_else(statistics, client.statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]

@@ -8,28 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arrays import Floats
 from ..errors import SettingsError
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.plan_figure import plan_figure
 from ..geometry.transforms import invert, transform_points
-from ..guidance.bone import GuidedBone, guided_bone
-from ..guidance.coverage import bone_before, covered
-from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, plan_scan
-from ..guidance.probe import ProbeImages, ProbeOnBack, Skin, images_like
+from ..guidance.bone import GuidedBone
+from ..guidance.coverage import covered
+from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, plan_scan
+from ..guidance.probe import ProbeOnBack
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_label_names, read_labels
 from ..message import columns
-from ..progress import Progress, part, report
-from ..resolve import resolve_imaging
-from ..sweep.poses import sweep_poses
+from ..progress import part
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.options import Commands, labels_inputs, refuse_to_overwrite, required_labels
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
-from .coverage import add_labels_options
+from .coverage import add_placed_labels_options
 from .preview import check_preview
 
 EXAMPLE = """examples:
@@ -53,7 +49,7 @@ def add_to(commands: Commands) -> None:
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add_labels_options(parser)
+    add_placed_labels_options(parser)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="PLAN.json", help="where to write the passes and their poses")
     parser.add_argument(
         "--target",
@@ -83,7 +79,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, plan, write, and say what each pass adds."""
     arguments.sequence = arguments.probe_like
     inputs = sequence_inputs(arguments) if arguments.probe_like else [arguments.config]
-    refuse_to_overwrite([arguments.output, arguments.preview], [*inputs, arguments.bone_labels, arguments.bone_transform])
+    refuse_to_overwrite([arguments.output, arguments.preview], [*inputs, *labels_inputs(arguments), arguments.bone_transform])
     if arguments.frames < 1:
         raise SettingsError(f"Input frames must be 1 or more; got {arguments.frames!r}. Give --frames N.")
     check_writable(arguments.output)
@@ -91,7 +87,11 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.preview:
         require_matplotlib()
     with ProgressBar() as progress:
-        bone, probe, notes = _patient(arguments, part(progress, 0.0, 0.1))
+        labels = required_labels(arguments, part(progress, 0.0, 0.05))
+        placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        like = sequence_from(arguments) if arguments.probe_like else None
+        bone, probe, assumed = patient_and_probe(labels, placed, like, recipe_from(arguments), part(progress, 0.05, 0.1))
+        notes = (*labels.notes, *assumed)
         plan = plan_scan(bone, probe, arguments.target, arguments.frames, arguments.candidates, progress=part(progress, 0.1, 0.95))
         write_text(arguments.output, json.dumps(plan.to_dict()) + "\n")
         written = [arguments.output]
@@ -107,39 +107,6 @@ def run(arguments: argparse.Namespace) -> None:
             ]
         )
     )
-
-
-def _patient(arguments: argparse.Namespace, progress: Progress | None) -> tuple[GuidedBone, ProbeOnBack, tuple[str, ...]]:
-    """The bone, the probe on its back, and what was assumed."""
-    report(progress, 0.0, "Finding the bone surface")
-    labels, names = read_labels(arguments.bone_labels), read_label_names(arguments.bone_labels)
-    placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
-    if not arguments.probe_like:
-        bone = guided_bone(labels, placed, names=names)
-        assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
-        return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
-    sequence, recipe = sequence_from(arguments), recipe_from(arguments)
-    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
-    usable = poses.image_to_reference[poses.require_usable(sequence.name)]
-    imaging = resolve_imaging(sequence, poses, True, recipe)
-    looks = usable[:, :3, 1] / np.linalg.norm(usable[:, :3, 1], axis=1)[:, None]
-    bone, notes = bone_before(labels, placed, looks.mean(axis=0), names)
-    images = images_like(usable[0], sequence.frame_size, imaging.known_probe(), imaging.region)
-    skin, more = _skin(bone, transform_points(invert(bone.patient_to_reference), images.faces(usable)))
-    return bone, ProbeOnBack(images, skin, bone.patient_to_reference), (*notes, *more)
-
-
-FAR = 80.0
-"""mm from the estimated skin beyond which a face was on something else."""
-
-
-def _skin(bone: GuidedBone, faces_patient: Floats) -> tuple[Skin, tuple[str, ...]]:
-    """The skin that faces were on, where that is this patient's."""
-    estimate = Skin.over(bone)
-    off = np.abs(estimate.at(faces_patient[:, 0], faces_patient[:, 2]) - faces_patient[:, 1])
-    if np.median(off) > FAR or np.abs(np.median(faces_patient[:, [0, 2]], axis=0)).max() > 2 * FAR:
-        return estimate, ("the recording is of another place: the skin is taken to lie 15 mm behind the spinous processes",)
-    return Skin.through(faces_patient), ()
 
 
 def _lines(plan: ScanPlan) -> list[str]:

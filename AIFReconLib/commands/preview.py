@@ -13,9 +13,11 @@ from ..evaluation.preview import preview
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_labels, read_volume
+from ..io.volume.dicom_series import read_ct
+from ..io.volume.files import read_volume
 from ..terminal.console import ProgressBar, program, shell_words
-from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite
+from ..terminal.remedies import in_options
 
 
 def add_to(commands: Commands) -> None:
@@ -28,10 +30,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("volume", type=Path, metavar="VOLUME", help="a reconstruction")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.png", help="where to draw")
-    parser.add_argument(
-        "--bone-labels", "--labels", type=Path, metavar="LABELS", help="segmentation of the CT: its outline is drawn, and says where to cut"
-    )
-    parser.add_argument("--ct", type=Path, metavar="CT", help="CT to show beside, in the frame of the labels")
+    add_labels_options(parser.add_argument_group("bone", "its outline is drawn, and says where to cut; a CT is shown beside"))
     parser.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference of both; default: none needed")
     parser.add_argument("--mask", type=Path, metavar="MASK", help="0 where nothing was scanned (default: where the volume is 0)")
     parser.set_defaults(run=run)
@@ -54,7 +53,10 @@ def check_preview(path: Path | None) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, draw, write."""
-    inputs = [arguments.volume, arguments.bone_labels, arguments.ct, arguments.bone_transform, arguments.mask]
+    if arguments.labels and not arguments.bone_labels and Path(arguments.labels).exists():
+        # What --bone-labels was called here once
+        arguments.bone_labels, arguments.labels = [Path(arguments.labels)], None
+    inputs = [arguments.volume, *labels_inputs(arguments), arguments.bone_transform, arguments.mask]
     refuse_to_overwrite([arguments.output], inputs)
     check_preview(arguments.output)
     if arguments.bone_transform and not (arguments.bone_labels or arguments.ct):
@@ -65,28 +67,24 @@ def run(arguments: argparse.Namespace) -> None:
         mask = read_volume(arguments.mask) if arguments.mask else None
         if mask is not None and not mask.grid.matches(volume.grid):
             raise GeometryError(f"{arguments.mask}: must have the voxels of {arguments.volume}. Give its own mask.")
-        labels = placed_labels_of(arguments)
-        ct = _placed(read_volume(arguments.ct), arguments) if arguments.ct else None
+        given = labels_from(arguments, progress)
+        labels = None if given is None else _placed(given, arguments)
+        ct = _placed(read_ct(arguments.ct), arguments) if arguments.ct else None
         progress(0.5, "Drawing")
         preview(volume, mask, labels, ct, arguments.volume.name).write(arguments.output)
-    print(f"wrote {arguments.output}")
-
-
-def placed_labels_of(arguments: argparse.Namespace) -> Volume | None:
-    """The labels that --bone-labels names, in Reference."""
-    return _placed(read_labels(arguments.bone_labels), arguments) if arguments.bone_labels else None
+    print("\n  ".join([f"wrote {arguments.output}", *map(in_options, () if given is None else given.notes)]))
 
 
 def _placed(volume: Volume, arguments: argparse.Namespace) -> Volume:
     return volume.placed_by(read_transform(arguments.bone_transform)) if arguments.bone_transform else volume
 
 
-def write_preview(result: Reconstruction, arguments: argparse.Namespace) -> list[Path]:
-    """Draw what --preview asks for; the answer is the file, if any."""
+def write_preview(result: Reconstruction, arguments: argparse.Namespace, labels: Volume | None) -> list[Path]:
+    """Draw what --preview asks for, with labels in Reference; the answer is the file, if any."""
     if not arguments.preview:
         return []
     title = f"{arguments.output.name}: {result.method}, {result.frames_inserted} frames"
-    preview(result.intensity, result.mask, placed_labels_of(arguments), title=title).write(arguments.preview)
+    preview(result.intensity, result.mask, labels, title=title).write(arguments.preview)
     return [arguments.preview]
 
 
@@ -95,8 +93,10 @@ def how_to_look(arguments: argparse.Namespace) -> list[str]:
     if arguments.preview or not sys.stdout.isatty():
         return []
     words = ["preview", str(arguments.output)]
-    for option in ("bone_labels", "bone_transform"):
-        if arguments.bone_labels and getattr(arguments, option):
-            words += [f"--{option.replace('_', '-')}", str(getattr(arguments, option))]
+    if names_labels(arguments):
+        words += [word for path in arguments.bone_labels or [] for word in ("--bone-labels", str(path))]
+        for option in ("labels", "ct", "bone_above", "bone_space", "bone_transform"):
+            given = getattr(arguments, option, None)
+            words += [f"--{option.replace('_', '-')}", str(given)] if given else []
     words += ["--output", str(arguments.output.with_name(arguments.output.name.partition(".")[0] + ".png"))]
     return [f"to look at it: {program()} {shell_words(words)}"]

@@ -14,11 +14,11 @@ from ..guidance.coverage import coverage
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
-from ..io.transform.files import read_transform
-from ..io.volume.files import check_volume_path, read_label_names, read_labels
+from ..io.volume.files import check_volume_path
 from ..progress import part
 from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
+from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
@@ -30,9 +30,9 @@ from ..terminal.reconstruction_options import (
     add_memory_option,
     add_reconstruction_options,
     bone_from,
+    bone_inputs,
     grid_from,
     labeled_bone_from,
-    seen_bone_inputs,
 )
 from ..terminal.remedies import IN_OPTIONS, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
@@ -45,7 +45,18 @@ EXAMPLE = """examples:
       --bone-transform CTToReference.tfm --output volume.nrrd
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
-FIRST_OPTIONS = ("config", "bone_labels", "bone_transform", "bone_from_sweep", "method", "spacing", "grid_like", "hole_limit", "preview")
+FIRST_OPTIONS = (
+    "config",
+    "bone_labels",
+    "ct",
+    "bone_transform",
+    "bone_from_sweep",
+    "method",
+    "spacing",
+    "grid_like",
+    "hole_limit",
+    "preview",
+)
 """What most need, here and in a live scan."""
 
 
@@ -87,11 +98,8 @@ def run(arguments: argparse.Namespace) -> None:
     each = of_each(arguments, arguments.sequences)
     inputs = [
         *(path for one in each for path in sequence_inputs(one)),
-        arguments.bone_labels,
-        arguments.bone_probability,
-        arguments.bone_transform,
+        *bone_inputs(arguments),
         arguments.importance_mask,
-        *seen_bone_inputs(arguments),
     ]
     of_the_run = [*outputs.values(), arguments.preview, arguments.report, arguments.save_settings]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
@@ -104,8 +112,8 @@ def run(arguments: argparse.Namespace) -> None:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
-        labeled = labeled_bone_from(arguments, sequence, recipe)
-        bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.0, 0.1))
+        labeled = labeled_bone_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
+        bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.05, 0.1))
         result = reconstruct(
             sequence,
             recipe,
@@ -119,30 +127,29 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
-        drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
+        drawn = [*write_preview(result, arguments, labeled.in_reference() if labeled else None), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
-        lines = labeled.lines(result.method) if labeled is not None and method_named(result.method).needs_bone else []
+        uses_bone = labeled is not None and method_named(result.method).needs_bone
+        lines = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled is not None and uses_bone else []
     agreement = list(map(in_options, lines))
     tracking = {
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, recipe.image_to_reference, recipe.reference), result, number)
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.sweeps, strict=True))
     }
     if arguments.report:
-        said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(arguments, sequence, recipe)}
+        said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
         write_text(arguments.report, json.dumps(said, indent=2) + "\n")
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
 
 
-def _met(arguments: argparse.Namespace, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
+def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
     """What the sweep met of the labeled bone, for the report; nothing without labels, or where the beams are not known."""
-    if not arguments.bone_labels:
+    if labeled is None:
         return {}
-    placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     try:
-        names = read_label_names(arguments.bone_labels)
-        found = coverage(sequence, read_labels(arguments.bone_labels), placed, recipe=recipe, names=names)
+        found = coverage(sequence, labeled.labels, labeled.labels_to_reference, recipe=recipe)
     except (BeamGeometryError, GeometryError) as problem:
         return {"coverage": None, "coverage_problem": str(problem)}
     return {"coverage": found.to_dict()}

@@ -7,18 +7,27 @@ import json
 from pathlib import Path
 
 from ..errors import RegistrationRefused
+from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform, write_transform
-from ..io.volume.files import check_volume_path, read_labels, write_volume
+from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
 from ..progress import part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_placing_options, refuse_to_overwrite
+from ..terminal.options import (
+    Commands,
+    add_labels_options,
+    add_placing_options,
+    labels_inputs,
+    refuse_to_overwrite,
+    required_labels,
+)
 from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 
 EXAMPLE = """examples:
@@ -40,7 +49,7 @@ def add_to(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
-    parser.add_argument("--bone-labels", type=Path, required=True, metavar="LABELS", help="segmentation of the CT, one label per vertebra")
+    add_labels_options(parser)
     parser.add_argument(
         "-o",
         "--output",
@@ -78,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
     outputs = [arguments.output, *arguments.labels_output, arguments.report, arguments.preview]
     each = of_each(arguments, arguments.sequences)
     inputs = [path for one in each for path in sequence_inputs(one)]
-    refuse_to_overwrite(outputs, [*inputs, arguments.bone_labels, arguments.bone_transform])
+    refuse_to_overwrite(outputs, [*inputs, *labels_inputs(arguments), arguments.bone_transform])
     for path in (arguments.output, arguments.report, arguments.preview):
         if path:
             check_writable(path)
@@ -89,7 +98,7 @@ def run(arguments: argparse.Namespace) -> None:
 
         require_matplotlib()
     with ProgressBar() as progress:
-        labels = read_labels(arguments.bone_labels)
+        labels = required_labels(arguments, part(progress, 0.0, 0.05))
         start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         sequences = [sequence_from(one) for one in each]
         found = register(
@@ -102,7 +111,7 @@ def run(arguments: argparse.Namespace) -> None:
             progress=part(progress, 0.05, 0.95),
         )
         written = _write(arguments, found, labels)
-    lines = [found.agreement.sentence(), *_findings(found)]
+    lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels)]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
         raise RegistrationRefused(f"No transform is written. {found.said}", found.said)
@@ -141,13 +150,14 @@ def _placed(found: Registration, labels: Volume) -> Volume:
     return placed_labels(labels, found.segments.transforms) if found.segments else labels.placed_by(found.transform)
 
 
-def _findings(found: Registration) -> list[str]:
+def _findings(found: Registration, labels: Labels) -> list[str]:
     """What else a user should know, one line each."""
     lines = []
     if found.moved is not None:
         lines.append(f"moved by {found.moved:.1f} mm from the start")
     lines += [
-        f"label {label}: {own.agreement:.0%} of {own.echoes:,} echoes agree" for label, own in sorted(found.agreement.per_label.items())
+        f"{labels.called(label)}: {own.agreement:.0%} of {own.echoes:,} echoes agree"
+        for label, own in sorted(found.agreement.per_label.items())
     ]
     if found.uncertain:
         lines.append("not determined by this sweep: " + "; ".join(found.uncertain))

@@ -28,6 +28,7 @@ from ..arrays import Floats, Integers, Mask, Numbers, Singles
 from ..errors import GeometryError, require_kind
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
+from ..registration.comparison import compared, warn_of_disagreement
 from ..sweep.frames import TrackedSequence
 from .quantities import NEAR, SHADOW_FROM_SURFACE, SPECKLE_BLOCK, SPECKLE_FROM_BONE, STANDS_OUT, TISSUE, BoneMetrics, SurfaceMetrics
 from .statistics import exceeds, mean_std, median, ratio
@@ -71,7 +72,8 @@ def evaluate(
     mask : Volume or None
         Not 0 where voxels were measured or filled, on the same voxels. Without one, voxels of exactly 0 count as empty.
     sweep : TrackedSequence, several, or None
-        Decides which bone counts: what its beams could reach. Without one, or with a truth, which has its own, all that was measured.
+        Decides which bone counts: what its beams could reach. A `DisagreementWarning` tells where its bone lies elsewhere. Without one, or
+        with a truth, which has its own, all that was measured.
 
     Raises
     ------
@@ -86,6 +88,8 @@ def evaluate(
     truth = bone
     if isinstance(truth, Volume):
         beams = sweep if sweep is None or isinstance(sweep, SweepBeams) else SweepBeams.of_sequence(sweep)
+        if sweep is not None and not isinstance(sweep, SweepBeams):
+            warn_of_disagreement(compared(sweep, truth, np.eye(4)))
         truth = bone_truth(truth, beams)
     if mask is not None and not mask.grid.matches(volume.grid):
         raise GeometryError("Input mask must have the voxels of the volume; got others. Give the mask of this reconstruction.")

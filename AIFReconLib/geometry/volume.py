@@ -8,17 +8,17 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from types import EllipsisType
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..arrays import Array, Floats, Matrix, Numbers, NumberType
+from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, NumberType
 from ..errors import GeometryError, InputTypeError, not_of_kind
 from ..machine.memory import LARGEST_GRID
 from ..message import Described
@@ -134,6 +134,9 @@ class VoxelGrid:
         return self.size == other.size and bool(np.allclose(self.corners(), other.corners(), atol=1e-3 * self.spacing.min(), rtol=0))
 
 
+AnyVolume = TypeVar("AnyVolume", bound="Volume")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Volume(Described):
     """Values on a voxel grid: for numpy an array, which knows where its voxels lie.
@@ -146,7 +149,8 @@ class Volume(Described):
     Notes
     -----
     ``np.asarray(volume)`` is its array, without a copy. ``volume[k, j, i]`` of slices is the part of it with the same voxels where they
-    were, steps and backward ones included; it shares memory with the whole, as in numpy.
+    were, steps and backward ones included; it shares memory with the whole, as in numpy. Any other index takes numbers from the array:
+    ``volume[40]`` is the plane k = 40, ``volume[volume > 100]`` all values above 100. Comparisons are of every voxel.
 
     Examples
     --------
@@ -156,6 +160,8 @@ class Volume(Described):
     >>> part = volume[1:, :, ::-2]
     >>> part.shape, part.origin.tolist(), part.spacing.tolist()
     ((1, 3, 2), [1.5, 0.0, 2.0], [1.0, 0.5, 2.0])
+    >>> volume[1].shape, int((volume > 20).sum()), volume.mean()
+    ((3, 4), 3, 11.5)
     """
 
     array: Numbers  #: [k, j, i] array_like of numbers
@@ -187,6 +193,11 @@ class Volume(Described):
         return self.grid.shape
 
     @property
+    def affine(self) -> Matrix:
+        """`ijk_to_reference` by nibabel's name: voxel (i, j, k) to RAS, (4, 4), mm. The array is [k, j, i], nibabel's is [i, j, k]."""
+        return self.ijk_to_reference
+
+    @property
     def dtype(self) -> NumberType:
         """Type of a voxel."""
         return self.array.dtype
@@ -208,28 +219,69 @@ class Volume(Described):
             raise ValueError(f"Input copy must be True or None to make {wanted} of {self.array.dtype}; got False.")
         return self.array.astype(wanted, copy=bool(copy))
 
-    def __getitem__(self, index: slice | EllipsisType | tuple[slice | EllipsisType, ...]) -> Volume:
-        """The part within slices along k, j, i, where it was; those not given are whole, and ``...`` stands for them.
+    @overload
+    def __getitem__(self, index: slice | EllipsisType | tuple[slice | EllipsisType, ...]) -> Volume: ...
 
-        Raises GeometryError when the index is not of slices, or leaves no voxel.
+    @overload
+    def __getitem__(self, index: int | Integers | Mask | list[int] | Volume) -> Numbers: ...
+
+    def __getitem__(self, index: Any) -> Volume | Numbers:
+        """The part within slices along k, j, i, where it was; those not given are whole, and ``...`` stands for them. Else numpy's answer.
+
+        Raises GeometryError when the index leaves no voxel, or is none of three axes.
         """
         given = index if isinstance(index, tuple) else (index,)
+        if not all(isinstance(along, slice | EllipsisType) for along in given):
+            try:
+                values: Numbers = self.array[np.asarray(index) if isinstance(index, Volume) else index]
+            except IndexError as error:
+                raise GeometryError(f"Input index must be of {self.shape} voxels along k, j, i: {error}.") from None
+            return values
         rest = [at for at, along in enumerate(given) if along is Ellipsis]
         if len(rest) == 1:
             given = (*given[: rest[0]], *(slice(None),) * (4 - len(given)), *given[rest[0] + 1 :])
         slices = [along for along in given if isinstance(along, slice)]
         if len(given) > 3 or len(slices) < len(given):
-            raise GeometryError(
-                f"Input index must be up to three slices, in the order k, j, i; got {index!r}. Write 5:6 for one plane, or take "
-                "numbers from volume.array."
-            )
+            raise GeometryError(f"Input index must be up to three slices, in the order k, j, i; got {index!r}.")
         to_whole = np.eye(4)
         for axis, (along, count) in enumerate(zip(slices, self.shape)):
             chosen = range(count)[along]
             if not chosen:
                 raise GeometryError(f"Input index must leave voxels; got {index!r} of {self.shape} along k, j, i.")
             to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = chosen.step, chosen.start
-        return Volume(self.array[tuple(slices)], self.ijk_to_reference @ to_whole)
+        return replace(self, array=self.array[tuple(slices)], ijk_to_reference=self.ijk_to_reference @ to_whole, fields={})
+
+    def __lt__(self, other: Any) -> Any:
+        return self.array < np.asarray(other)
+
+    def __le__(self, other: Any) -> Any:
+        return self.array <= np.asarray(other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self.array > np.asarray(other)
+
+    def __ge__(self, other: Any) -> Any:
+        return self.array >= np.asarray(other)
+
+    def __eq__(self, other: Any) -> Any:
+        return self.array == np.asarray(other) if isinstance(other, Volume | np.ndarray | np.generic | int | float) else NotImplemented
+
+    def __ne__(self, other: Any) -> Any:
+        return self.array != np.asarray(other) if isinstance(other, Volume | np.ndarray | np.generic | int | float) else NotImplemented
+
+    __hash__ = object.__hash__
+
+    def min(self) -> float:
+        """The least value."""
+        return float(self.array.min())
+
+    def max(self) -> float:
+        """The largest value."""
+        return float(self.array.max())
+
+    def mean(self) -> float:
+        """The mean of all voxels."""
+        return float(self.array.mean(dtype=np.float64))
 
     @classmethod
     def from_sitk(cls, image: object) -> Volume:
@@ -253,9 +305,10 @@ class Volume(Described):
         """
         return _way_out("to_sitk")(self)
 
-    def placed_by(self, volume_to_reference: Matrix) -> Volume:
+    def placed_by(self: AnyVolume, volume_to_reference: Matrix) -> AnyVolume:
         """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration."""
-        return Volume(self.array, as_matrix(volume_to_reference, "volume_to_reference") @ self.ijk_to_reference)
+        placed = as_matrix(volume_to_reference, "volume_to_reference") @ self.ijk_to_reference
+        return replace(self, ijk_to_reference=placed, fields={})
 
     def _facts(self) -> list[tuple[str, str]]:
         values = f"{self.array.dtype}, {self.array.min():g} to {self.array.max():g}"

@@ -11,6 +11,7 @@ from ..arrays import Floats, Integers, Mask, Matrix
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
+from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix, transform_points
 from ..geometry.volume import Volume
 from ..registration.bone_field import VOXEL, BoneField
@@ -135,9 +136,10 @@ def guided_bone(
         Which way the probe looks, where the labels' own axes do not say: with it the patient's head is where the labels' is, as far as
         that leaves.
     names : mapping of int to str or None
-        What the labels are called; see `read_label_names`.
+        What the labels are called; by default what `Labels` know themselves.
     """
     placed = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
+    called = names or (labels.names if isinstance(labels, Labels) else {})
     field = BoneField.from_labels(labels)
     distance = field.distance.placed_by(placed)
     labels = labels.placed_by(placed)
@@ -155,7 +157,7 @@ def guided_bone(
     patient = np.eye(4)
     patient[:3, :3] = axes
     patient[:3, 3] = surface.points_reference.mean(axis=0)
-    return GuidedBone(surface, border[reached], distance, centers, patient, dict(names or {}))
+    return GuidedBone(surface, border[reached], distance, centers, patient, dict(called))
 
 
 def _axes(rotation: Floats, anterior: Floats | None) -> Floats:

@@ -82,7 +82,7 @@ def coverage(
     thickness : float, mm
         Full width of the beam across the image plane.
     names : mapping of int to str or None
-        What the labels are called; see `read_label_names`.
+        What the labels are called; by default what `Labels` know themselves.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)

@@ -8,14 +8,21 @@ import numpy as np
 
 from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError, SettingsError
-from ..geometry.transforms import as_matrix
+from ..geometry.transforms import as_matrix, invert, transform_points
+from ..geometry.volume import Volume
 from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
+from ..registration.labeled_bone import LabeledBone
 from ..remedies import Remedy
-from .bone import GuidedBone
+from ..resolve import resolve_imaging
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import sweep_poses
+from .bone import GuidedBone, guided_bone
 from .candidates import Candidates, geometry_of
+from .coverage import bone_before
 from .met import BoneMet
 from .passes import HAND, Hand, Pass, freehand_passes, wearable_passes, wearable_places
-from .probe import ProbeOnBack
+from .probe import ProbeImages, ProbeOnBack, Skin, images_like
 
 FREEHAND, WEARABLE = "freehand", "wearable"
 CANDIDATES = (FREEHAND, WEARABLE)
@@ -68,6 +75,79 @@ class ScanPlan:
             "predicted_of_reachable": round(self.predicted_of_reachable, 4),
             "passes": passes,
         }
+
+
+def plan(
+    labels: Volume,
+    labels_to_reference: Matrix | None = None,
+    target: str = "interspinous",
+    frames: int = 180,
+    candidates: str = FREEHAND,
+    *,
+    like: TrackedSequence | None = None,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+) -> ScanPlan:
+    """The passes of a scan that show most of a target with so many frames, from a CT's bone.
+
+    Parameters
+    ----------
+    labels : Labels, or Volume of integers
+        One label for each vertebra.
+    labels_to_reference : (4, 4) array, mm, or None
+        The registration; None where the labels lie in Reference.
+    target : str
+        "interspinous" (the borders of the gaps), "posterior" (bone that faces the back), "all", or a label by name or number.
+    frames : int
+        Of all passes together.
+    candidates : "freehand" or "wearable"
+        What the probe can do.
+    like : TrackedSequence or None
+        A recording of the probe, on this patient best of all: its images, probe and skin. Else a phased array, and the skin 15 mm behind
+        the spinous processes.
+    recipe : Recipe or None
+        How that recording is read.
+
+    Raises
+    ------
+    AIFReconError
+        When labels hold no bone, or the probe is not known.
+    """
+    bone, probe, _ = patient_and_probe(labels, labels_to_reference, like, recipe or Recipe(), part(progress, 0.0, 0.1))
+    return plan_scan(bone, probe, target, frames, candidates, progress=part(progress, 0.1, 1.0))
+
+
+def patient_and_probe(
+    labels: Volume, labels_to_reference: Matrix | None, like: TrackedSequence | None, recipe: Recipe, progress: Progress | None = None
+) -> tuple[GuidedBone, ProbeOnBack, tuple[str, ...]]:
+    """The bone, the probe on its back, and what was assumed; arguments as of `plan`."""
+    report(progress, 0.0, "Finding the bone surface")
+    if like is None:
+        bone = guided_bone(labels, labels_to_reference)
+        assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
+        return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
+    poses = sweep_poses(like, recipe.image_to_reference, recipe.reference)
+    usable = poses.image_to_reference[poses.require_usable(like.name)]
+    imaging = resolve_imaging(like, poses, True, recipe)
+    looks = usable[:, :3, 1] / np.linalg.norm(usable[:, :3, 1], axis=1)[:, None]
+    labels = LabeledBone(labels, labels_to_reference, like, recipe).labels
+    bone, notes = bone_before(labels, labels_to_reference, looks.mean(axis=0))
+    images = images_like(usable[0], like.frame_size, imaging.known_probe(), imaging.region)
+    skin, more = _skin(bone, transform_points(invert(bone.patient_to_reference), images.faces(usable)))
+    return bone, ProbeOnBack(images, skin, bone.patient_to_reference), (*notes, *more)
+
+
+FAR = 80.0
+"""mm from the estimated skin beyond which a face was on something else."""
+
+
+def _skin(bone: GuidedBone, faces_patient: Floats) -> tuple[Skin, tuple[str, ...]]:
+    """The skin that faces were on, where that is this patient's."""
+    estimate = Skin.over(bone)
+    off = np.abs(estimate.at(faces_patient[:, 0], faces_patient[:, 2]) - faces_patient[:, 1])
+    if np.median(off) > FAR or np.abs(np.median(faces_patient[:, [0, 2]], axis=0)).max() > 2 * FAR:
+        return estimate, ("the recording is of another place: the skin is taken to lie 15 mm behind the spinous processes",)
+    return Skin.through(faces_patient), ()
 
 
 def plan_scan(

@@ -324,18 +324,24 @@ class OutputSettings(Branch):
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recipe(OutputSettings, MethodSettings, VolumeSettings, BoneSettings, ImagingSettings, ReadingSettings):
     """All that can be asked of a reconstruction, in one flat row of names: those of options, settings files and columns of a table.
 
-    Its branches say what belongs together; a function that takes a branch takes a recipe too. Metadata of the fields holds help, unit,
-    range and choices of each; docs/parameters.md has what they mean.
+    Its branches say what belongs together; a function that takes a branch takes a recipe too. Every setting is explained below, as the
+    command line explains its option; docs/parameters.md has what they mean.
 
     Raises
     ------
     SettingsError
         When a value is not of its kind or outside its range, or is of no use without another that is missing.
     """
+
+    def __repr__(self) -> str:
+        given = [
+            f"{spec.name}={getattr(self, spec.name)!r}" for spec in fields(self) if repr(getattr(self, spec.name)) != repr(spec.default)
+        ]
+        return f"Recipe({', '.join(given)})"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -365,3 +371,15 @@ RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for branch in BRANCH
 
 KEPT = tuple(name for name, rule in RULES.items() if rule["kept"])
 """What volumes and settings files say."""
+
+
+def _explained(name: str) -> str:
+    """A setting as numpydoc has a parameter."""
+    rule = RULES[name]
+    kind = " or ".join(map(str, rule["choices"])) if rule["choices"] else rule["unit"] or rule["kind"]
+    default = "" if rule["default"] is None else f" Default: {rule['default']!r}."
+    return f"    {name} : {kind}\n        {rule['help'][:1].upper()}{rule['help'][1:]}.{default}\n"
+
+
+if Recipe.__doc__:  # not where Python leaves docstrings out
+    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(map(_explained, RULES))

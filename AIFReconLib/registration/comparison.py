@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Floats, Integers, Mask
-from ..errors import AIFReconError, OperationCanceled
+from ..errors import AIFReconError, DisagreementWarning, OperationCanceled
+from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
-from ..message import Sentence, said
+from ..message import Sentence, advised, said
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
 from ..remedies import Remedy
@@ -127,7 +129,13 @@ def compared(
         raise
     except AIFReconError as error:
         return Comparison(None, (Sentence(f"CT and sweep were not compared. {said(error)}", error),))
-    warning, sentence = agreement.warning(), agreement.sentence()
+    warning, sentence = agreement.warning(labels.names if isinstance(labels, Labels) else None), agreement.sentence()
     if warning is None:
         return Comparison(agreement, (sentence,))
     return Comparison(agreement, (sentence, Sentence(f"WARNING: {warning}", Remedy.REGISTER)))
+
+
+def warn_of_disagreement(comparison: Comparison | None) -> None:
+    """Warn who calls from Python where CT and sweep do not agree."""
+    if comparison is not None and comparison.agreement is not None and not comparison.agreement.enough:
+        warnings.warn(" ".join(advised(line).removeprefix("WARNING: ") for line in comparison.lines), DisagreementWarning, stacklevel=3)

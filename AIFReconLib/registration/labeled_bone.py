@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +12,10 @@ from ..bone.map import BoneMap
 from ..bone.widths import SIGMA_VOXELS, UNKNOWN_WIDTH
 from ..compounding.methods.table import method_named
 from ..errors import SettingsError
+from ..geometry.labels import Labels
+from ..geometry.transforms import LPS_FROM_RAS
 from ..geometry.volume import Volume
+from ..message import Described
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
@@ -19,12 +23,15 @@ from .agreement import Comparison
 from .comparison import compared
 
 
-class LabeledBone:
+class LabeledBone(Described):
     """Labels with their place, and the bone maps that are made of them.
+
+    It can be given to `reconstruct` as it is, which then chooses the width of the map by how well CT and sweep agree, and says it.
 
     Parameters
     ----------
-    labels : Volume of integers
+    labels : Labels, or Volume of integers
+        Models that do not say whether they are in RAS or LPS are placed as the sweep tells.
     labels_to_reference : (4, 4) array or None, mm
         Rigid; None where they lie in Reference already.
     sequence : TrackedSequence, several, or None
@@ -50,10 +57,25 @@ class LabeledBone:
         self._recipe = recipe = recipe or Recipe()
         if recipe.bone_belief is not None and not 0 < recipe.bone_belief <= 1:
             raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {recipe.bone_belief!r}.")
-        self.labels, self.labels_to_reference, self._belief = labels, labels_to_reference, recipe.bone_belief
+        given = labels if isinstance(labels, Labels) else Labels(labels.array, labels.ijk_to_reference)
+        if given.space_is_guessed and sequence is not None:
+            given = _told_by_the_sweep(given, labels_to_reference, sequence, recipe)
+        self.labels, self.labels_to_reference, self._belief = given, labels_to_reference, recipe.bone_belief
         self._sequence, self._sigma_voxels, self._sigma_mm = sequence, recipe.bone_sigma_voxels, recipe.bone_sigma_mm
         self._comparison: Comparison | None = None
         self._last: tuple[dict[str, float], BoneMap] | None = None
+
+    def _facts(self) -> list[tuple[str, str]]:
+        place = "in Reference" if self.labels_to_reference is None else "by its transform"
+        return [("labels", self.labels.in_words()), ("placed", place)]
+
+    def of_sweep(self, sequence: TrackedSequence, recipe: Recipe) -> LabeledBone:
+        """The same for this sweep and recipe, where it knows no sweep yet."""
+        return self if self._sequence is not None else LabeledBone(self.labels, self.labels_to_reference, sequence, recipe)
+
+    def in_reference(self) -> Labels:
+        """The labels where they lie in Reference."""
+        return self.labels if self.labels_to_reference is None else self.labels.placed_by(self.labels_to_reference)
 
     def is_automatic(self, method: str) -> bool:
         """Whether the width follows from how well CT and sweep agree."""
@@ -113,3 +135,20 @@ class LabeledBone:
         if belief == 1.0:
             return [*lines, width_line]
         return [*lines, width_line, f"CT and sweep do not fit closely, so the CT's bone counts for {belief:.0%} only."]
+
+
+def _told_by_the_sweep(
+    labels: Labels, labels_to_reference: Matrix | None, sequence: TrackedSequence | Iterable[TrackedSequence], recipe: Recipe
+) -> Labels:
+    """Labels of models that may be in RAS or in LPS, in that of both in which more echoes of the sweep agree."""
+    placed = np.eye(4) if labels_to_reference is None else labels_to_reference
+    turned = replace(labels, ijk_to_reference=LPS_FROM_RAS @ labels.ijk_to_reference)
+    agreements = [compared(sequence, each, placed, recipe).agreement for each in (labels, turned)]
+    as_lps, as_ras = (0.0 if each is None else each.explained for each in agreements)
+    if as_lps == as_ras:
+        return labels
+    chosen, name, share = (turned, "RAS", as_ras) if as_ras > as_lps else (labels, "LPS", as_lps)
+    note = (
+        f"The model does not say whether it is in RAS or LPS; it is taken to be in {name}, where {share:.0%} of the sweep's echoes agree."
+    )
+    return replace(chosen, notes=(*labels.notes[:-1], note), space_is_guessed=False)

@@ -66,7 +66,7 @@ class LiveBone:
         source = seen_source(arguments)
         if source is None:
             return None
-        others = ("bone_labels", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
+        others = ("bone_labels", "ct", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
         both = next((name for name in others if arguments.bone_image and getattr(arguments, name)), None)
         if both is not None:
             raise SettingsError(

@@ -44,6 +44,24 @@ class NumbersAction(argparse.Action):
         setattr(namespace, self.dest, given[0] if len(given) == 1 else given)
 
 
+class FilesAction(argparse.Action):
+    """Files, as often as wanted and several at a time; collected in a list. `belongs` tells which of the words that follow may be more."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, belongs: Callable[[str], bool] = lambda word: False, **options: Any):
+        super().__init__(option_strings, dest, **options)
+        self.belongs = belongs
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        """Add one to those before."""
+        setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or []), values])
+
+
 class AllHelpAction(argparse.Action):
     """Shows every option and exits."""
 
@@ -103,7 +121,7 @@ class OneLineParser(argparse.ArgumentParser):
         if args is None or self._subparsers is not None:
             return super().parse_known_args(args, namespace)
         self._refuse_unknown(args)
-        words = self._with_numbers_joined(args)
+        words = self._with_files_apart(self._with_numbers_joined(args))
         if self.defaults_from is not None:
             # What was given comes before what it leads to, so it is read twice
             self.set_defaults(**self.defaults_from(super().parse_known_args(words, None)[0]))
@@ -144,6 +162,37 @@ class OneLineParser(argparse.ArgumentParser):
                 left = left[len(numbers) :]
                 word = f"{word}={' '.join(numbers)}" if numbers else word
             words.append(word)
+        return words
+
+    def _with_files_apart(self, given: Sequence[str]) -> list[str]:
+        """The same words, the option repeated for every file of a `FilesAction`; where nothing else would be left, it takes one."""
+        words: list[str] = []
+        others = 0
+        left = list(given)
+        runs: list[tuple[int, str, list[str]]] = []
+        while left:
+            word = left.pop(0)
+            words.append(word)
+            action = self._option_string_actions.get(word)
+            if word == "--":
+                words += left
+                break
+            if isinstance(action, FilesAction) and left:
+                words.append(left.pop(0))
+                tail = list(itertools.takewhile(action.belongs, left))
+                left = left[len(tail) :]
+                runs.append((len(words), word, tail))
+                words += tail
+            elif action is not None:
+                count = action.nargs if isinstance(action.nargs, int) else 1
+                taken = list(itertools.takewhile(lambda each: not each.startswith("--"), left)) if action.nargs == "+" else left[:count]
+                words += taken
+                left = left[len(taken) :]
+            else:
+                others += not word.startswith("-")
+        positional = any(not action.option_strings for action in self._actions)
+        for at, option, tail in reversed(runs if others or not positional else []):
+            words[at : at + len(tail)] = [each for file in tail for each in (option, file)]
         return words
 
     def _takes_numbers(self, word: str) -> bool:

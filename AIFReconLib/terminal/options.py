@@ -5,14 +5,24 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
-from ..errors import AIFReconError, OutputError
+from ..bone.ct.from_ct import labels_from_ct
+from ..errors import AIFReconError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
+from ..geometry.labels import Labels
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
-from .one_line_parser import OneLineParser
+from ..io.volume.dicom_series import read_ct
+from ..io.volume.files import suffix_of
+from ..io.volume.label_files import LABEL_SUFFIXES, doubts, read_labels
+from ..io.volume.models import LPS, RAS
+from ..message import Sentence
+from ..progress import Progress
+from ..remedies import Remedy
+from .one_line_parser import FilesAction, OneLineParser
 
 Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
 """What a command adds itself to."""
@@ -76,3 +86,92 @@ def as_compared(path: Path) -> str:
 def _companions(path: Path) -> list[Path]:
     """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file."""
     return [real_path(path).with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []
+
+
+# ---- bone of a CT
+
+
+def add_labels_options(
+    group: argparse._ActionsContainer, source: argparse._ActionsContainer | None = None, *names: str, several: bool = True
+) -> None:
+    """Where a CT's bone is: labels in files, or the CT itself; `names` stand for --bone-labels where it has others too.
+
+    `source` is the group of what excludes labels, where there is such.
+    """
+    (source or group).add_argument(
+        *(names or ("--bone-labels",)),
+        dest="bone_labels",
+        type=Path,
+        action=FilesAction,
+        belongs=looks_like_labels if several else lambda word: False,
+        metavar="FILE",
+        help="segmentation of the CT: a volume of labels, one for each bone; or a folder or several files of masks and models (.stl, .ply, "
+        ".obj, .vtp), named by their bone",
+    )
+    group.add_argument(
+        "--labels",
+        metavar="WHICH",
+        help="which labels are bone, by numbers or names: 27-31, or L3,L4 (default: all but other organs)",
+    )
+    group.add_argument(
+        "--ct",
+        type=Path,
+        metavar="CT",
+        help="the CT, a volume or a folder of DICOM: without labels its bone is found in it",
+    )
+    group.add_argument("--bone-above", type=float, metavar="HU", help="what is bone in the CT (default: found in it)")
+    group.add_argument(
+        "--bone-space",
+        choices=(RAS, LPS),
+        help="what models are in that do not say it (default: told by the sweep)",
+    )
+
+
+def looks_like_labels(word: str) -> bool:
+    """Whether a word behind --bone-labels may be one more file of them."""
+    path = Path(word)
+    recording = any(mark in path.name.lower() for mark in (".igs.", ".seq."))
+    return path.is_dir() or (not recording and suffix_of(path) in LABEL_SUFFIXES)
+
+
+def names_labels(arguments: argparse.Namespace) -> bool:
+    """Whether labels are given, or a CT in which they are found: one is only looked at where something else says where bone is."""
+    others = ("bone_probability", "bone_from_sweep", "bone_frames", "bone_model", "bone_image")
+    return bool(arguments.bone_labels or (getattr(arguments, "ct", None) and not any(getattr(arguments, name, None) for name in others)))
+
+
+def labels_inputs(arguments: argparse.Namespace) -> list[Path]:
+    """The files of labels and CT, those within folders one by one."""
+    given = [*(arguments.bone_labels or []), *([arguments.ct] if getattr(arguments, "ct", None) else [])]
+    return [file for path in given for file in (sorted(each for each in path.iterdir() if each.is_file()) if path.is_dir() else [path])]
+
+
+def labels_from(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels | None:
+    """The labels that the options name, or find in the CT, with notes that say what a user should know; None where they name none.
+
+    Raises
+    ------
+    SettingsError
+        When options do not go together.
+    """
+    chosen, ct, above = arguments.labels, getattr(arguments, "ct", None), getattr(arguments, "bone_above", None)
+    if above is not None and (arguments.bone_labels or not ct):
+        raise SettingsError("--bone-above says what is bone in a CT of which there are no labels. Give --ct alone, or leave it out.")
+    if not names_labels(arguments):
+        if chosen:
+            raise SettingsError("--labels chooses among labels, and there are none. Give --bone-labels.")
+        return None
+    if not arguments.bone_labels:
+        found = labels_from_ct(read_ct(arguments.ct), above, progress=progress)
+        return found.chosen(chosen) if chosen else found
+    labels = read_labels(arguments.bone_labels, chosen, space=getattr(arguments, "bone_space", None))
+    more = [Sentence(f"WARNING: {doubt}", Remedy.CHOOSE_LABELS) for doubt in doubts(labels, read_ct(ct) if ct else None)]
+    return replace(labels, notes=(*labels.notes, *more))
+
+
+def required_labels(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels:
+    """The same where there must be some."""
+    labels = labels_from(arguments, progress)
+    if labels is None:
+        raise SettingsError("The CT's bone is needed. Give --bone-labels, or --ct.")
+    return labels

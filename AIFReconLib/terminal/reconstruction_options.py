@@ -16,12 +16,13 @@ from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
-from ..io.volume.files import read_labels, read_volume
+from ..io.volume.files import read_volume
 from ..machine.threads import usable_cores
 from ..progress import Progress
 from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, ReadingSettings, Recipe, VolumeSettings
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
+from .options import add_labels_options, labels_from, labels_inputs, names_labels
 from .recipe_options import add_imaging_options, add_setting, add_settings
 
 SIDE_OUTPUTS = {
@@ -81,7 +82,7 @@ def add_bone_options(parser: argparse.ArgumentParser) -> None:
         "bone", "a registered CT's segmentation, or a bone probability; methods that weight by incidence need one"
     )
     source = bone.add_mutually_exclusive_group()
-    source.add_argument("--bone-labels", type=Path, metavar="VOLUME", help="segmentation of the CT; any label above 0 is bone")
+    add_labels_options(bone, source)
     source.add_argument("--bone-probability", type=Path, metavar="VOLUME", help="ready bone probability, 0 to 1")
     add_setting(source, "bone_from_sweep")
     source.add_argument(
@@ -119,8 +120,8 @@ def check_bone_options(arguments: argparse.Namespace) -> None:
     SettingsError
     """
     check_seen_bone(arguments)
-    if arguments.bone_transform and not (arguments.bone_labels or arguments.bone_probability):
-        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels or --bone-probability.")
+    if arguments.bone_transform and not (names_labels(arguments) or arguments.bone_probability):
+        raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels, --ct or --bone-probability.")
 
 
 def seen_source(arguments: argparse.Namespace) -> str | None:
@@ -146,10 +147,11 @@ def check_seen_bone(arguments: argparse.Namespace) -> None:
         raise SettingsError(f"{source} takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels.")
 
 
-def seen_bone_inputs(arguments: argparse.Namespace) -> list[Path | None]:
-    """The files that they name."""
+def bone_inputs(arguments: argparse.Namespace) -> list[Path | None]:
+    """The files that say where bone is."""
     model = getattr(arguments, "bone_model", None)
-    return [*(getattr(arguments, "bone_frames", None) or []), model, None if model is None else beside(model)]
+    given = [*labels_inputs(arguments), arguments.bone_probability, arguments.bone_transform]
+    return [*given, *(getattr(arguments, "bone_frames", None) or []), model, None if model is None else beside(model)]
 
 
 def beside(model: Path) -> Path | None:
@@ -158,12 +160,13 @@ def beside(model: Path) -> Path | None:
     return path if path.is_file() else None
 
 
-def labeled_bone_from(arguments: argparse.Namespace, sequence: TrackedSequence | None, recipe: Recipe) -> LabeledBone | None:
+def labeled_bone_from(
+    arguments: argparse.Namespace, sequence: TrackedSequence | None, recipe: Recipe, progress: Progress | None = None
+) -> LabeledBone | None:
     """The labels that the options name, placed in Reference; None where they name none. A live scan has no sequence yet."""
     check_bone_options(arguments)
-    if not arguments.bone_labels:
-        return None
-    return LabeledBone(read_labels(arguments.bone_labels), _place(arguments), sequence, recipe)
+    labels = labels_from(arguments, progress)
+    return None if labels is None else LabeledBone(labels, _place(arguments), sequence, recipe)
 
 
 def _place(arguments: argparse.Namespace) -> Matrix | None:

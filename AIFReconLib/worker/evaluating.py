@@ -14,11 +14,19 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..evaluation.quantities import BoneMetrics
+from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.seen import GuidanceSeen, Share
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
+
+
+def bone_of_ct(ct: Volume, progress: Progress | None = None) -> Labels:
+    """The bone of a CT; see `labels_from_ct`."""
+    from ..bone.ct.from_ct import labels_from_ct
+
+    return labels_from_ct(ct, progress=progress)
 
 
 def measured_volumes(

@@ -37,8 +37,8 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
         (lambda: library.register(SEQUENCE, "lumbar.nrrd"), r"Input labels must be Volume; got 'lumbar.nrrd'. Read it first: read_labels"),
         (lambda: library.reconstruct(SEQUENCE, "weighted"), r"Input recipe must be Recipe; got 'weighted'. Write"),
         (
-            lambda: library.reconstruct(SEQUENCE, bone=LABELS),
-            r"Input bone must be BoneMap; got Volume of shape \(3, 3, 3\). Make one: BoneMap.from",
+            lambda: library.reconstruct(SEQUENCE, bone="lumbar.nrrd"),
+            r"Input bone must be BoneMap; got 'lumbar.nrrd'. Make one: BoneMap.from",
         ),
         (lambda: library.reconstruct(SEQUENCE, grid=LABELS), r"Input grid must be VoxelGrid; got Volume of shape .*volume.grid"),
         (lambda: library.Reconstructor(turned_grid(), probe="linear"), r"Input probe must be ProbeGeometry; got 'linear'"),
@@ -49,7 +49,7 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
             r"Input frames must be TrackedFrame; got ndarray of shape \(26, 34\)",
         ),
         (lambda: library.TransformGraph(POSES), r"Input transforms must be dict; got ndarray of shape \(3, 4, 4\)"),
-        (lambda: library.BoneMap.from_labels("lumbar.nrrd"), r"Input labels must be Volume; got 'lumbar.nrrd'. Read it first"),
+        (lambda: library.BoneMap.from_labels([1, 2]), r"Input labels must be Volume; got list"),
         (
             lambda: library.BoneMap.from_labels(LABELS.array),
             r"Input labels must be Volume; got ndarray of shape .* Give ijk_to_reference",

@@ -76,6 +76,51 @@ class AIFReconPanelTest(unittest.TestCase):
         checked = [index.row() for index in combo.checkedIndexes()]
         self.assertEqual([names[row] for row in checked], ["Extra"])
 
+    # ---- bone of a CT that nobody has segmented
+
+    def addBareCT(self, hounsfield=True):
+        """A ball of bone in a body in air, moved by a transform."""
+        k, j, i = np.ogrid[:40, :50, :60]
+        ball, body = np.sqrt((k - 20.0) ** 2 + (j - 28) ** 2 + (i - 30) ** 2), np.hypot(j - 26, i - 30.0) + 0 * k
+        values = np.where(ball < 9, np.where(ball < 7, 220, 900), np.where(body < 22, 45, -1000)).astype(np.int16)
+        ct = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", "Bare CT")
+        slicer.util.updateVolumeFromArray(ct, values if hounsfield else values + 1024)
+        ct.SetSpacing(1.0, 1.2, 1.5)
+        place = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLLinearTransformNode")
+        matrix = np.eye(4)
+        matrix[:3, 3] = 5.0, -7.0, 11.0
+        place.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
+        ct.SetAndObserveTransformNodeID(place.GetID())
+        self.parameters.ctVolume = ct
+        return ct
+
+    def test_the_bone_of_a_ct_becomes_a_segmentation_that_is_chosen_and_lies_on_it(self):
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+        self.assertTrue(self.ui.boneFromCTButton.isHidden())
+        ct = self.addBareCT()
+        self.assertFalse(self.ui.boneFromCTButton.isHidden())
+        self.assertIn("“Bone from CT” finds it", self.ui.boneStatusLabel.text)
+        self.ui.boneFromCTButton.click()
+        bone = self.parameters.bone
+        self.assertEqual(bone.GetTransformNodeID(), ct.GetTransformNodeID())
+        self.assertIn("HU, found in the CT", self.ui.statusLabel.text)
+        self.assertTrue(self.ui.boneFromCTButton.isHidden())
+        labels = labelsFromNode(bone)
+        places = np.argwhere(labels.array > 0)[:, ::-1] @ labels.affine[:3, :3].T + labels.affine[:3, 3]
+        # The middle of the ball, voxel (30, 28, 20) of 1 x 1.2 x 1.5 mm, in the world
+        np.testing.assert_allclose(places.mean(axis=0), (35.0, 26.6, 41.0), atol=0.3)
+
+    def test_a_ct_without_hounsfield_units_is_refused_in_a_sentence_and_the_scene_stays(self):
+        self.addBareCT(hounsfield=False)
+        from AIFReconLib.errors import GeometryError
+
+        before = slicer.mrmlScene.GetNumberOfNodes()
+        with self.assertRaisesRegex(GeometryError, "not in Hounsfield units"):
+            self.widget.logic.boneFromCT(self.parameters)
+        self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
+        self.assertIsNone(self.parameters.bone)
+
     # ---- what can be pressed
 
     def test_apply_asks_for_bone_where_the_method_needs_it(self):

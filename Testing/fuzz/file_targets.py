@@ -20,7 +20,8 @@ from AIFReconLib.io.plus.importance_mask import read_importance_mask
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.transforms import read_transform_sequence
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.recipe.recipe import KEPT
 from AIFReconLib.resolve import asked_imaging

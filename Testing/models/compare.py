@@ -35,7 +35,7 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone

@@ -29,7 +29,7 @@ from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.resolve import Imaging, resolve_imaging
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames

@@ -21,7 +21,7 @@ from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.progress import Progress
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct

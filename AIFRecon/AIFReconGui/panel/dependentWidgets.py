@@ -1,7 +1,7 @@
 """What can be entered, pressed and read in the panel, as it follows from the parameters."""
 
 from AIFReconScene.inputs import readiness
-from AIFReconScene.inputs.boneSource import describeBone
+from AIFReconScene.inputs.boneSource import describeBone, lacksBoneOfCT
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit
 from slicer.i18n import tr as _
 
@@ -14,6 +14,7 @@ def updateDependentWidgets(ui, parameters, sweepText: str) -> None:
     say(ui.boneStatusLabel, describeBone(parameters))
     for label in (ui.sweepStatusLabel, ui.boneStatusLabel):
         label.visible = bool(label.text)
+    ui.boneFromCTButton.visible = lacksBoneOfCT(parameters)
     ui.roiLabel.visible = ui.roiSelector.visible = parameters.region == Region.BOX
     ui.regionVolumeLabel.visible = ui.regionVolumeSelector.visible = parameters.region == Region.LIKE_VOLUME
     ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME

@@ -58,6 +58,7 @@ class RecordedPanel(Follower):
         for button, slot in (
             (ui.openButton, self.onOpen),
             (ui.sampleButton, self.onSample),
+            (ui.boneFromCTButton, self.onBoneFromCT),
             (ui.loadButton, self.onLoad),
             (ui.applyButton, self.onReconstruct),
             (ui.compareButton, self.onCompare),
@@ -126,6 +127,10 @@ class RecordedPanel(Follower):
     def onSample(self) -> None:
         """Make the simulated patient and reconstruct it."""
         self._reconstruct(self._sample, _("The sweep of the sample is fast and thin on purpose: not all lights are green."))
+
+    def onBoneFromCT(self) -> None:
+        """Find the bone in the CT."""
+        self._run(_("Bone from CT"), _("The CT's bone could not be found."), self._logic.boneFromCT)
 
     def onLoad(self) -> None:
         """Read the recording."""

@@ -2,6 +2,7 @@
 
 import enum
 
+import slicer
 from slicer.i18n import tr as _
 
 from .parameters import LiveSource, fileFrom
@@ -33,6 +34,11 @@ def hasBone(parameters, live: bool = False) -> bool:
         BoneSource.MODEL: fileFrom(parameters.boneModelPath) is not None,
         BoneSource.ECHOES: True,
     }[parameters.boneSource]
+
+
+def lacksBoneOfCT(parameters) -> bool:
+    """Whether there is a CT whose bone nobody has segmented, and it is to say where bone is."""
+    return parameters.boneSource == BoneSource.CT and parameters.bone is None and parameters.ctVolume is not None
 
 
 def whyNoBone(parameters, live: bool = False) -> str:
@@ -73,6 +79,9 @@ def describeBone(parameters, live: bool = False) -> str:
         return _("Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.")
     if source != BoneSource.CT:
         return whyNoBone(parameters, live)
+    if lacksBoneOfCT(parameters):
+        named = _(" TotalSegmentator is installed: it names each vertebra.") if hasattr(slicer.modules, "totalsegmentator") else ""
+        return _("No bone selected: the sweep is averaged, and bone is not enhanced. “Bone from CT” finds it.") + named
     if bone is None:
         return _("No bone selected: the sweep is averaged, and bone is not enhanced.")
     if bone.IsA("vtkMRMLSegmentationNode"):

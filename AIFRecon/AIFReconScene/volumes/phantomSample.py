@@ -12,7 +12,7 @@ from ..sceneNodes import addedTogether
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
 from ..work import inWorker
-from .segments import addSegments
+from .segments import segmentationNode
 from .volumeNodes import updateVolumeNode
 
 FRAMES = 72
@@ -60,8 +60,8 @@ def addPatient(patient, progress: Progress | None = None, scene=None) -> Phantom
         transform.SetMatrixTransformToParent(vtkMatrixOf(patient.ct_to_reference))
         ct = _ctNode(patient.ct, scene)
         ct.SetAndObserveTransformNodeID(transform.GetID())
-        segmentation = _segmentationNode(patient.labels, ct, scene, part(progress, 0.6, 1.0))
-        segmentation.SetAndObserveTransformNodeID(transform.GetID())
+        names = dict(enumerate(LEVELS, start=1))
+        segmentation = segmentationNode("Lumbar vertebrae", patient.labels, names, ct, scene, part(progress, 0.6, 1.0))
     return PhantomNodes(ct, segmentation, transform, browser)
 
 
@@ -72,12 +72,4 @@ def _ctNode(ct: Volume, scene):
     display = node.GetScalarVolumeDisplayNode()
     display.SetAutoWindowLevel(False)
     display.SetWindowLevelMinMax(*BONE_WINDOW)
-    return node
-
-
-def _segmentationNode(labels: Volume, ct, scene, progress):
-    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName("Lumbar vertebrae"))
-    node.CreateDefaultDisplayNodes()
-    node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
-    addSegments(node, labels, dict(enumerate(LEVELS, start=1)), progress)
     return node

@@ -4,13 +4,38 @@ import numpy as np
 import slicer
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.progress import report
+from AIFReconLib.progress import part, report
+from AIFReconLib.worker.evaluating import bone_of_ct
 
-from ..transforms import vtkMatrixOf
+from ..inputs.boneNodes import named
+from ..sceneNodes import addedTogether
+from ..transforms import ijkToRAS, vtkMatrixOf
+from ..work import inWorker
 from .volumeNodes import updateVolumeNode
 
 COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67), (0.93, 0.72, 0.66), (0.78, 0.74, 0.90), (0.90, 0.90, 0.90))
 """Of the segments in turn: pale, so that ultrasound stays in front."""
+
+
+def segmentsOfCT(ct, progress=None) -> tuple:
+    """A segmentation of the bone of a CT's node, under the same transform, and what a user should know of it; none after a cancel."""
+    with named(ct):
+        volume = Volume(slicer.util.arrayFromVolume(ct), ijkToRAS(ct))
+        labels = inWorker(bone_of_ct, volume, progress=part(progress, 0.0, 0.9))
+    with addedTogether(ct.GetScene()):
+        name = f"{ct.GetName()} bone"
+        return segmentationNode(name, labels, labels.names, ct, ct.GetScene(), part(progress, 0.9, 1.0)), labels.notes
+
+
+def segmentationNode(name: str, labels: Volume, names: dict[int, str], ct, scene, progress=None):
+    """A new segmentation of labels in a CT's own coordinates, on its voxels and under its transform."""
+    node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName(name))
+    node.CreateDefaultDisplayNodes()
+    # First: the voxels are those of the CT as seen from where the segmentation is
+    node.SetAndObserveTransformNodeID(ct.GetTransformNodeID())
+    node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
+    addSegments(node, labels, names, progress)
+    return node
 
 
 def addSegments(node, labels: Volume, names: dict[int, str], progress=None) -> None:

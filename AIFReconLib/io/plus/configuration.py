@@ -14,9 +14,9 @@ from ...geometry.transforms import as_matrix
 from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ...imaging.region import ClipRectangle, Fan, ImageRegion
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ..disk.xml_tree import parse_xml
 from .reconstruction import build, read_reconstruction
 from .xml_attributes import Attributes
-from .xml_tree import parse_xml
 
 
 def read_plus_configuration(path: str | Path) -> PlusConfiguration:

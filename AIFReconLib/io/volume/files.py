@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -26,8 +25,6 @@ from .nrrd_writer import type_name, write_nrrd
 
 __all__ = [
     "check_volume_path",
-    "read_label_names",
-    "read_labels",
     "read_transform",
     "read_volume",
     "write_transform",
@@ -64,21 +61,14 @@ def read_volume(path: str | Path) -> Volume:
     return _as_volume(path, array, ijk_to_lps, fields)
 
 
-def read_labels(path: str | Path) -> Volume:
-    """The labels in a file, as whole numbers: 0 is background.
-
-    Parameters
-    ----------
-    path : str or Path
-        A label volume, or a segmentation as Slicer saves it (.seg.nrrd). Where its segments overlap, it has several layers; the
-        result is then 1 wherever any layer has a label.
+def label_volume(path: Path) -> Volume:
+    """The labels in one file, as whole numbers: 0 is background; see `read_labels`.
 
     Raises
     ------
     VolumeFormatError
         As `read_volume`, and when a voxel is not a whole number or is negative.
     """
-    path = Path(path)
     array, ijk_to_lps, fields = _read_stored(path)
     if array.ndim != 3:
         if not any(key.startswith("Segment") for key in fields):
@@ -87,25 +77,6 @@ def read_labels(path: str | Path) -> Volume:
             )
         array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
     return _as_volume(path, _as_labels(path, array), ijk_to_lps, fields)
-
-
-def read_label_names(path: str | Path) -> dict[int, str]:
-    """What the labels in a file are called, by their numbers, where it is a segmentation as Slicer saves it (.seg.nrrd); else nothing.
-
-    Raises
-    ------
-    VolumeFormatError
-        When the file cannot be read.
-    """
-    path = Path(path)
-    if _suffix(path) not in NRRD_SUFFIXES:
-        return {}
-    fields = read_metafile(path, VolumeFormatError).fields
-    if any(re.fullmatch(r"Segment\d+_Layer", key) and text.strip() != "0" for key, text in fields.items()):
-        return {}  # of several layers `read_labels` keeps no numbers
-    numbers = {key: fields.get(key.replace("_Name", "_LabelValue"), "") for key in fields if re.fullmatch(r"Segment\d+_Name", key)}
-    # The longest that a voxel can hold
-    return {int(number): fields[key] for key, number in numbers.items() if re.fullmatch(r"\s*[0-9]{1,20}\s*", number)}
 
 
 def write_volume(volume: Volume, path: str | Path) -> None:
@@ -168,7 +139,7 @@ def check_volume_path(path: str | Path) -> None:
 
 
 def _writable_suffix(path: Path) -> str:
-    suffix = _suffix(path)
+    suffix = suffix_of(path)
     if suffix not in WRITABLE_SUFFIXES:
         raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(WRITABLE_SUFFIXES)}. Choose another name.")
     if suffix == ".mhd":
@@ -176,7 +147,7 @@ def _writable_suffix(path: Path) -> str:
     return suffix
 
 
-def _suffix(path: Path) -> str:
+def suffix_of(path: Path) -> str:
     """The suffix that names the format, ``.nii.gz`` being one."""
     name = path.name.lower()
     return ".nii.gz" if name.endswith(".nii.gz") else path.suffix.lower()
@@ -184,14 +155,14 @@ def _suffix(path: Path) -> str:
 
 def _check_complete(path: Path) -> None:
     """Return if all voxels of a file that was just written are there."""
-    if _suffix(path) in NIFTI_SUFFIXES:
+    if suffix_of(path) in NIFTI_SUFFIXES:
         check_nifti(path, VolumeFormatError)
     else:
         check_payload(read_metafile(path, VolumeFormatError))
 
 
 def _read_stored(path: Path) -> StoredVolume:
-    suffix = _suffix(path)
+    suffix = suffix_of(path)
     if suffix not in READABLE_SUFFIXES:
         raise VolumeFormatError(
             f"{path}: its suffix must be one of {', '.join(READABLE_SUFFIXES)}. Export the volume in one of these formats."
@@ -215,5 +186,5 @@ def _as_labels(path: Path, array: Numbers) -> Numbers:
             raise VolumeFormatError(f"{path}: labels must be whole numbers; got fractions or NaN.", Remedy.TAKE_AS_PROBABILITY)
         array = array.astype(np.int32)
     if array.min() < 0:
-        raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}. If this is a CT, segment its bone first.")
+        raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}.", Remedy.TAKE_AS_CT)
     return array

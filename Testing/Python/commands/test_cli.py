@@ -17,7 +17,8 @@ from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 

@@ -18,7 +18,8 @@ from AIFReconLib.evaluation.quantities import HEADINGS
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, cut
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.io.volume.label_files import read_labels
 
 
 @pytest.fixture(scope="module")

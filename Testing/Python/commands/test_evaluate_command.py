@@ -14,7 +14,8 @@ from AIFReconLib.commands.evaluate import unique_names
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.transform.files import read_transform
-from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.provenance.record import SETTINGS, VERSION
 
 

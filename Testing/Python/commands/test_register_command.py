@@ -15,7 +15,7 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.transform.files import read_transform, write_transform
-from AIFReconLib.io.volume.files import read_labels
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.simulation.scan import random_rigid
 

@@ -84,7 +84,7 @@ def test_the_surface_opens_in_vtk_where_the_bone_is(patient, results):
     assert {"best_cosine", "frames"} <= names
     low, high = np.array(output.GetBounds()).reshape(3, 2).T
     from AIFReconLib.io.transform.files import read_transform
-    from AIFReconLib.io.volume.files import read_labels
+    from AIFReconLib.io.volume.label_files import read_labels
 
     labels = read_labels(patient.labels)
     middle = np.argwhere(labels.array > 0).mean(axis=0)[::-1]

@@ -21,7 +21,8 @@ from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import configured_importance
 from AIFReconLib.io.sequence.files import read_sequence, recording_suffixes
-from AIFReconLib.io.volume.files import read_labels, read_volume
+from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.live.replay.server import ReplayServer
 
 SECRET = "secret.raw"

@@ -21,7 +21,8 @@ from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume import nrrd_writer
-from AIFReconLib.io.volume.files import read_label_names, read_labels, read_volume, write_volume
+from AIFReconLib.io.volume.files import read_volume, write_volume
+from AIFReconLib.io.volume.label_files import read_label_names, read_labels
 from AIFReconLib.io.volume.nifti_payload import nifti_forms
 
 SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")

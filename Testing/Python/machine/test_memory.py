@@ -17,7 +17,8 @@ from AIFReconLib.evaluation import surface
 from AIFReconLib.evaluation.surface import distance_from_labels
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.io.volume.files import read_labels, write_volume
+from AIFReconLib.io.volume.files import write_volume
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.machine import memory
 from AIFReconLib.machine.memory import MAXIMUM_VOXELS, available_memory, require_memory
 from AIFReconLib.registration import bone_field

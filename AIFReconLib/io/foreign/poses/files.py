@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -72,14 +73,14 @@ class PoseTable:
 
 
 def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
-    """The poses in a .csv, .txt, .tsv or .json file.
+    """The poses in a .csv, .txt, .tsv, .json or .npy file.
 
     Parameters
     ----------
     path : str or Path
         Rows under headings, whatever stands above and between, or of numbers alone: 16 or 12 of a matrix, 3 or 4 rows of 4 each, x y z
         and a quaternion or Euler angles, each with a time in front or not. Of several tools, side by side or one below the other, the
-        one that `form` names. JSON: a list of poses, or of objects with matrix, or translation and quaternion or euler.
+        one that `form` names. NumPy: (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12). JSON: a list of poses, or of objects with matrix, or translation and quaternion or euler.
     form : PoseFormat
         What the file does not say.
 
@@ -91,7 +92,7 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         When a convention is left open, or the tool.
     """
     path, form = Path(path), form or PoseFormat()
-    text = _text(path)
+    text = _numpy_text(path) if path.suffix.lower() == ".npy" else _text(path)
     try:
         if path.suffix.lower() == ".json":
             sheet, places = sheet_of_json(text)
@@ -99,6 +100,18 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         return _of_sheets(sheets_of(text), form)
     except AIFReconError as error:
         raise type(error)(f"{path}: {said(error)}", error) from None
+
+
+def _numpy_text(path: Path) -> str:
+    """An array of matrices, a line each."""
+    try:
+        array = np.load(io.BytesIO(read_bytes(path, MAXIMUM_BYTES, FileFormatError)), allow_pickle=False)
+        lines = np.asarray(array, np.float64).reshape(len(array), -1) if array.ndim in (2, 3) else np.empty((0, 0))
+    except (ValueError, TypeError, EOFError, OSError) as error:
+        raise FileFormatError(f"{path}: it cannot be read as an array of numbers. Save it with numpy.save.") from error
+    if lines.shape[1] not in (12, 16):
+        raise FileFormatError(f"{path}: poses must be (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12); got {array.shape}.")
+    return "\n".join(" ".join(map(repr, line)) for line in lines.tolist())
 
 
 def _text(path: Path) -> str:

@@ -21,8 +21,8 @@ from ....recipe.recipe import LONGEST_GAP
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
 from ...disk.small_files import read_bytes
+from ...disk.xml_tree import parse_xml
 from ...metafile.text_values import NotANumberError, parse_numbers
-from ...plus.xml_tree import parse_xml
 from ..decoded_images import DecodedImages
 from ..kinds import Recorded, RecordingKind
 from ..metafiles import METAFILES

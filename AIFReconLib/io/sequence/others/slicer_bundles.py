@@ -26,8 +26,8 @@ from ....imaging.images import ImageStack
 from ....message import said
 from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
+from ...disk.xml_tree import parse_xml
 from ...metafile.text_values import NotANumberError, parse_numbers
-from ...plus.xml_tree import parse_xml
 from ...transform.files import read_transform
 from ..decoded_images import decoding
 from ..images_on_demand import ImagesOnDemand

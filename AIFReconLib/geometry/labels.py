@@ -1,0 +1,88 @@
+"""Labels: whole numbers on voxels, what each is called, and what a user should know of how they came to be."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..arrays import Integers
+from ..errors import GeometryError
+from ..message import listed, shorten
+from .volume import Volume
+
+MOST_LISTED = 12
+"""Names of labels that a sentence lists at most."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Labels(Volume):
+    """A segmentation: 0 is nothing, every other number a bone.
+
+    Examples
+    --------
+    >>> labels = Labels(np.arange(24, dtype=np.uint8).reshape(2, 3, 4) // 12, np.eye(4), names={1: "L3"})
+    >>> labels.called(1), labels.called(2), labels.numbers().tolist()
+    ('L3', 'label 2', [1])
+    """
+
+    names: Mapping[int, str] = field(default_factory=dict)  #: What labels are called, by their numbers, where that is known.
+    notes: tuple[str, ...] = ()  #: What a user should know of them, one sentence each.
+    space_is_guessed: bool = False
+    """Whether they come of a surface model that does not say if it is in RAS or LPS; then they are placed as if in LPS."""
+
+    def numbers(self) -> Integers:
+        """The labels that there are, above 0, in their order."""
+        if self.array.dtype.kind == "u" and self.array.itemsize <= 2:
+            seen = np.zeros(1 << 8 * self.array.itemsize, bool)
+            seen[self.array] = True
+            return np.flatnonzero(seen[1:]) + 1
+        found: Integers = np.unique(self.array)
+        return found[found > 0]
+
+    def called(self, number: int) -> str:
+        """The name of a label, or its number in words."""
+        return self.names.get(number) or f"label {number}"
+
+    def only(self, numbers: Iterable[int], *notes: str) -> Labels:
+        """These labels, the others taken for nothing; `notes` are added."""
+        kept = sorted(set(numbers))
+        array = np.where(np.isin(self.array, kept), self.array, 0).astype(self.array.dtype)
+        return replace(self, array=array, names={n: name for n, name in self.names.items() if n in kept}, notes=(*self.notes, *notes))
+
+    def chosen(self, choice: str) -> Labels:
+        """The labels that a text names.
+
+        Parameters
+        ----------
+        choice : str
+            Numbers, ranges and names with commas between them: ``27-31``, ``L3, L4``, ``20-24, sacrum``.
+
+        Raises
+        ------
+        GeometryError
+            When it names none of those that there are.
+        """
+        there = self.numbers().tolist()
+        kept: set[int] = set()
+        for word in filter(None, (each.strip() for each in choice.split(","))):
+            span = re.fullmatch(r"(\d{1,9})(?:\s*-\s*(\d{1,9}))?", word)
+            if span:
+                first, last = int(span[1]), int(span[2] or span[1])
+                found = {number for number in there if min(first, last) <= number <= max(first, last)}
+            else:
+                found = {number for number in there if self.names.get(number, "").lower() == word.lower()}
+            if not found:
+                raise GeometryError(f"No label is called {shorten(word)!r}. There are {self.in_words()}.")
+            kept |= found
+        if not kept:
+            raise GeometryError(f"Input labels must name labels, as 27-31 or L3, L4; got {choice!r}. There are {self.in_words()}.")
+        return self.only(kept)
+
+    def in_words(self) -> str:
+        """The labels that there are, the first of them by name."""
+        numbers = self.numbers().tolist()
+        words = [f"{number} ({self.names[number]})" if number in self.names else str(number) for number in numbers]
+        return listed([*words[:MOST_LISTED], *(["..."] if len(words) > MOST_LISTED else [])]) or "none"

@@ -1,0 +1,255 @@
+"""Labels in the forms that exist: one file of many labels, a folder or several files of masks, surface models."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+from ...arrays import Floats, Integers, Mask
+from ...errors import GeometryError, VolumeFormatError
+from ...geometry.box import box_around
+from ...geometry.labels import Labels
+from ...geometry.solid import inside_of_surface
+from ...geometry.transforms import LPS_FROM_RAS, transform_points
+from ...geometry.volume import Volume, VoxelGrid
+from ...message import listed
+from ..metafile.opening import NRRD_SUFFIXES, read_metafile
+from .files import NIFTI_SUFFIXES, READABLE_SUFFIXES, label_volume, suffix_of
+from .label_names import bone_name, is_no_bone, out_of_order, with_known_names
+from .models import MODEL_SUFFIXES, RAS, read_model
+
+LABEL_SUFFIXES = (*READABLE_SUFFIXES, *MODEL_SUFFIXES)
+
+MODEL_SPACING, MOST_MODEL_VOXELS = 0.5, 3e7
+"""mm between the voxels that a model is filled with, and how many there are at most; larger ones get coarser voxels."""
+
+MODEL_MARGIN = 20.0
+"""mm of nothing around models, which the bone map reaches into."""
+
+DEEPEST = 28.0
+"""mm from the middle of a bone to its surface: 18 in vertebrae, 25 in a femur's head. What is thicker is hardly bone."""
+
+LARGEST_SHARE = 0.25
+"""Of a volume that is one bone's."""
+
+LEAST_HU = 200.0
+"""HU that the densest tenth of a bone exceeds."""
+
+
+def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = None, *, space: str | None = None) -> Labels:
+    """The labels in one or more files, as whole numbers: 0 is background.
+
+    Parameters
+    ----------
+    path : str or Path, or several
+        A label volume, or a segmentation as Slicer saves it (.seg.nrrd); where its segments overlap, the result is 1 wherever any is.
+        Several files, or a folder of them: masks of one bone each, whose names are the files' (``vertebrae_L3.nii.gz`` is L3), and surface
+        models (.stl, .ply, .obj, .vtp) in mm.
+    labels : str or None
+        Which are bone, by numbers and names: ``27-31`` or ``L3, L4``. By default all but those that their names, or the numbers of
+        TotalSegmentator and VerSe, tell to be other organs; a note says so.
+    space : "ras", "lps" or None
+        What the coordinates of models are in that do not say it themselves. By default LPS, as Slicer takes them; the labels then know
+        that this is a guess.
+
+    Raises
+    ------
+    VolumeFormatError
+        As `read_volume`, when a voxel is not a whole number or is negative, when a folder holds no labels, or a model is not closed.
+    GeometryError
+        When none of the labels is of that name.
+    """
+    given = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
+    files = [file for one in given for file in (_within(one) if one.is_dir() else [one])]
+    if not files:
+        raise VolumeFormatError("No file of labels was given. Name one, several or a folder.")
+    single = len(files) == 1 and len(given) == 1 and not given[0].is_dir() and suffix_of(files[0]) not in MODEL_SUFFIXES
+    found = _one_file(files[0]) if single else _masks(files, labels, space)
+    found = found.chosen(labels) if labels else with_known_names(found)
+    if not labels and not found.array.any():
+        return found
+    doubt = out_of_order(found)
+    return found if doubt is None else replace(found, notes=(*found.notes, doubt))
+
+
+def read_label_names(path: str | Path) -> dict[int, str]:
+    """What the labels in a file are called, by their numbers, where it says so: Slicer's segmentations (.seg.nrrd), and NIfTI files of
+    TotalSegmentator. Else nothing.
+
+    Raises
+    ------
+    VolumeFormatError
+        When the file cannot be read.
+    """
+    path = Path(path)
+    if suffix_of(path) in NIFTI_SUFFIXES:
+        return _nifti_names(path)
+    if suffix_of(path) not in NRRD_SUFFIXES:
+        return {}
+    fields = read_metafile(path, VolumeFormatError).fields
+    if any(re.fullmatch(r"Segment\d+_Layer", key) and text.strip() != "0" for key, text in fields.items()):
+        return {}  # of several layers `read_labels` keeps no numbers
+    numbers = {key: fields.get(key.replace("_Name", "_LabelValue"), "") for key in fields if re.fullmatch(r"Segment\d+_Name", key)}
+    # The longest that a voxel can hold
+    return {int(number): fields[key] for key, number in numbers.items() if re.fullmatch(r"\s*[0-9]{1,20}\s*", number)}
+
+
+def _nifti_names(path: Path) -> dict[int, str]:
+    """The table of labels in the extension of a NIfTI header, between the header and the voxels."""
+    try:
+        with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
+            head = file.read(1 << 17)
+    except (OSError, EOFError):
+        return {}
+    found = re.findall(rb'<Label Key="(\d{1,9})"[^>]*><!\[CDATA\[([^\]]{1,200})\]\]>', head)
+    return {int(number): name.decode("utf-8", "replace") for number, name in found}
+
+
+def _within(folder: Path) -> list[Path]:
+    """The files of labels in a folder, in the order of their names."""
+    found = sorted(file for file in folder.iterdir() if file.is_file() and suffix_of(file) in LABEL_SUFFIXES)
+    if not found:
+        raise VolumeFormatError(f"{folder}: it holds no labels. Give a folder of masks or models ({listed(LABEL_SUFFIXES)}).")
+    return found
+
+
+def _one_file(path: Path) -> Labels:
+    volume = label_volume(path)
+    names = read_label_names(path)
+    return Labels(volume.array, volume.ijk_to_reference, volume.fields, names)
+
+
+@dataclass(frozen=True, eq=False)
+class _Bone:
+    """One bone of several: where it is, and its voxels on a grid."""
+
+    name: str
+    corners: Floats  #: (n, 3) points in Reference between which it lies, mm
+    on: Callable[[VoxelGrid], Mask]
+    grid: VoxelGrid | None = None  #: Of a mask
+
+
+def _masks(files: list[Path], labels: str | None, space: str | None) -> Labels:
+    """Labels 1, 2, ... of masks and models, in the order of the files."""
+    notes: list[str] = []
+    names = {file: file.name[: -len(suffix_of(file))] for file in files}
+    no_bone = [] if labels else [file for file in files if is_no_bone(names[file])]
+    if no_bone and len(no_bone) < len(files):
+        told = listed(names[file] for file in no_bone[:6]) + (", ..." if len(no_bone) > 6 else "")
+        notes.append(f"{len(no_bone)} files are no bone by their names and left out: {told}.")
+        files = [file for file in files if file not in no_bone]
+    guessed = False
+    bones = []
+    for file in files:
+        name = bone_name(names[file].removesuffix(".seg"))
+        if suffix_of(file) in MODEL_SUFFIXES:
+            model, said = _of_model(file, name, space)
+            guessed |= not said
+            bones.append(model)
+        elif (mask := _of_mask(file, name)) is not None:
+            bones.append(mask)
+    if not bones:
+        raise VolumeFormatError(f"{files[0].parent}: no mask has voxels above 0. Was the right folder chosen?")
+    grid = _common_grid(bones)
+    array = np.zeros(grid.shape, np.uint8 if len(bones) < 256 else np.uint16)
+    for number, bone in enumerate(bones, 1):
+        array[bone.on(grid)] = number
+    if guessed:
+        notes.append("The model does not say whether it is in RAS or LPS; it is taken to be in LPS, as Slicer takes it.")
+    return Labels(array, grid.ijk_to_reference, {}, {n: bone.name for n, bone in enumerate(bones, 1)}, tuple(notes), guessed)
+
+
+def _of_mask(file: Path, name: str) -> _Bone | None:
+    """A mask, any label of which is the bone; None where it is empty, as those of organs outside the CT are."""
+    volume = label_volume(file)
+    mask = volume.array > 0
+    if not mask.any():
+        return None
+    box = box_around(mask)
+    lows, highs = (np.array([getattr(s, end) for s in box[::-1]], np.float64) for end in ("start", "stop"))
+    ends = np.stack([lows, highs - 1])
+    corners = np.array([[ends[a, 0], ends[b, 1], ends[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
+
+    def on(grid: VoxelGrid) -> Mask:
+        if grid.matches(volume.grid):
+            return mask
+        to_mask = (volume.grid.reference_to_ijk @ grid.ijk_to_reference)[:3]
+        turned = to_mask[::-1, [2, 1, 0]]
+        moved: Mask = scipy.ndimage.affine_transform(mask.view(np.uint8), turned, to_mask[::-1, 3], grid.shape, order=0).view(bool)
+        return moved
+
+    return _Bone(name, transform_points(volume.ijk_to_reference, corners), on, volume.grid)
+
+
+def _of_model(file: Path, name: str, space: str | None) -> tuple[_Bone, bool]:
+    """A model, and whether it is known what its coordinates are in."""
+    model = read_model(file)
+    said = model.space or space
+    points = model.points if said == RAS else transform_points(LPS_FROM_RAS, model.points)
+
+    def on(grid: VoxelGrid) -> Mask:
+        try:
+            return inside_of_surface(points, model.triangles, grid)
+        except GeometryError as error:
+            raise VolumeFormatError(f"{file}: {error} Export the closed surface of the bone.") from error
+
+    return _Bone(name, points[model.triangles.ravel()], on), said is not None
+
+
+def _common_grid(bones: list[_Bone]) -> VoxelGrid:
+    """Voxels for all bones: those of the masks where they are alike, else a box around all, along the axes of the first mask."""
+    grids = [bone.grid for bone in bones if bone.grid is not None]
+    if len(grids) == len(bones) and all(grid.matches(grids[0]) for grid in grids):
+        return grids[0]
+    axes = np.eye(3) if not grids else grids[0].ijk_to_reference[:3, :3] / grids[0].spacing
+    ends = np.array([(np.min(at, axis=0), np.max(at, axis=0)) for at in (bone.corners @ axes for bone in bones)])
+    low, high = ends[:, 0].min(axis=0) - MODEL_MARGIN, ends[:, 1].max(axis=0) + MODEL_MARGIN
+    spacing = np.full(3, max(MODEL_SPACING, float(((high - low).prod() / MOST_MODEL_VOXELS) ** (1 / 3)))) if not grids else grids[0].spacing
+    size = np.ceil((high - low) / spacing).astype(int) + 1
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = axes * spacing, axes @ low
+    return VoxelGrid((int(size[0]), int(size[1]), int(size[2])), matrix)
+
+
+def doubts(labels: Labels, ct: Volume | None = None) -> list[str]:
+    """What speaks against labels being bone, a sentence each: they are too thick, fill too much, or are soft in the CT.
+
+    Parameters
+    ----------
+    labels : Labels
+    ct : Volume or None
+        In HU, in the frame of the labels.
+    """
+    found = []
+    whole: Integers = labels.array.astype(np.int32 if labels.array.dtype.kind == "b" else labels.array.dtype, copy=False)
+    boxes = scipy.ndimage.find_objects(whole)
+    steps = np.maximum(np.round(2.0 / labels.spacing[::-1]), 1).astype(int)
+    numbers = labels.numbers().tolist()
+    for number in numbers:
+        mask = labels.array[boxes[number - 1]] == number
+        share = np.count_nonzero(mask) / labels.array.size
+        coarse = np.pad(mask[tuple(slice(None, None, int(n)) for n in steps)], 1)
+        depth = float(scipy.ndimage.distance_transform_edt(coarse, labels.spacing[::-1] * steps).max())
+        dense = None if ct is None else _dense(mask, boxes[number - 1], labels, ct)
+        if dense is not None and dense < LEAST_HU:
+            found.append(f"{labels.called(number)} is soft in the CT: nine tenths of it are below {dense:.0f} HU.")
+        elif depth > DEEPEST:
+            found.append(f"{labels.called(number)} is {2 * depth:.0f} mm thick and fills {share:.0%} of the volume.")
+        elif share > LARGEST_SHARE:
+            found.append(f"{labels.called(number)} fills {share:.0%} of the volume.")
+    return [f"{doubt} Is it bone?" for doubt in found]
+
+
+def _dense(mask: Mask, box: tuple[slice, ...], labels: Labels, ct: Volume) -> float | None:
+    """The HU that nine tenths of a label's voxels are below; None where the CT does not reach it."""
+    kji = np.argwhere(mask)
+    kji = kji[:: max(len(kji) // 20000, 1)] + [part.start for part in box]
+    ijk = np.rint(transform_points(ct.grid.reference_to_ijk @ labels.ijk_to_reference, kji[:, ::-1].astype(np.float64))).astype(int)
+    ijk = ijk[((ijk >= 0) & (ijk < ct.grid.size)).all(axis=1)]
+    return float(np.percentile(ct.array[ijk[:, 2], ijk[:, 1], ijk[:, 0]], 90)) if len(ijk) else None

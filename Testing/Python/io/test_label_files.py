@@ -1,0 +1,270 @@
+"""Labels in the forms that exist: many in one file, masks of one bone each, surface models."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from AIFReconLib.errors import GeometryError, VolumeFormatError
+from AIFReconLib.geometry.labels import Labels
+from AIFReconLib.geometry.solid import inside_of_surface
+from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.io.volume.label_files import doubts, read_labels
+from AIFReconLib.io.volume.label_names import bone_name, is_no_bone
+from AIFReconLib.io.volume.models import read_model
+from AIFReconLib.io.volume.surfaces import write_surface
+
+# An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 12
+CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 12.0
+POINTS = CENTER + RADIUS * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+TRIANGLES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
+
+
+def wrong_voxels(labels: Volume) -> int:
+    """How many lie on the other side of the surface; those whose center is in it may lie on either."""
+    kji = np.argwhere(np.ones(labels.shape, bool))
+    depth = RADIUS - np.abs(transform_points(labels.ijk_to_reference, kji[:, ::-1].astype(float)) - CENTER).sum(axis=1)
+    return int((((depth > 0) != (labels.array.ravel() > 0)) & (np.abs(depth) > 1e-3)).sum())
+
+
+def stl(points: np.ndarray, header: bytes) -> bytes:
+    facets = b"".join(struct.pack("<12fH", 0, 0, 0, *points[corners].ravel(), 0) for corners in TRIANGLES)
+    return header.ljust(80)[:80] + struct.pack("<I", len(TRIANGLES)) + facets
+
+
+def ascii_stl(points: np.ndarray) -> bytes:
+    facets = "".join(
+        "facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*points[c]) for c in corners) + "endloop\nendfacet\n"
+        for corners in TRIANGLES
+    )
+    return f"solid SPACE=RAS\n{facets}endsolid\n".encode()
+
+
+def ply(points: np.ndarray, form: str) -> bytes:
+    head = (
+        f"ply\nformat {form} 1.0\ncomment SPACE=RAS\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 8\nproperty list uchar int vertex_indices\nend_header\n"
+    ).encode()
+    if form == "ascii":
+        rows = [*(" ".join(map(str, p)) for p in points), *(f"3 {a} {b} {c}" for a, b, c in TRIANGLES)]
+        return head + "\n".join(rows).encode() + b"\n"
+    order = "<" if "little" in form else ">"
+    return (
+        head
+        + b"".join(struct.pack(f"{order}3f", *p) for p in points)
+        + b"".join(struct.pack(f"{order}B3i", 3, *corners.tolist()) for corners in TRIANGLES)
+    )
+
+
+def obj(points: np.ndarray) -> bytes:
+    # Two triangles of the lower half as one face would be no plane; the others name texture and normal too
+    rows = ["# SPACE=RAS", *("v {} {} {}".format(*p) for p in points), *(f"f {a + 1}/1/1 {b + 1}//1 {c - 6}" for a, b, c in TRIANGLES)]
+    return "\n".join(rows).encode()
+
+
+MODELS = {
+    "binary.stl": stl(POINTS, b"Slicer SPACE=RAS"),
+    "lps.stl": stl(transform_points(LPS_FROM_RAS, POINTS), b"Slicer SPACE=LPS"),
+    "text.stl": ascii_stl(POINTS),
+    "text.ply": ply(POINTS, "ascii"),
+    "little.ply": ply(POINTS, "binary_little_endian"),
+    "big.ply": ply(POINTS, "binary_big_endian"),
+    "faces.obj": obj(POINTS),
+}
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_model_becomes_the_voxels_within_it(name, tmp_path):
+    (tmp_path / name).write_bytes(MODELS[name])
+    labels = read_labels(tmp_path / name)
+    assert (labels.array > 0).any()
+    assert wrong_voxels(labels) == 0
+    assert not labels.space_is_guessed
+    assert labels.names == {1: name.split(".")[0]}
+
+
+def test_a_model_of_vtk_is_read_as_it_was_written(tmp_path):
+    write_surface(tmp_path / "L3.vtp", POINTS, TRIANGLES)
+    model = read_model(tmp_path / "L3.vtp")
+    assert (model.space, len(model.triangles)) == ("ras", 8)
+    np.testing.assert_allclose(model.points, POINTS, atol=1e-5)
+
+
+def test_vtks_compressed_arrays_are_read(tmp_path):
+    io_xml, data = pytest.importorskip("vtkmodules.vtkIOXML"), pytest.importorskip("vtkmodules.vtkCommonDataModel")
+    core = pytest.importorskip("vtkmodules.vtkCommonCore")
+    points, cells, surface = core.vtkPoints(), data.vtkCellArray(), data.vtkPolyData()
+    for point in POINTS:
+        points.InsertNextPoint(point)
+    for corners in TRIANGLES:
+        cells.InsertNextCell(3, corners.tolist())
+    surface.SetPoints(points)
+    surface.SetPolys(cells)
+    writer = io_xml.vtkXMLPolyDataWriter()
+    writer.SetInputData(surface)
+    writer.SetFileName(str(tmp_path / "slicer.vtp"))
+    writer.Write()
+    model = read_model(tmp_path / "slicer.vtp")
+    np.testing.assert_allclose(model.points, POINTS, atol=1e-5)
+    np.testing.assert_array_equal(model.triangles, TRIANGLES)
+
+
+def test_a_model_that_does_not_say_its_space_is_a_guess(tmp_path):
+    (tmp_path / "L3.stl").write_bytes(stl(transform_points(LPS_FROM_RAS, POINTS), b"no word"))
+    labels = read_labels(tmp_path / "L3.stl")
+    assert labels.space_is_guessed
+    assert "RAS or LPS" in labels.notes[0]
+    assert wrong_voxels(labels) == 0
+    (tmp_path / "L3.stl").write_bytes(stl(POINTS, b"no word"))
+    said = read_labels(tmp_path / "L3.stl", space="ras")
+    assert not said.space_is_guessed
+    np.testing.assert_array_equal(said.array > 0, labels.array > 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "words"),
+    [
+        ("cut.stl", MODELS["binary.stl"][:-20], "cut short"),
+        ("cut.ply", MODELS["little.ply"][:-9], "cannot be read as a surface model"),
+        ("open.stl", stl(POINTS, b"RAS")[:80] + struct.pack("<I", 6) + stl(POINTS, b"RAS")[84 : 84 + 300], "not leave it again"),
+        ("meters.stl", stl(POINTS / 1000, b"RAS"), "not in mm"),
+        ("empty.obj", b"v 0 0 0\n", "no triangles"),
+        ("not.vtp", b"<VTKFile", "not well-formed"),
+    ],
+)
+def test_a_model_that_cannot_be_used_is_refused_in_a_sentence(name, data, words, tmp_path):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(VolumeFormatError, match=words):
+        read_labels(tmp_path / name)
+
+
+def test_an_oblique_grid_holds_the_same_solid():
+    turn = np.eye(4)
+    turn[:2, :2] = [[0.8, -0.6], [0.6, 0.8]]
+    turn[:3, 3] = CENTER - turn[:3, :3] @ (15.0, 15.0, 15.0)
+    grid = VoxelGrid((38, 31, 62), turn @ np.diag([0.8, 1.0, 0.5, 1.0]))
+    inside = inside_of_surface(POINTS, TRIANGLES, grid)
+    assert wrong_voxels(Volume(inside, grid.ijk_to_reference)) == 0
+    assert inside.any()
+
+
+# ---- numbers and names
+
+
+def column(first: int, step: int, count: int = 4, extra: dict[int, tuple[int, int, int]] | None = None) -> Labels:
+    """Cubes above each other, 30 mm apart, whose numbers rise toward the head; others where they are said to be."""
+    array = np.zeros((150, 40, 60), np.uint8)
+    for n in range(count):
+        array[10 + 30 * n : 30 + 30 * n, 10:30, 20:40] = first + step * n
+    for number, (k, j, i) in (extra or {}).items():
+        array[k : k + 12, j : j + 8, i : i + 15] = number
+    return Labels(array, np.eye(4))
+
+
+@pytest.mark.parametrize(
+    ("labels", "names", "left_out"),
+    [
+        (column(27, 1, extra={52: (0, 0, 0), 5: (100, 0, 0)}), {27: "L5", 28: "L4", 29: "L3", 30: "L2"}, "5, 52"),
+        (column(18, 1, extra={7: (0, 0, 0)}), {18: "L5", 19: "L4", 20: "L3", 21: "L2"}, "7"),
+        (column(23, -1), {23: "L4", 22: "L3", 21: "L2", 20: "L1"}, None),
+        (column(4, -1), {}, None),
+        (column(1, 1), {}, None),
+    ],
+    ids=["TotalSegmentator", "TotalSegmentator 1", "VerSe", "own, downward", "own, upward"],
+)
+def test_vertebrae_are_known_by_the_numbers_of_their_program(labels, names, left_out, tmp_path):
+    labels.write(tmp_path / "labels.nii.gz")
+    found = read_labels(tmp_path / "labels.nii.gz")
+    assert found.names == names
+    if left_out is None:
+        assert not found.notes
+        np.testing.assert_array_equal(found.array, labels.array)
+    else:
+        (note,) = found.notes
+        assert note.endswith(f"left out: {left_out}.")
+        assert set(np.unique(found.array)) == {0, *names}
+
+
+def test_labels_are_chosen_by_number_and_name():
+    labels = column(27, 1)
+    named = Labels(labels.array, labels.ijk_to_reference, {}, {27: "L5", 28: "L4"})
+    assert named.chosen("28-99, l5").numbers().tolist() == [27, 28, 29, 30]
+    assert named.chosen("L4").numbers().tolist() == [28]
+    with pytest.raises(GeometryError, match=r"No label is called 'L1'. There are 27 \(L5\), 28 \(L4\), 29, 30."):
+        named.chosen("L1")
+
+
+def test_names_upside_down_are_doubted(tmp_path):
+    column(30, -1, extra={52: (0, 0, 0)}).write(tmp_path / "labels.nii.gz")
+    assert any("lies above" in note for note in read_labels(tmp_path / "labels.nii.gz").notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "short"),
+    [
+        ("vertebrae_L3", "L3"),
+        ("L3", "L3"),
+        ("L3 vertebra", "L3"),
+        ("vertebra_T12", "T12"),
+        ("sacrum", "sacrum"),
+        ("rib_left_3", "rib_left_3"),
+    ],
+)
+def test_the_name_of_a_vertebra_is_short(name, short):
+    assert bone_name(name) == short
+
+
+def test_organs_are_told_by_name():
+    assert all(map(is_no_bone, ("aorta", "autochthon_left", "spinal_cord", "kidney_cyst_left", "costal_cartilages", "heart")))
+    assert not any(map(is_no_bone, ("vertebrae_body", "L3", "hip_left", "Segment_1", "bone", "rib_left_1", "skull", "sternum")))
+
+
+def folder_of_masks(folder: Path, labels: Labels, names: dict[int, str]) -> Path:
+    folder.mkdir()
+    for number, name in names.items():
+        Volume((labels.array == number).astype(np.uint8), labels.ijk_to_reference).write(folder / f"{name}.nii.gz")
+    return folder
+
+
+def test_a_folder_of_masks_is_a_bone_each(tmp_path):
+    labels = column(27, 1, extra={52: (0, 0, 0)})
+    names = {27: "vertebrae_L5", 28: "vertebrae_L4", 29: "vertebrae_L3", 99: "vertebrae_L2", 52: "aorta"}
+    found = read_labels(folder_of_masks(tmp_path / "segmentations", labels, names))
+    # In the order of the files; the mask of what is not in the CT is empty
+    assert found.names == {1: "L3", 2: "L4", 3: "L5"}
+    assert found.notes == ("1 files are no bone by their names and left out: aorta.",)
+    np.testing.assert_array_equal(found.array == 2, labels.array == 28)
+
+
+def test_masks_on_other_voxels_meet_where_they_lie(tmp_path):
+    shift = np.eye(4)
+    shift[:3, 3] = 3.0, -2.0, 40.0
+    one = np.zeros((20, 20, 20), np.uint8)
+    one[5:15, 5:15, 5:15] = 1
+    Volume(one, np.eye(4)).write(tmp_path / "L4.nrrd")
+    Volume(one[::-1], shift @ np.diag([0.5, 1.0, 1.0, 1.0])).write(tmp_path / "L3.nrrd")
+    found = read_labels([tmp_path / "L4.nrrd", tmp_path / "L3.nrrd"])
+    assert found.names == {1: "L4", 2: "L3"}
+    for number, low, high in ((1, (5, 5, 5), (14, 14, 14)), (2, (5.5, 3, 45), (10, 12, 54))):
+        places = transform_points(found.ijk_to_reference, np.argwhere(found.array == number)[:, ::-1].astype(float))
+        np.testing.assert_allclose(places.min(axis=0), low, atol=0.51)
+        np.testing.assert_allclose(places.max(axis=0), high, atol=0.51)
+
+
+def test_an_empty_folder_is_refused(tmp_path):
+    with pytest.raises(VolumeFormatError, match="holds no labels"):
+        read_labels(tmp_path)
+
+
+def test_what_is_too_thick_or_too_soft_is_doubted():
+    labels = column(1, 1, count=2)
+    assert doubts(labels) == []
+    ct = Volume(np.where(labels.array == 1, 400, 50).astype(np.int16), np.eye(4))
+    assert doubts(labels, ct) == ["label 2 is soft in the CT: nine tenths of it are below 50 HU. Is it bone?"]
+    thick = np.zeros((80, 80, 80), np.uint8)
+    thick[5:75, 5:75, 5:75] = 1
+    assert "thick" in doubts(Labels(thick, np.eye(4)))[0]
