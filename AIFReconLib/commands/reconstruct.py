@@ -119,7 +119,8 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
-        drawn = [*write_preview(result, arguments), *save_settings(result, arguments)]
+        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if arguments.preview else None
+        drawn = [*write_preview(result, arguments, poses), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
         lines = labeled.lines(result.method) if labeled is not None and method_named(result.method).needs_bone else []
     agreement = list(map(in_options, lines))
