@@ -199,7 +199,7 @@ def _projection(
         seen = seen[:, ::-1] if right @ to_reference[:, across] < 0 else seen
         return seen[..., ::-1] if ahead @ to_reference[:, through] < 0 else seen
 
-    met = turned(scanned)
+    met = turned(scanned).astype(bool)
     side = (volume.grid.size[across] * float(volume.grid.spacing[across]), volume.grid.size[down] * float(volume.grid.spacing[down]))
     edges = ("L", "R", "S", "I") if from_behind else (*axis_ends(right), *axis_ends(-up))
     if beam is None and not patient:

@@ -157,7 +157,12 @@ def _text_rows(path: Path, text: str, form: PoseFormat) -> tuple[list[tuple[str,
 def _cells(line: str) -> list[str]:
     """The words of a line, separated by semicolons, commas or white space."""
     separator = next((mark for mark in ";,\t" if mark in line), None)
-    return [cell.strip().strip("\"'") for cell in line.strip().split(separator)]
+    cells = [cell.strip().strip("\"'") for cell in line.strip().split(separator)]
+    # Where semicolons part the cells, a comma is that of a number, as spreadsheets write it in much of Europe
+    return [cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell for cell in cells] if separator == ";" else cells
+
+
+DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 
 
 def _is_number(text: str) -> bool:
