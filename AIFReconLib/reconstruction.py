@@ -24,6 +24,7 @@ from .geometry.transforms import pixel_spacing
 from .geometry.volume import Volume, VoxelGrid
 from .holes.automatic import with_limit
 from .imaging.extent import grid_around_sweep
+from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
@@ -118,6 +119,8 @@ class Plan:
     hole_limit : float, mm
     notes : tuple of str
         How holes are filled, and why.
+    region : ImageRegion
+        The pixels that enter.
     """
 
     method: str
@@ -125,6 +128,7 @@ class Plan:
     memory: int
     hole_limit: float
     notes: tuple[str, ...]
+    region: ImageRegion
 
 
 def plan(
@@ -144,7 +148,7 @@ def plan(
     placed = prepared.poses.image_to_reference[prepared.chosen][:, :3]
     chosen, notes = with_limit(prepared.settings, prepared.parts.holes, placed, shown, prepared.grid)
     memory = prepared.grid.voxels * prepared.costs.whole
-    return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes)
+    return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes, prepared.imaging.region)
 
 
 def _worked(

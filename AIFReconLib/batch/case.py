@@ -331,7 +331,7 @@ class _Work:
             notes.append(in_columns(missing))
             return ""
         title = f"{self._case.name}: {result.method}, {result.frames_inserted} frames"
-        preview(result.intensity, result.mask, labels, ct, title).write(self._folder / f"{stem}.png")
+        preview(result.intensity, result.mask, labels, ct, title, result.score).write(self._folder / f"{stem}.png")
         return f"{self._case.name}/{stem}.png"
 
 

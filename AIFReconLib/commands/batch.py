@@ -21,6 +21,7 @@ from ..errors import FileFormatError, OutputError, SettingsError
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import Commands
 from ..terminal.recipe_options import load_method_here
+from ..terminal.reconstruction_options import gigabytes
 
 EXAMPLE = """example, a row per case; several files or methods in a cell with ; between them:
   case,sweeps,config,bone_labels,register,method
@@ -36,8 +37,6 @@ without a value. The same command again computes what is missing or has changed.
 
 MOST_SHOWN = 20
 """Cases that are not done, with their reasons, on the terminal."""
-
-GB = 1e9
 
 
 def add_to(commands: Commands) -> None:
@@ -64,7 +63,7 @@ def add_to(commands: Commands) -> None:
     )
     where = parser.add_argument_group("where", "by default as many processes on this computer as cores and memory allow")
     where.add_argument("--workers", type=int, metavar="N", help="processes")
-    where.add_argument("--memory", type=float, metavar="GB", help="that all of them may take (default: what is free)")
+    where.add_argument("--memory", type=gigabytes, metavar="GB", help="that all of them may take (default: what is free)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="use the cluster of this Dask scheduler instead, e.g. tcp://10.0.0.5:8786")
     parser.set_defaults(run=run)
 
@@ -109,8 +108,6 @@ def _write(cohort: Cohort, arguments: argparse.Namespace) -> list[Path]:
 def _check(arguments: argparse.Namespace) -> None:
     if arguments.workers is not None and arguments.workers < 1:
         raise SettingsError(f"Input --workers must be at least 1; got {arguments.workers}.")
-    if arguments.memory is not None and not 0 < arguments.memory < float("inf"):
-        raise SettingsError(f"Input --memory must be positive GB; got {arguments.memory:g}.")
     if arguments.scheduler and (arguments.workers or arguments.memory):
         raise SettingsError("--workers and --memory are of this computer; a cluster has its own. Leave them out, or --scheduler.")
 
@@ -132,7 +129,7 @@ def _compute(cohort: Cohort, arguments: argparse.Namespace) -> None:
     if arguments.scheduler:
         workers = cluster_at(arguments.scheduler, cohort.output)
     else:
-        shares = shared_out(cohort.to_do, arguments.workers, None if arguments.memory is None else int(arguments.memory * GB))
+        shares = shared_out(cohort.to_do, arguments.workers, arguments.memory)
         say(str(shares))
         workers = local_workers(shares.workers, shares.threads, shares.memory)
     with ProgressBar() as progress:

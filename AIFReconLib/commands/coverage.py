@@ -43,7 +43,7 @@ def add_to(commands: Commands) -> None:
     result.add_argument(
         "--surface", type=Path, metavar="FILE.vtp", help="also write the bone's surface, with best cosine and frames at its points"
     )
-    result.add_argument("--report", type=Path, metavar="FILE.json", help="also write the table as JSON")
+    result.add_argument("-o", "--output", "--report", dest="report", type=Path, metavar="FILE.json", help="also write the table as JSON")
     add_beam_option(result)
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)

@@ -10,13 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import AIFReconError
+from ..imaging.beams import LINEAR, SECTOR
+from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
+from ..io.volume.files import read_labels
 from ..message import columns
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands
-from ..terminal.recipe_options import recipe_from
+from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_sequence_options, add_tracking_options, of_each, sequence_from
 
@@ -35,8 +38,12 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha; one or more")
     parser.add_argument("--json", action="store_true", help="print JSON instead of text (of several sequences: a list)")
+    bone = parser.add_argument_group("bone", "where it will be asked for")
+    bone.add_argument("--bone-labels", type=Path, metavar="LABELS", help="segmentation of the CT")
+    bone.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it")
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
+    add_imaging_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -58,16 +65,21 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     """What is to be said of one sequence, for a terminal and for JSON."""
     sequence = sequence_from(arguments)
     recipe = recipe_from(arguments)
-    report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress)
+    has_bone = arguments.bone_labels is not None
+    if has_bone:
+        read_labels(arguments.bone_labels)
+    told = recipe.probe if recipe.probe == LINEAR else SECTOR if recipe.apex_px else None
+    report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress, told and f"{told} (as given)", has_bone)
     report = replace(report, findings=tuple(map(in_options, report.findings)))
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict
     try:
-        planned = plan(sequence, recipe, poses=report.poses)
+        planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
-    command = f"{program()} {shell_words(_command(arguments))}"
+    clip = None if sequence.configuration.imaged_region else planned.region.clip
+    command = f"{program()} {shell_words(_command(arguments, clip if planned.region.fan is None else None))}"
     facts = columns([("", f"{name}:", value) for name, value in _facts(planned)], indent="")
     as_dict["plan"] = {
         "method": planned.method,
@@ -97,12 +109,17 @@ def _facts(planned: Plan) -> list[tuple[str, str]]:
     ]
 
 
-def _command(arguments: argparse.Namespace) -> list[str]:
-    """The words of the reconstruction that was planned."""
+def _command(arguments: argparse.Namespace, clip: ClipRectangle | None) -> list[str]:
+    """The words of the reconstruction that was planned, with the rectangle that was recognized."""
     words = ["reconstruct", str(arguments.sequence)]
-    for option in ("config", "image_to_reference", "reference", *OF_A_RECORDING):
-        if getattr(arguments, option) is not None:
-            words += [f"--{option.replace('_', '-')}", str(getattr(arguments, option))]
+    of_files = ("config", "bone_labels", "bone_transform", "image_to_reference", "reference", *OF_A_RECORDING, "probe")
+    of_images = {name: getattr(arguments, name) for name in ("apex_px", "clip_px", "fan_angles_deg", "fan_radius_px")}
+    if clip is not None and of_images["clip_px"] is None:
+        of_images["clip_px"] = (*clip.origin_px, *clip.size_px)
+    for option, value in {**{name: getattr(arguments, name) for name in of_files}, **of_images}.items():
+        values = value if isinstance(value, tuple | list) else [value]
+        if value is not None:
+            words += [f"--{option.replace('_', '-')}", *(f"{each:g}" if isinstance(each, float) else str(each) for each in values)]
     for name, file in (arguments.transform_sequence or {}).items():
         words += ["--transform-sequence", f"{name}={file}"]
     name = arguments.sequence.name.partition(".")[0]

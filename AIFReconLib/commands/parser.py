@@ -98,6 +98,9 @@ def main(argv: list[str] | None = None) -> int:
     code : int
         0, 1, 2, or 128 and the number of the signal that ended it.
     """
+    if "_ARGCOMPLETE" in os.environ:
+        # A shell asks how a line may go on; this ends the program
+        import_module("argcomplete").autocomplete(build_parser())
     prepare_streams()
     words = sys.argv[1:] if argv is None else argv
     try:

@@ -15,6 +15,7 @@ from ..io.disk.atomic import check_writable
 from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
+from ..sweep.poses import SweepPoses
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite
 from ..terminal.remedies import in_options
@@ -26,12 +27,13 @@ def add_to(commands: Commands) -> None:
         "preview",
         help="draw a volume: three cuts through its bone and a projection",
         description="Draw axial, sagittal and coronal cuts through the middle of the bone, the patient's right on the left as in Slicer, "
-        "and a maximum intensity projection.",
+        "and the bone from the probe's side. Without labels or a CT nothing tells how the patient lies: cuts then go across x, y and z.",
     )
     parser.add_argument("volume", type=Path, metavar="VOLUME", help="a reconstruction")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.png", help="where to draw")
     add_labels_options(parser.add_argument_group("bone", "its outline is drawn, and says where to cut; a CT is shown beside"))
     parser.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference of both; default: none needed")
+    parser.add_argument("--patient", action="store_true", help="Reference lies as the patient does (RAS), also without labels or a CT")
     parser.add_argument("--mask", type=Path, metavar="MASK", help="0 where nothing was scanned (default: where the volume is 0)")
     parser.set_defaults(run=run)
 
@@ -71,7 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
         labels = None if given is None else _placed(given, arguments)
         ct = _placed(read_ct(arguments.ct), arguments) if arguments.ct else None
         progress(0.5, "Drawing")
-        preview(volume, mask, labels, ct, arguments.volume.name).write(arguments.output)
+        preview(volume, mask, labels, ct, arguments.volume.name, patient=arguments.patient or None).write(arguments.output)
     print("\n  ".join([f"wrote {arguments.output}", *map(in_options, () if given is None else given.notes)]))
 
 
@@ -79,12 +81,16 @@ def _placed(volume: Volume, arguments: argparse.Namespace) -> Volume:
     return volume.placed_by(read_transform(arguments.bone_transform)) if arguments.bone_transform else volume
 
 
-def write_preview(result: Reconstruction, arguments: argparse.Namespace, labels: Volume | None) -> list[Path]:
-    """Draw what --preview asks for, with labels in Reference; the answer is the file, if any."""
+def write_preview(
+    result: Reconstruction, arguments: argparse.Namespace, labels: Volume | None, poses: SweepPoses | None = None
+) -> list[Path]:
+    """Draw what --preview asks for, with labels in Reference, else as seen from where the probe was; the answer is the file, if any."""
     if not arguments.preview:
         return []
     title = f"{arguments.output.name}: {result.method}, {result.frames_inserted} frames"
-    preview(result.intensity, result.mask, labels, title=title).write(arguments.preview)
+    # Rows of an image run away from the probe
+    beam = None if poses is None or labels is not None else poses.image_to_reference[poses.usable, :3, 1].mean(axis=0)
+    preview(result.intensity, result.mask, labels, title=title, score=result.score, beam=beam).write(arguments.preview)
     return [arguments.preview]
 
 

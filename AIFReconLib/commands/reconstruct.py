@@ -127,7 +127,9 @@ def run(arguments: argparse.Namespace) -> None:
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
-        drawn = [*write_preview(result, arguments, labeled.in_reference() if labeled else None), *save_settings(result, arguments)]
+        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if arguments.preview else None
+        labels = labeled.in_reference() if labeled else None
+        drawn = [*write_preview(result, arguments, labels, poses), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
         uses_bone = labeled is not None and method_named(result.method).needs_bone
         lines = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled is not None and uses_bone else []

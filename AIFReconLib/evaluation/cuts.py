@@ -13,8 +13,8 @@ from ..arrays import Bytes, Floats, Mask
 from ..geometry.volume import Volume
 from ..inspection.raised import BANDS
 from .figures import BONE_COLOR, CT_WINDOW, NOT_SCANNED
-from .preview import PLANES, middle_of_bone
-from .slices import Plane, cut, whole_cut
+from .preview import middle_of_bone
+from .slices import Plane, cut, planes, whole_cut
 
 PIXELS = 420
 """Along the longest side of a cut."""
@@ -56,7 +56,7 @@ class Scene:
 
 
 def cut_pictures(scene: Scene, center: Floats | None = None) -> list[tuple[str, bytes]]:
-    """Axial, sagittal and coronal cut, each with a caption and as PNG.
+    """Axial, sagittal and coronal cut, or those across the axes where no CT tells how the patient lies; each with a caption and as PNG.
 
     Parameters
     ----------
@@ -64,8 +64,9 @@ def cut_pictures(scene: Scene, center: Floats | None = None) -> list[tuple[str, 
         Where the cuts meet; by default `Scene.middle`.
     """
     place = scene.middle() if center is None else center
-    captions = (f"{plane.name.capitalize()}: {plane.edges[0]} is left, {plane.edges[2]} is up" for plane in PLANES)
-    return [(caption, png(_colors(scene, plane, place))) for caption, plane in zip(captions, PLANES, strict=True)]
+    ways = planes(patient=scene.labels is not None or scene.ct is not None)
+    captions = (f"{plane.name.capitalize()}: {plane.edges[0]} is left, {plane.edges[2]} is up" for plane in ways)
+    return [(caption, png(_colors(scene, plane, place))) for caption, plane in zip(captions, ways, strict=True)]
 
 
 def _colors(scene: Scene, plane: Plane, center: Floats) -> Bytes:

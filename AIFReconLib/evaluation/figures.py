@@ -161,7 +161,7 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
 def _draw(
     ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None, mask: Volume | None, title: str
 ) -> Figure:
-    planes = (SAGITTAL, AXIAL, CORONAL)
+    planes = (AXIAL, SAGITTAL, CORONAL)
     grid = next(iter(reconstructions.values())).grid
     columns = 1 + len(reconstructions)
     # All panels have one width and one scale, so that one scale bar holds for all

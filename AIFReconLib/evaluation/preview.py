@@ -1,4 +1,4 @@
-"""A look at one volume: three cuts through its bone and a projection, as Slicer lays them out."""
+"""A look at one volume: three cuts through its bone and a projection from the probe's side, laid out as Slicer does."""
 
 from __future__ import annotations
 
@@ -8,28 +8,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Floats, Mask
+from ..arrays import Floats, Mask, Numbers
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
 from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, INK, edge_letters, new_figure, own_looks, png_of
-from .slices import Plane, cut, whole_cut
+from .slices import Plane, axis_ends, cut, planes, whole_cut
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-AXIAL = Plane("axial", (-1, 0, 0), (0, -1, 0), ("R", "L", "A", "P"))
-SAGITTAL = Plane("sagittal", (0, -1, 0), (0, 0, -1), ("A", "P", "S", "I"))
-CORONAL = Plane("coronal", (-1, 0, 0), (0, 0, -1), ("R", "L", "S", "I"))
-PLANES = (AXIAL, SAGITTAL, CORONAL)
-"""As Slicer shows them: the patient's right on the left, or the front."""
 
 BRIGHTEST = 0.998
 """Of what was scanned, this share is not brighter than white."""
 
 LOOKED_AT = 500_000
 """Voxels from which gray levels are chosen, evenly spread."""
+
+BEHIND, BONE, DIMMED, STEEP = 8.0, 0.6, 0.6, 0.8
+"""mm over which bone has a shadow; part of the strongest from which on it is bone; part by which the farthest is dimmed; part of a beam
+along z from which on y is up."""
 
 WIDTH, LONGEST_HEIGHT = 10.0, 9.0
 """Inches."""
@@ -70,8 +68,17 @@ class _Panel:
 
 
 @own_looks()
-def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = None, ct: Volume | None = None, title: str = "") -> Picture:
-    """Draw axial, sagittal and coronal cuts through the bone, and the brightest of what lies behind each other, front to back.
+def preview(
+    volume: Volume,
+    mask: Volume | None = None,
+    labels: Volume | None = None,
+    ct: Volume | None = None,
+    title: str = "",
+    score: Volume | None = None,
+    beam: Floats | None = None,
+    patient: bool | None = None,
+) -> Picture:
+    """Draw three cuts through the bone, and bone as the probe sees it: at each place what is brightest above what lies behind it.
 
     Parameters
     ----------
@@ -84,6 +91,14 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
         Without labels they meet in the middle of what was scanned.
     ct : Volume of HU or None
         Shown beside, placed in Reference.
+    score : Volume or None
+        Of the same reconstruction: the projection goes through what it stands behind, the better half of what has any.
+    beam : (3,) array or None
+        The way sound goes, in Reference. By default from behind to the front of a patient; where there is none either, the projection is of
+        the brightest voxels along y.
+    patient : bool or None
+        Whether Reference lies as the patient does, in RAS. By default where there are labels or a CT. Without, the planes have the names of
+        the axes: x, y and z of the frame.
 
     Raises
     ------
@@ -97,11 +112,13 @@ def preview(volume: Volume, mask: Volume | None = None, labels: Volume | None = 
     levels = volume.array.reshape(-1)[::some][scanned.reshape(-1)[::some]]
     levels = levels[np.isfinite(levels)]
     window = (min(float(levels.min()), 0.0), float(np.quantile(levels, BRIGHTEST)) or 1.0) if levels.size else (0.0, 1.0)
-    panels = [_cut_panel(volume, plane, center, window, seen, labels) for plane in PLANES]
-    panels.append(_projection(volume, scanned, window))
+    patient = labels is not None or ct is not None if patient is None else patient
+    ways = planes(patient)
+    panels = [_cut_panel(volume, plane, center, window, seen, labels) for plane in ways]
+    panels.append(_projection(volume, scanned, window, patient, beam, score))
     columns = 2
     if ct is not None:
-        panels += [_cut_panel(ct, plane, center, CT_WINDOW, None, labels, volume.grid, "CT, ") for plane in PLANES]
+        panels += [_cut_panel(ct, plane, center, CT_WINDOW, None, labels, volume.grid, "CT, ") for plane in ways]
         columns = 4
     notes = ["blue: not scanned" if mask is not None else "blue: 0, not scanned or black"]
     if labels is not None:
@@ -158,22 +175,76 @@ def _cut_panel(
     return _Panel(name + plane.name, picture, size, plane.edges, window, outline)
 
 
-def _projection(volume: Volume, scanned: Mask, window: tuple[float, float]) -> _Panel:
-    """The brightest voxel from front to back, along the axis of the grid that runs nearest to it."""
+def _projection(
+    volume: Volume, scanned: Mask, window: tuple[float, float], patient: bool, beam: Floats | None, score: Volume | None = None
+) -> _Panel:
+    """Bone as the probe sees it, along the axis of the grid that runs nearest to its beams: the nearer, the brighter.
+
+    Where nothing tells how they run, what is brightest along y.
+    """
+    from_behind = patient and beam is None
+    ahead = np.array([0.0, 1.0, 0.0]) if beam is None else np.asarray(beam, dtype=np.float64)
+    up = np.array([0.0, 0.0, 1.0] if abs(ahead[2]) < STEEP * np.linalg.norm(ahead) else [0.0, 1.0, 0.0])
+    right = np.cross(ahead, up)
     to_reference = volume.ijk_to_reference[:3, :3] / volume.grid.spacing
-    through = int(np.abs(to_reference[1]).argmax())
-    right, down = (axis for axis in range(3) if axis != through)
-    if abs(to_reference[0, right]) < abs(to_reference[0, down]):
-        right, down = down, right
-    brightest: Floats = np.where(scanned, volume.array, 0).max(axis=2 - through).astype(np.float64)
-    brightest[~scanned.any(axis=2 - through)] = np.nan
-    # Arrays are [k, j, i]: of the two axes left the one with the higher number comes first
-    brightest = brightest if down > right else brightest.T
-    # The picture's right is the patient's left, and its top the head
-    brightest = brightest[:, ::-1] if to_reference[0, right] > 0 else brightest
-    brightest = brightest[::-1] if to_reference[2, down] > 0 else brightest
-    sides = [volume.grid.size[axis] * float(volume.grid.spacing[axis]) for axis in (right, down)]
-    return _Panel("maximum intensity, from the front", brightest, (sides[0], sides[1]), CORONAL.edges, window)
+    through = int(np.abs(ahead @ to_reference).argmax())
+    down, across = (axis for axis in range(3) if axis != through)
+    if abs(up @ to_reference[:, across]) > abs(up @ to_reference[:, down]):
+        down, across = across, down
+
+    def turned(array: Numbers) -> Numbers:
+        """Rows downward, columns to the right, and on along the beams."""
+        seen = np.moveaxis(array, [2 - down, 2 - across, 2 - through], [0, 1, 2])
+        seen = seen[::-1] if up @ to_reference[:, down] > 0 else seen
+        seen = seen[:, ::-1] if right @ to_reference[:, across] < 0 else seen
+        return seen[..., ::-1] if ahead @ to_reference[:, through] < 0 else seen
+
+    met = turned(scanned).astype(bool)
+    side = (volume.grid.size[across] * float(volume.grid.spacing[across]), volume.grid.size[down] * float(volume.grid.spacing[down]))
+    edges = ("L", "R", "S", "I") if from_behind else (*axis_ends(right), *axis_ends(-up))
+    if beam is None and not patient:
+        return _Panel("brightest along y", _brightest(turned(volume.array), met), side, edges, window)
+    trusted = np.ones(met.shape, bool) if score is None else turned(score.array) >= _better_half(score)
+    behind = max(round(BEHIND / float(volume.grid.spacing[through])), 1)
+    rows = [_bone_along(*row, behind) for row in zip(turned(volume.array), met, trusted, strict=True)]
+    rises, depths = (np.array(each, dtype=np.float64) for each in zip(*rows, strict=True))
+    top = float(np.nanquantile(rises, BRIGHTEST)) if np.isfinite(rises).any() else 1.0
+    bone = rises > BONE * top
+    if bone.any():
+        first, last = np.quantile(depths[bone], (0.02, 0.98))
+        rises *= 1 - DIMMED * np.clip((depths - first) / max(last - first, 1.0), 0, 1)
+    name = "bone, from behind" if from_behind else f"bone, seen along {axis_ends(ahead)[1]}"
+    return _Panel(name, rises, side, edges, (0.0, top or 1.0))
+
+
+def _brightest(levels: Numbers, met: Mask) -> Floats:
+    """The brightest of each line (rows, columns, voxels); NaN where nothing was met."""
+    picture = np.array([np.where(inside, row, 0).max(axis=-1) for inside, row in zip(met, levels, strict=True)], dtype=np.float64)
+    picture[~met.any(axis=-1)] = np.nan
+    return picture
+
+
+def _better_half(score: Volume) -> float:
+    """The score that half of what has any exceeds."""
+    some = score.array.reshape(-1)[:: max(score.grid.voxels // LOOKED_AT, 1)]
+    some = some[some > 0]
+    return float(np.median(some)) if some.size else 0.0
+
+
+def _bone_along(levels: Numbers, met: Mask, trusted: Mask, behind: int) -> tuple[Floats, Floats]:
+    """By how much the brightest of each line (lines, voxels) exceeds the mean of so many behind, times that part, and how far along it is.
+
+    Bone is bright and has a shadow; skin and fascia are as bright, and have none. NaN where nothing was met.
+    """
+    bright = np.where(met, np.nan_to_num(levels.astype(np.float64)), 0.0)
+    sums, counts = (np.pad(np.cumsum(each, axis=1), ((0, 0), (0, behind)), mode="edge") for each in (bright, met.astype(np.float64)))
+    total, known = (upto[:, behind:] - upto[:, : bright.shape[1]] for upto in (sums, counts))
+    # Where little was met behind, nothing is known of a shadow
+    rises = np.where(met & trusted & (known >= behind / 2), np.maximum(bright - total / np.maximum(known, 1.0), 0.0), 0.0)
+    rises *= rises / np.maximum(bright, 1e-9)
+    highest: Floats = rises.max(axis=1, initial=0.0)
+    highest[~met.any(axis=1)] = np.nan
+    return highest, rises.argmax(axis=1).astype(np.float64)
 
 
 def _draw(panels: list[_Panel], columns: int, title: str, note: str) -> Figure:

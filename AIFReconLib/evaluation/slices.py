@@ -1,4 +1,4 @@
-"""Flat cuts through volumes along the anatomical planes, for figures."""
+"""Flat cuts through volumes, for figures: along the patient's planes, or along the axes of a frame."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..geometry.volume import Volume, VoxelGrid
 
 @dataclass(frozen=True)
 class Plane:
-    """An anatomical plane: its name, and which way (RAS) the picture runs to the right and down."""
+    """A plane: its name, and which way (RAS, or x, y, z of the frame) the picture runs to the right and down."""
 
     name: str
     right_ras: tuple[float, float, float]
@@ -23,10 +23,38 @@ class Plane:
     """Letters at the left, right, top and bottom edge."""
 
 
-# Posterior is up where it can be: the probe is then at the top, as on an ultrasound screen
-SAGITTAL = Plane("sagittal", (0, 0, -1), (0, 1, 0), ("S", "I", "P", "A"))
-AXIAL = Plane("axial", (1, 0, 0), (0, 1, 0), ("L", "R", "P", "A"))
-CORONAL = Plane("coronal", (1, 0, 0), (0, 0, -1), ("L", "R", "S", "I"))
+AXIAL = Plane("axial", (-1, 0, 0), (0, -1, 0), ("R", "L", "A", "P"))
+SAGITTAL = Plane("sagittal", (0, -1, 0), (0, 0, -1), ("A", "P", "S", "I"))
+CORONAL = Plane("coronal", (-1, 0, 0), (0, 0, -1), ("R", "L", "S", "I"))
+PLANES = (AXIAL, SAGITTAL, CORONAL)
+"""As Slicer shows them: the patient's right on the left, or the front."""
+
+
+def planes(patient: bool) -> tuple[Plane, ...]:
+    """The three planes of all pictures.
+
+    With the patient's names and letters only where it is known how the `patient` lies, as a registered CT tells it; else the same planes by
+    the axes of the frame.
+    """
+    if patient:
+        return PLANES
+    return tuple(
+        Plane(
+            f"across {across}",
+            plane.right_ras,
+            plane.down_ras,
+            (*axis_ends(plane.right_ras), *axis_ends(plane.down_ras)),
+        )
+        for plane, across in zip(PLANES, "zxy", strict=True)
+    )
+
+
+def axis_ends(direction: ArrayLike) -> tuple[str, str]:
+    """The axis that a direction (3,) runs along most, with the sign of where it comes from and of where it goes: +x, -x."""
+    along = np.asarray(direction, dtype=np.float64)
+    axis = int(np.abs(along).argmax())
+    signs = "-+" if along[axis] > 0 else "+-"
+    return f"{signs[0]}{'xyz'[axis]}", f"{signs[1]}{'xyz'[axis]}"
 
 
 def cut(volume: Volume, plane: Plane, center_ras: ArrayLike, width: float, height: float, pitch: float = 0.5, order: int = 1) -> Floats:

@@ -1,12 +1,14 @@
 """Recognizing the probe from its images: ultrasound stands on a black surround as a rectangle (linear) or a sector.
 
-Used where neither options nor a configuration say what the image shows. It refuses rather than guesses.
+Where buttons and text stand around it, it is told from them by what changes between frames. Used where neither options nor a configuration
+say what the image shows. It refuses rather than guesses.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -15,7 +17,8 @@ from ..errors import BeamGeometryError
 from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .images import ImageStack
-from .masks import closed, largest_area, opened
+from .masks import closed, large_areas, largest_area, opened
+from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_rectangle, fit_sector, has_bent_ends, is_bent
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
@@ -25,23 +28,36 @@ LIT = 0.01
 CLOSED_PX, OPENED_PX = 4, 2
 """Steps by which gaps between lit pixels are closed, and thin lines dropped."""
 
+LEVELS = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4)
+"""Parts of the brightest pixel by which one must change between frames: noise and compressed video change too."""
+
+JOINED_PX, RINGING_PART = 12, 0.01
+"""Steps over which changing parts belong together; part of the largest one that others have at least, where they count too."""
+
+SMALLEST_PART, SAME = 0.02, 0.9
+"""Part of an image that must change, and overlap of rectangles that are one."""
+
+SURE_ENOUGH, LARGEST_CHANGE = 0.05, 0.2
+"""mm by which the apex may differ between levels where no others are tried, and at all."""
+
+Box = tuple[int, int, int, int]
+"""First and last column, first and last row."""
+
+MOST_STILL = 0.02
+"""Part of what was found that may stand still, and of what changes that may lie elsewhere, before other evidence is asked."""
+
 VERTICAL_SLOPE = 0.03
 """Sides that lean less than this (columns per row) are those of a linear probe."""
 
 LINE_TOLERANCE_PX = 2.0
 """How far a side may be from its straight line."""
 
-EDGE_PARTS, FEWEST_PARTS = 16, 5
-"""Parts of an upper or lower edge, whose median rows are looked at."""
-
-SMALLEST_BEND_PX, SMOOTH_PX, SMOOTH_UPPER, SMOOTH_LOWER = 1.2, 0.4, 0.5, 0.06
-"""How far the middle of an edge must be from its ends to be bent, and how near, in pixels or as a part of that, the edge to its arc."""
-
 DIRECTIONS = 64
 """Directions in which the outer radius of a sector is looked for."""
 
-BORDER_PX = 4
-"""An area that ends closer to the image's border than this has no side there that can be seen."""
+
+class _SidesCutOff(BeamGeometryError):
+    """What stands on black has upright sides and is no linear image."""
 
 
 Sides = tuple[tuple[float, float], tuple[float, float]]
@@ -58,13 +74,62 @@ class DetectedImaging:
 
 
 def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)) -> DetectedImaging:
-    """Recognize a linear or sector image by its black surround.
+    """Recognize a linear or sector image by its black surround, or by what changes between frames where other things stand around it.
 
     `images` are (frames, rows, columns), `spacing` is (x, y) in mm: a sector is round in mm.
 
     Raises BeamGeometryError when the outline is neither a rectangle nor a sector.
     """
-    lit = _lit_area(images)
+    darkest, brightest = _extremes(images)
+    change = np.subtract(brightest, darkest)
+    try:
+        found = _by_black_surround(brightest, spacing)
+    except BeamGeometryError as error:
+        changing = _by_what_changes(change, float(brightest.max(initial=0)), spacing)
+        if changing is None or (isinstance(error, _SidesCutOff) and changing.probe.kind == LINEAR):
+            raise
+        return changing
+    if not _is_doubtful(found, change, brightest):
+        return found
+    changing = _by_what_changes(change, float(brightest.max()), spacing)
+    if changing is not None and _differ(found, changing, change.shape, spacing):
+        return changing
+    if changing is None and _stands_still(found, change, brightest):
+        raise _unrecognized("what stands on black does not change from frame to frame")
+    return found
+
+
+def _changed_and_kept(found: DetectedImaging, change: Numbers, brightest: Numbers) -> tuple[Mask, Mask]:
+    return change > LIT * brightest.max(), found.region.mask(change.shape[1], change.shape[0])
+
+
+def _is_doubtful(found: DetectedImaging, change: Numbers, brightest: Numbers) -> bool:
+    """Whether what stands on black holds much that stands still or is black, leaves out much that changes, or leans to one side."""
+    changed, kept = _changed_and_kept(found, change, brightest)
+    if found.region.fan is not None and abs(sum(found.region.fan.angles_deg)) > MOST_LOPSIDED_DEG:
+        return True
+    return bool((kept & ~changed).sum() > MOST_STILL * kept.sum() or (changed & ~kept).sum() > MOST_STILL * changed.sum())
+
+
+def _stands_still(found: DetectedImaging, change: Numbers, brightest: Numbers) -> bool:
+    """Whether most of what changes lies elsewhere: then what was found is a panel or a picture beside the ultrasound."""
+    changed, kept = _changed_and_kept(found, change, brightest)
+    return bool(2 * (changed & kept).sum() < changed.sum())
+
+
+def _differ(one: DetectedImaging, other: DetectedImaging, shape: tuple[int, ...], spacing: tuple[float, float]) -> bool:
+    """Whether two findings differ by more than what does not matter."""
+    if one.probe.kind != other.probe.kind:
+        return True
+    kept, others = (each.region.mask(shape[1], shape[0]) for each in (one, other))
+    if (kept ^ others).sum() > 2 * MOST_STILL * others.sum():
+        return True
+    return one.probe.kind == SECTOR and bool(np.hypot(*(np.subtract(one.probe.apex, other.probe.apex) * spacing)) > LARGEST_CHANGE)
+
+
+def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> DetectedImaging:
+    """What stands on black, where nothing else does."""
+    lit = _lit_area(brightest)
     rows = np.flatnonzero(lit.any(axis=1))
     columns = np.flatnonzero(lit.any(axis=0))
     box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
@@ -77,14 +142,22 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
 
 
-def _lit_area(images: ImageStack) -> Mask:
-    """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
+def _extremes(images: ImageStack) -> tuple[Numbers, Numbers]:
+    """The least and the greatest of each pixel in the frames looked at, (rows, columns)."""
     if len(images) == 0:
         raise _unrecognized("there are none")
     numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
     brightest = np.array(_without_gaps(images[int(numbers[0])]))
+    darkest = brightest.copy()
     for number in numbers[1:]:
-        np.maximum(brightest, _without_gaps(images[int(number)]), out=brightest)
+        image = _without_gaps(images[int(number)])
+        np.maximum(brightest, image, out=brightest)
+        np.minimum(darkest, image, out=darkest)
+    return darkest, brightest
+
+
+def _lit_area(brightest: Numbers) -> Mask:
+    """The largest connected area that is lit in any of the frames looked at, without its holes, (rows, columns) bool."""
     if not brightest.size or brightest.max() <= 0:
         raise _unrecognized("all images are black")
     # An opening drops rulers, text and borders that touch the sector by a thin line
@@ -92,6 +165,87 @@ def _lit_area(images: ImageStack) -> Mask:
     if not lit.any():
         raise _unrecognized("no connected bright area was found")
     return largest_area(lit)
+
+
+def _by_what_changes(change: Numbers, brightest: float, spacing: tuple[float, float]) -> DetectedImaging | None:
+    """The probe by what differs between frames, as buttons, text and rulers do not; None where that does not tell it surely.
+
+    `change` is the greatest less the least of each pixel. How much of it is noise is not known, and so several levels are tried.
+    """
+    fits: list[SectorFit] = []
+    boxes: list[Box] = []
+    for level in LEVELS:
+        area = opened(closed(change > level * brightest, CLOSED_PX), OPENED_PX)
+        if area.sum() < SMALLEST_PART * area.size:
+            break
+        joined = closed(area, JOINED_PX)
+        largest = area & largest_area(joined)
+        box = fit_rectangle(largest)
+        if box is not None:
+            if has_bent_ends(largest, box):
+                return None
+            if boxes and _overlap(box, boxes[-1]) > SAME:
+                return _upright(box)
+            boxes.append(box)
+            continue
+        fit = fit_sector(largest, spacing)
+        if fit is None:
+            # Ringing at the probe's face may stand apart; so does a trace that runs below the image
+            fit = fit_sector(area & large_areas(joined, RINGING_PART), spacing)
+            fit = fit if fit is not None and fit.far_end_seen else None
+        if fit is not None:
+            fits.append(fit)
+        if _nearest_two(fits, spacing)[0] < SURE_ENOUGH:
+            break
+    apart, fit = _nearest_two(fits, spacing)
+    return None if fit is None or apart > LARGEST_CHANGE else _as_imaging(fit, change.shape, spacing)
+
+
+def _nearest_two(fits: list[SectorFit], spacing: tuple[float, float]) -> tuple[float, SectorFit | None]:
+    """Of fits at several levels the two that differ least: how far their apexes are apart, mm, and the surer of them.
+
+    What noise or compression does to an outline depends on the level; what the probe does, does not.
+    """
+    pairs = [(_apart(a, b, spacing), a, b) for a, b in combinations(fits, 2)]
+    if not pairs:
+        return math.inf, None
+    apart, one, other = min(pairs, key=lambda pair: pair[0])
+    return apart, min(one, other, key=lambda fit: fit.apex_error)
+
+
+def _apart(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> float:
+    """How far two apexes are apart, mm; and the far ends, where apexes rest on them."""
+    apexes = float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
+    return max(apexes, abs(one.radii[1] - other.radii[1])) if one.dark_side or other.dark_side else apexes
+
+
+def _overlap(one: Box, other: Box) -> float:
+    """The part of two rectangles that both have."""
+    left, right, top, bottom = (pick(bounds) for pick, bounds in zip((max, min, max, min), zip(one, other, strict=True), strict=True))
+    both = max(right - left, 0) * max(bottom - top, 0)
+    sizes = sum((box[1] - box[0]) * (box[3] - box[2]) for box in (one, other))
+    return both / (sizes - both)
+
+
+def _upright(box: Box) -> DetectedImaging:
+    left, right, top, bottom = box
+    clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
+    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}, by what changes between frames"
+    return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
+
+
+def _as_imaging(fit: SectorFit, shape: tuple[int, ...], spacing: tuple[float, float]) -> DetectedImaging:
+    clip = None
+    if fit.flat_top is not None:
+        clip = ClipRectangle((0.0, math.ceil(fit.flat_top)), (float(shape[1] - 1), float(shape[0] - 1 - math.ceil(fit.flat_top))))
+    fan = Fan(fit.apex_px, fit.angles_deg, fit.radii, spacing)
+    dark = "" if fit.dark_side is None else f"; its {fit.dark_side} side is dark and taken to be as wide as the other"
+    words = f"{_sector_words(fit.apex_px, fit.angles_deg)}, by what changes between frames{dark}"
+    return DetectedImaging(ProbeGeometry(SECTOR, fit.apex_px), ImageRegion(clip, fan), words)
+
+
+def _sector_words(apex: tuple[float, float], angles: tuple[float, float]) -> str:
+    return f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
 
 
 def _without_gaps(image: Numbers) -> Numbers:
@@ -148,35 +302,18 @@ def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int
     within = box[:, left : right + 1]
     if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
         raise _unrecognized("its outline is neither a rectangle nor a sector")
-    if _is_bent(within.argmax(axis=0)) or _is_bent(-within[::-1].argmax(axis=0), lower=True):
-        raise _unrecognized("its sides are upright and its upper or lower edge is bent, as of a sector whose sides were cut off")
+    if is_bent(within.argmax(axis=0)) or is_bent(-within[::-1].argmax(axis=0), lower=True):
+        raise _SidesCutOff(
+            "The probe cannot be told from the images: its sides are upright and its upper or lower edge is bent, as of a sector whose "
+            "sides were cut off.",
+            Remedy.NAME_THE_PROBE,
+        )
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
         raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
     clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
     words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}"
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
-
-
-def _is_bent(edge: Integers, lower: bool = False) -> bool:
-    """Whether the rows of an upper or lower edge, one a column, follow an arc or an angle, over their whole width or its middle half.
-
-    The upper edge of a linear image is the skin, straight. A lower one may be ragged where the image fades, and shadows pull its middle up;
-    so it is bent only where its middle lies lower, as that of an arc, and along a smooth line.
-    """
-    smooth = SMOOTH_LOWER if lower else SMOOTH_UPPER
-    for columns in (edge, edge[edge.size // 4 : edge.size - edge.size // 4]):
-        parts = np.array_split(columns, min(columns.size // 4 + 1, EDGE_PARTS))
-        if len(parts) <= FEWEST_PARTS:
-            return False
-        rows = np.array([np.median(part) for part in parts])
-        x = np.linspace(-1.0, 1.0, len(parts))
-        parabola = np.polyfit(x, rows, 2)
-        rest = np.sqrt(np.mean((rows - np.polyval(parabola, x)) ** 2))
-        depth = -parabola[0] if lower else abs(parabola[0])
-        if depth > SMALLEST_BEND_PX and rest < max(SMOOTH_PX, smooth * depth):
-            return True
-    return False
 
 
 def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
@@ -200,8 +337,7 @@ def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[flo
     inside = fan.mask(lit.shape[1], lit.shape[0])
     if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
         raise _unrecognized("its outline is not that of a sector")
-    words = f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
-    return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), words)
+    return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), _sector_words(apex, angles))
 
 
 def _outer_radius(radius: Floats, across: Floats) -> float:

@@ -41,6 +41,12 @@ def largest_area(mask: Mask) -> Mask:
     return ~_painted(runs[area == area[0]], outside.shape)[1:-1, 1:-1]
 
 
+def large_areas(mask: Mask, part: float) -> Mask:
+    """The connected areas of a mask that have at least this part of the largest one's pixels, (rows, columns)."""
+    runs, area, sizes = _areas(mask)
+    return _painted(runs[(sizes >= part * sizes.max(initial=0))[area]], mask.shape)
+
+
 def _areas(mask: Mask) -> tuple[Integers, Integers, Integers]:
     """The runs of a mask along its rows, in their order, as flat [first, stop) (n, 2), the connected area of each, and the areas' sizes."""
     width = mask.shape[1]

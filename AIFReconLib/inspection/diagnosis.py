@@ -13,10 +13,13 @@ from ..geometry.transforms import pixel_spacing
 from ..imaging.detection import detect_imaging
 from ..message import Sentence, columns, said
 from ..progress import Progress
+from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
 from .offset_estimate import OffsetEstimate, estimate_time_offset
 from .tracking_report import TrackingReport, tracking_report
+
+UNKNOWN = "the directions of the beams are not known."
 
 
 @dataclass(frozen=True)
@@ -59,11 +62,17 @@ class SequenceReport:
 
 
 def diagnose(
-    sequence: TrackedSequence, image_to_reference: str | None = None, reference: str | None = None, progress: Progress | None = None
+    sequence: TrackedSequence,
+    image_to_reference: str | None = None,
+    reference: str | None = None,
+    progress: Progress | None = None,
+    probe: str | None = None,
+    has_bone: bool = False,
 ) -> SequenceReport:
     """Look at a sequence as `reconstruct` would, without reconstructing.
 
-    Names are those of `sweep_poses`. Comparing images with poses takes a while, where the sweep goes to and fro.
+    Names are those of `sweep_poses`; `probe` is what the caller says of it, where it does. With `has_bone` bone will be asked for, and the
+    probe must be known. Comparing images with poses takes a while, where the sweep goes to and fro.
     """
     columns_, rows = sequence.frame_size
     facts = [
@@ -72,27 +81,31 @@ def diagnose(
         ("orientation", _orientation(sequence)),
         ("time", _describe_time(sequence)),
     ]
-    findings, ready, spacing, tracking, offset, poses = [], False, (1.0, 1.0), None, None, None
+    findings, ready, tracking, offset, poses = [], False, None, None, None
     try:
         poses = sweep_poses(sequence, image_to_reference, reference)
         tracking = tracking_report(sequence, poses)
         poses.require_usable(sequence.name)
     except AIFReconError as error:
         findings += [Sentence(f"Cannot be reconstructed yet. {said(error)}", error), *sequence.notes]
+        shown = probe or _describe_probe(sequence, (1.0, 1.0))
     else:
-        ready = True
         usable = poses.usable
         facts.append(("pixel spacing", _describe_spacing(poses)))
-        spacing = pixel_spacing(poses.image_to_reference[usable[0]])
         chain = ", ".join(str(name) for name in poses.path)
-        findings.append(f"Ready: {len(usable)} of {len(sequence)} frames can be placed by {chain}.")
+        shown = probe or _describe_probe(sequence, pixel_spacing(poses.image_to_reference[usable[0]]))
+        ready = shown is not None or not has_bone
+        placed = f"{len(usable)} of {len(sequence)} frames can be placed by {chain}."
+        findings.append(f"Ready: {placed}" if ready else Sentence(f"Not ready for bone: {placed} But {UNKNOWN}", Remedy.NAME_THE_PROBE))
+        if shown is None and not has_bone:
+            findings.append(Sentence(f"Frames can be averaged. For a CT's bone, more is needed: {UNKNOWN}", Remedy.NAME_THE_PROBE))
         findings += [*tracking.findings(), *poses.notes]
         try:
             offset = estimate_time_offset(sequence, poses, progress)
             findings.append(offset.to_text())
         except SequenceFormatError as error:
             findings.append(Sentence(f"Images cannot be compared with poses: {said(error)}", error))
-    facts.append(("probe", _describe_probe(sequence, spacing)))
+    facts.append(("probe", shown or "not recognized in the images"))
     findings += _about_time(sequence) + _about_tools(sequence)
     findings += sequence.configuration.warnings
     names = sequence.transform_names()
@@ -120,7 +133,8 @@ def _describe_spacing(poses: SweepPoses) -> str:
     return f"{x:.4g} x {y:.4g} mm{varies}"
 
 
-def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str:
+def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str | None:
+    """The probe in words; None where it is not known."""
     probe = sequence.configuration.probe
     if probe is not None:
         apex = f", apex at column {probe.apex_px[0]:.1f}, row {probe.apex_px[1]:.1f}" if probe.apex_px else ""
@@ -128,7 +142,7 @@ def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> 
     try:
         return f"{detect_imaging(sequence.images, spacing).description} (recognized in the images)"
     except BeamGeometryError:
-        return "not recognized in the images"
+        return None
     except SequenceFormatError as error:
         return f"cannot be looked at: {said(error)}"
 

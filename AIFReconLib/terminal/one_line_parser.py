@@ -200,6 +200,13 @@ class OneLineParser(argparse.ArgumentParser):
         meant = [word] if word in known else [option for option in known if word.startswith("--") and option.startswith(word)]
         return len(meant) == 1 and isinstance(known[meant[0]], NumbersAction)
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Suggest the command that may have been meant, instead of listing all."""
+        if isinstance(action, argparse._SubParsersAction) and value not in action.choices:
+            near = difflib.get_close_matches(value, action.choices, n=1)
+            self.error(f"there is no command {value}{f', perhaps {near[0]} is meant' if near else ''}")
+        super()._check_value(action, value)
+
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where help is, and exit."""
         self.exit(BAD_INPUT, f"{self.prog}: {one_line(shorten(message, LONGEST_QUOTE))}. See {self.prog} --help.\n")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -55,14 +56,19 @@ def add_memory_option(group: argparse._ArgumentGroup) -> None:
 
 
 def gigabytes(text: str) -> int:
-    """GB as bytes."""
+    """GB, or the unit that is named, as bytes."""
+    number, unit = re.fullmatch(r"\s*(.*?)\s*([kmgt]?i?b|[mgt])?\s*", text, re.IGNORECASE | re.DOTALL).groups()  # type: ignore[union-attr]
     try:
-        size = 1e9 * float(text)
-    except ValueError:
+        size = float(number) * UNITS[(unit or "GB").upper().removesuffix("B")]
+    except (ValueError, KeyError):
         size = 0.0
     if not 0 < size < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be positive GB, got {text!r}")
+        raise argparse.ArgumentTypeError(f"must be a positive size such as 1.5GB, got {text!r}")
     return int(size)
+
+
+UNITS = {"M": 1e6, "G": 1e9, "T": 1e12, "MI": 2.0**20, "GI": 2.0**30, "TI": 2.0**40}
+"""Bytes of each, without the B."""
 
 
 def grid_from(arguments: argparse.Namespace) -> VoxelGrid | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import argparse
+import json
 import os
 import subprocess
 import sys
@@ -21,6 +23,7 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.terminal.reconstruction_options import gigabytes
 
 
 def test_reconstruct_writes_the_volume_that_the_library_gives(patient, results):
@@ -179,3 +182,55 @@ def test_a_reader_that_goes_away_is_no_error(patient):
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("word", "meant"), [("reconstuct", ", perhaps reconstruct is meant"), ("evalute", ", perhaps evaluate is meant"), ("zzz", ".")]
+)
+def test_a_mistyped_command_is_answered_with_the_one_that_is_meant(word, meant, capsys):
+    assert main([word, "sweep.igs.mha"]) == 2
+    said = capsys.readouterr().err
+    assert f"there is no command {word}{meant}" in said
+    assert "choose from" not in said
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [("1.5", 1.5e9), ("1.5GB", 1.5e9), ("1.5 gb", 1.5e9), ("800MB", 8e8), ("2G", 2e9), ("2GiB", 2 * 2**30), ("512MiB", 512 * 2**20)],
+)
+def test_an_amount_of_memory_may_have_its_unit(text, size):
+    assert gigabytes(text) == size
+
+
+@pytest.mark.parametrize("text", ["", "GB", "-1GB", "nan", "1.5 GHz", "1,5GB", "5B", "0"])
+def test_what_is_no_amount_of_memory_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match=r"such as 1\.5GB"):
+        gigabytes(text)
+
+
+def test_coverage_takes_an_output_as_its_siblings_do(patient, results):
+    assert (
+        main(
+            [
+                "coverage",
+                str(patient.sweep),
+                "--config",
+                str(patient.config),
+                "--bone-labels",
+                str(patient.labels),
+                "-o",
+                str(results / "c.json"),
+            ]
+        )
+        == 0
+    )
+    assert "labels" in json.loads((results / "c.json").read_text())
+
+
+def test_a_shell_is_told_how_a_line_may_go_on(tmp_path):
+    pytest.importorskip("argcomplete", reason="argcomplete is not installed")
+    line, answer = "aifrecon rec", tmp_path / "answer"
+    asked = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "COMP_LINE": line, "COMP_POINT": str(len(line))}
+    program = "from AIFReconLib.commands.parser import main; main()"
+    subprocess.run([sys.executable, "-c", program], env={**os.environ, **asked}, capture_output=True)
+    assert answer.read_text().strip() == "reconstruct"

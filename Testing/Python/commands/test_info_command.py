@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 
 def planned(capsys, *words) -> dict:
@@ -48,3 +52,50 @@ def test_several_sequences_are_told_one_after_the_other(patient, capsys):
 def test_one_sequence_that_cannot_be_reconstructed_is_told_by_the_exit_code(patient, capsys):
     assert main(["info", str(patient.sweep)]) == 1
     assert "To do so:" not in capsys.readouterr().out
+
+
+@pytest.fixture
+def unknown_probe(patient, tmp_path):
+    """The sweep of the patient, lit from side to side: no outline tells the probe."""
+    path = tmp_path / "lit.igs.mha"
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    images = np.random.default_rng(1).integers(20, 200, (len(sequence), *sequence.frame_size[::-1])).astype(np.uint8)
+    poses = sweep_poses(sequence).image_to_reference
+    write_sequence(TrackedSequence.from_arrays(images, poses, np.arange(len(images)) * 0.1), path)
+    return path
+
+
+def test_where_bone_will_be_asked_for_the_probe_is_asked_for_first(unknown_probe, patient, capsys):
+    assert main(["info", str(unknown_probe), "--bone-labels", str(patient.labels)]) == 1
+    said = capsys.readouterr().out
+    assert "Not ready for bone" in said
+    assert "--probe" in said
+    assert "Ready:" not in said
+
+
+def test_without_labels_it_is_said_that_bone_needs_the_probe(unknown_probe, capsys):
+    assert main(["info", str(unknown_probe)]) == 0
+    said = capsys.readouterr().out
+    assert "Ready:" in said
+    assert "For a CT's bone, more is needed" in said
+
+
+def test_with_the_probe_and_labels_the_command_has_them(unknown_probe, patient, capsys):
+    plan = planned(capsys, unknown_probe, "--bone-labels", patient.labels, "--probe", "linear")
+    assert plan["method"] == "weighted"
+    assert f"--bone-labels {patient.labels}" in plan["command"]
+    assert "--probe linear" in plan["command"]
+
+
+def test_a_rectangle_that_was_recognized_stands_in_the_command(tmp_path, monkeypatch, capsys):
+    images = np.zeros((6, 120, 160), np.uint8)
+    images[:, 10:110, 40:130] = np.random.default_rng(2).integers(30, 220, (6, 100, 90))
+    poses = np.tile(np.diag([0.2, 0.2, 0.2, 1.0]), (6, 1, 1))
+    poses[:, 2, 3] = np.arange(6)
+    write_sequence(TrackedSequence.from_arrays(images, poses, np.arange(6) * 0.1), tmp_path / "linear.igs.mha")
+    monkeypatch.chdir(tmp_path)
+    plan = planned(capsys, "linear.igs.mha")
+    assert "--clip-px 40 10 89 99" in plan["command"]
+    words = shlex.split(plan["command"])
+    assert main(words[words.index("reconstruct") :]) == 0
+    assert list(read_volume(tmp_path / words[-1]).grid.size) == plan["size"]

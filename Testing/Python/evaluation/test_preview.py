@@ -13,7 +13,8 @@ import pytest
 
 from AIFReconLib.evaluation import preview as room
 from AIFReconLib.evaluation.figures import BONE_COLOR, NOT_SCANNED
-from AIFReconLib.evaluation.preview import AXIAL, CORONAL, SAGITTAL, preview
+from AIFReconLib.evaluation.preview import preview
+from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, planes
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
@@ -59,7 +60,7 @@ def test_cuts_lie_as_radiologists_look_at_them(plane, voxel, left, up):
 
 
 @pytest.mark.parametrize("turned", [np.eye(4), np.diag([-1.0, 1.0, 1.0, 1.0]), np.diag([1.0, 1.0, -1.0, 1.0]), np.eye(4)[[1, 2, 0, 3]]])
-def test_the_projection_shows_what_lies_right_and_high_at_the_top_left_however_the_grid_runs(turned):
+def test_from_behind_what_lies_right_and_high_is_at_the_top_right_however_the_grid_runs(turned):
     place = GRID.ijk_to_reference @ (30, 5, 17, 1)
     matrix = GRID.ijk_to_reference @ turned
     grid = VoxelGrid(
@@ -68,9 +69,70 @@ def test_the_projection_shows_what_lies_right_and_high_at_the_top_left_however_t
     array = np.full(grid.shape, 10, np.uint8)
     i, j, k = np.rint(grid.reference_to_ijk @ place).astype(int)[:3]
     array[k, j, i] = 200
-    volume = Volume(array, grid.ijk_to_reference)
-    across, down = where_brightest(room._projection(volume, array > 0, (0.0, 255.0)).picture)
-    assert (across, down) == pytest.approx((0.5 - place[0] / 45, 0.5 - place[2] / 45), abs=0.03)
+    panel = room._projection(Volume(array, grid.ijk_to_reference), array > 0, (0.0, 255.0), patient=True, beam=None)
+    across, down = where_brightest(panel.picture)
+    assert (panel.name, panel.edges) == ("bone, from behind", ("L", "R", "S", "I"))
+    assert (across, down) == pytest.approx((0.5 + place[0] / 45, 0.5 - place[2] / 45), abs=0.03)
+
+
+def bone_under_skin(axis: int, backward: bool) -> Volume:
+    """Speckle, a bright sheet of skin over all of it, and a plate of bone behind that, as bright, with a shadow; beams go along an axis."""
+    rng = np.random.default_rng(3)
+    lines = rng.uniform(60, 100, (30, 30, 40))
+    lines[..., 2:5] = 220
+    lines[10:20, 10:20, 20:22] = 220
+    lines[10:20, 10:20, 22:] = 5
+    lines = lines[..., ::-1] if backward else lines
+    return Volume(np.moveaxis(lines, 2, 2 - axis).astype(np.uint8), np.eye(4))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("backward", [False, True])
+def test_bone_is_seen_through_skin_that_is_as_bright_along_the_beams(axis, backward):
+    volume = bone_under_skin(axis, backward)
+    beam = (-1.0 if backward else 1.0) * np.eye(3)[axis] + 0.1
+    panel = room._projection(volume, volume.array > 0, (0.0, 255.0), patient=False, beam=beam)
+    assert panel.name == f"bone, seen along {'-' if backward else '+'}{'xyz'[axis]}"
+    bone = np.zeros((30, 30), bool)
+    bone[10:20, 10:20] = True
+    assert panel.picture[bone].min() > 1.3 * panel.picture[~bone].max()
+
+
+def test_where_neither_patient_nor_beams_are_known_the_brightest_along_y_is_shown():
+    volume = bone_under_skin(1, False)
+    panel = room._projection(volume, volume.array > 0, (0.0, 255.0), patient=False, beam=None)
+    assert (panel.name, panel.edges) == ("brightest along y", ("-x", "+x", "+z", "-z"))
+    assert (panel.picture == 220).all()
+
+
+def test_a_projection_goes_through_what_the_score_stands_behind():
+    volume = bone_under_skin(1, False)
+    score = np.zeros(volume.array.shape, np.float32)
+    score[:, 20:22, 10:15] = 3.0
+    picture = room._projection(volume, volume.array > 0, (0.0, 255.0), False, np.array([0.0, 1.0, 0.0]), Volume(score, np.eye(4))).picture
+    # Seen along +y with z up, +x is at the right
+    assert picture[12:18, 11:14].min() > 0
+    assert picture[:, 15:].max() == 0
+
+
+def test_the_patient_s_letters_are_written_only_where_it_is_known_how_the_patient_lies():
+    assert [plane.name for plane in planes(patient=True)] == ["axial", "sagittal", "coronal"]
+    across = planes(patient=False)
+    assert [(plane.name, plane.edges) for plane in across] == [
+        ("across z", ("+x", "-x", "+y", "-y")),
+        ("across x", ("+y", "-y", "+z", "-z")),
+        ("across y", ("+x", "-x", "+z", "-z")),
+    ]
+
+
+@pytest.mark.parametrize(("more", "letters"), [({}, False), ({"labels": True}, True), ({"ct": True}, True), ({"patient": True}, True)])
+def test_a_picture_has_letters_with_labels_a_ct_or_the_user_s_word(more, letters, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(room, "_draw", lambda panels, *_: drawn.extend(panel.name for panel in panels))
+    monkeypatch.setattr(room, "png_of", lambda _: b"")
+    given = {name: volume_with() if name != "patient" else True for name in more}
+    preview(volume_with(), **given)
+    assert ("axial" in drawn) == letters
 
 
 def test_cuts_go_through_the_middle_of_bone_that_shows():

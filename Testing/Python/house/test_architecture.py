@@ -38,6 +38,7 @@ EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
 PACKAGES = {
     "batch": {"cryptography", "dask", "distributed", "pyarrow"},
     "bone": {"onnxruntime"},
+    "commands": {"argcomplete"},
     "evaluation": {"matplotlib", "vtk"},
     "inspection": {"vtkmodules"},
     "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg", "rosbags", "tifffile", "lz4", "backports", "compression"},

@@ -232,9 +232,31 @@ def test_a_full_frame_shows_no_outline_and_is_refused():
         detect_imaging(images_of(np.ones((ROWS, COLUMNS), bool)))
 
 
-def test_a_sector_of_which_one_half_is_in_shadow_is_refused_rather_than_guessed():
-    with pytest.raises(BeamGeometryError):
-        detect_imaging(images_of(sector() & (COLUMN > 160)))
+def test_a_sector_of_which_one_half_is_in_shadow_is_taken_to_be_as_wide_as_the_other_and_says_so():
+    found = detect_imaging(images_of(sector() & (COLUMN > 160)))
+    assert_found(found)
+    assert "its left side is dark" in found.description
+
+
+def test_one_picture_tells_no_text_from_ultrasound_and_is_read_as_it_was():
+    images = images_of(sector(), frames=1)
+    draw_text(images)
+    assert_found(detect_imaging(images))
+
+
+def test_what_changes_tells_ultrasound_from_a_brighter_picture_that_does_not():
+    images = images_of(sector((100.0, 10.0), (-22.0, 22.0), (0.0, 200.0)), frames=8)
+    images[:, 20:230, 190:315] = np.linspace(60, 255, 125).astype(np.uint8)
+    assert_found(detect_imaging(images), (100.0, 10.0), (-22.0, 22.0), (0.0, 200.0))
+
+
+def test_a_curved_image_over_a_dark_near_field_between_panels_is_found():
+    shape = {"apex": (160.0, -80.0), "angles": (-28.0, 28.0), "radii": (125.0, 300.0)}
+    images = images_of(sector(**shape), frames=8)
+    images[:, :, :24] = images[:, :, -24:] = 70
+    found = detect_imaging(images)
+    assert "by what changes between frames" in found.description
+    assert_found(found, **shape)
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,12 @@ def test_matrices_in_columns(tmp_path, header, separator):
     assert_poses(read(tmp_path, table(BY_ROW, header, separator)))
 
 
+def test_a_decimal_comma_is_read_where_semicolons_part_the_cells(tmp_path):
+    found = read(tmp_path, "time;x;y;z;qx;qy;qz;qw\n0,5;1,25;-2,5e1;,75;0;0;0;1\n1;2;3;4;0;0;0;1\n")
+    np.testing.assert_array_equal(found.matrices[0, :3, 3], (1.25, -25.0, 0.75))
+    np.testing.assert_array_equal(found.times, (0.5, 1.0))
+
+
 def test_matrices_of_four_lines(tmp_path):
     text = "\n\n".join("\n".join(words(line) for line in pose) for pose in POSES)
     assert_poses(read(tmp_path, text, name="poses.txt"))

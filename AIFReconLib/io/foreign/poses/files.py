@@ -80,7 +80,8 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     path : str or Path
         Rows under headings, whatever stands above and between, or of numbers alone: 16 or 12 of a matrix, 3 or 4 rows of 4 each, x y z
         and a quaternion or Euler angles, each with a time in front or not. Of several tools, side by side or one below the other, the
-        one that `form` names. NumPy: (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12). JSON: a list of poses, or of objects with matrix, or translation and quaternion or euler.
+        one that `form` names. NumPy: (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12). JSON: a list of poses, or of objects with matrix, or
+        translation and quaternion or euler.
     form : PoseFormat
         What the file does not say.
 

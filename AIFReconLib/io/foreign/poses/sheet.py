@@ -15,7 +15,7 @@ _MARKS = ("#", "//", "%")
 _RECEIVED = "%time"
 """A heading of ROS, and no comment."""
 
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _NO_VALUE = frozenset(["missing", "nan", "null", "none", "n/a", "na", "-", "--"])
 _LOOKED_AT = 400
 """Lines by which separators are judged."""

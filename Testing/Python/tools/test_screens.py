@@ -1,0 +1,37 @@
+"""Ten of the made screens of a scanner, and the judge that tells right from wrong."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
+from AIFReconLib.imaging.detection import detect_imaging
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from study.screen_cases import DECOYS, decoy, screen
+from study.screens import REFUSED, RIGHT, WRONG, judged, judged_finding
+
+TEN = (0, 2, 4, 5, 7, 8, 12, 57, 58, 191)
+
+
+@pytest.mark.parametrize("seed", TEN)
+def test_a_probe_is_told_from_a_screen(seed):
+    assert judged(screen(seed))[0] == RIGHT
+
+
+@pytest.mark.parametrize("seed", range(len(DECOYS)), ids=DECOYS)
+def test_what_shows_no_probe_is_refused(seed):
+    assert judged(decoy(seed))[0] == REFUSED
+
+
+def test_the_judge_sees_an_apex_that_is_off_by_more_than_half_a_millimeter():
+    made = screen(4)
+    found = detect_imaging(made.images, made.spacing)
+    column, row = found.probe.apex
+    off = replace(found, probe=ProbeGeometry(SECTOR, (column, row + 0.7 / made.spacing[1])))
+    assert (judged_finding(made, found)[0], judged_finding(made, off)[0]) == (RIGHT, WRONG)
