@@ -13,12 +13,11 @@ from ..errors import AIFReconError
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
-from ..io.volume.files import read_labels
 from ..message import columns
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
 from ..terminal.console import ProgressBar, program, shell_words
-from ..terminal.options import Commands
+from ..terminal.options import Commands, add_labels_options, labels_from
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_sequence_options, add_tracking_options, of_each, sequence_from
@@ -39,7 +38,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha; one or more")
     parser.add_argument("--json", action="store_true", help="print JSON instead of text (of several sequences: a list)")
     bone = parser.add_argument_group("bone", "where it will be asked for")
-    bone.add_argument("--bone-labels", type=Path, metavar="LABELS", help="segmentation of the CT")
+    add_labels_options(bone)
     bone.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it")
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
@@ -65,12 +64,12 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     """What is to be said of one sequence, for a terminal and for JSON."""
     sequence = sequence_from(arguments)
     recipe = recipe_from(arguments)
-    has_bone = arguments.bone_labels is not None
-    if has_bone:
-        read_labels(arguments.bone_labels)
+    labels = labels_from(arguments, progress)
+    has_bone = labels is not None
     told = recipe.probe if recipe.probe == LINEAR else SECTOR if recipe.apex_px else None
     report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress, told and f"{told} (as given)", has_bone)
-    report = replace(report, findings=tuple(map(in_options, report.findings)))
+    notes = () if labels is None else labels.notes
+    report = replace(report, findings=tuple(map(in_options, (*report.findings, *notes))))
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict
@@ -112,7 +111,19 @@ def _facts(planned: Plan) -> list[tuple[str, str]]:
 def _command(arguments: argparse.Namespace, clip: ClipRectangle | None) -> list[str]:
     """The words of the reconstruction that was planned, with the rectangle that was recognized."""
     words = ["reconstruct", str(arguments.sequence)]
-    of_files = ("config", "bone_labels", "bone_transform", "image_to_reference", "reference", *OF_A_RECORDING, "probe")
+    of_files = (
+        "config",
+        "bone_labels",
+        "labels",
+        "ct",
+        "bone_above",
+        "bone_space",
+        "bone_transform",
+        "image_to_reference",
+        "reference",
+        *OF_A_RECORDING,
+        "probe",
+    )
     of_images = {name: getattr(arguments, name) for name in ("apex_px", "clip_px", "fan_angles_deg", "fan_radius_px")}
     if clip is not None and of_images["clip_px"] is None:
         of_images["clip_px"] = (*clip.origin_px, *clip.size_px)

@@ -117,4 +117,4 @@ def _numbers(r: Row) -> tuple[str, ...]:
 def main(words: list[str]) -> int:
     """Run the study."""
     arguments = parsed(study_parser("ct_bone", __doc__), words)
-    return carry_out(arguments, patient_rows, Row, page_writer(arguments.output / "ct-bone.md", page), "CTs")
+    return carry_out(arguments, patient_rows, Row, page_writer(arguments, "ct-bone", page), "CTs")
