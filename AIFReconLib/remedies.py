@@ -71,6 +71,8 @@ class Remedy(Enum):
     NO_TOOL = auto()
     GOOD_STATUS = auto()
     ROWS_OR_COLUMNS = auto()
+    TIME_OFFSET = auto()
+    NO_MARKER = auto()
     SURE = auto()
 
 
@@ -138,6 +140,8 @@ IN_PYTHON = {
     Remedy.NO_TOOL: "Leave out tool.",
     Remedy.GOOD_STATUS: 'Give the words that mean a valid pose, as in good_statuses=("{word}",).',
     Remedy.ROWS_OR_COLUMNS: "Give column_major, True or False.",
+    Remedy.TIME_OFFSET: "If the images began S seconds after the poses, give time_offset=S.",
+    Remedy.NO_MARKER: "Leave it out.",
     Remedy.SURE: "If it is right as it is, give sure=True.",
 }
 """What to do for who calls the library from Python."""

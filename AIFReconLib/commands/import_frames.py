@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from ..inspection.sweep_drawing import draw_sweep
 from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import check_writable, write_text
 from ..io.foreign.calibration import read_calibration
-from ..io.foreign.importing import IMAGE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, ImportSettings, import_sequence
 from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
 from ..io.foreign.openers import open_images
 from ..io.foreign.poses.files import read_poses
@@ -59,6 +60,10 @@ def add_to(commands: Commands) -> None:
         "--columns", metavar="WORDS", help='names of the columns, e.g. "time x y z qw qx qy qz"; - for one that is not used'
     )
     meaning.add_argument("--tool", metavar="NAME", help="the one whose poses are taken, where the file holds several: its name or place")
+    meaning.add_argument(
+        "--reference-tool", metavar="NAME", help="the marker on the patient, in the same file: it becomes the frame Reference"
+    )
+    meaning.add_argument("--time-offset", type=float, default=0.0, metavar="S", help="how many seconds after the poses the images began")
     meaning.add_argument("--quaternion-order", choices=QUATERNION_ORDERS, help="of a quaternion whose numbers have no names")
     meaning.add_argument(
         "--euler-order",
@@ -101,7 +106,8 @@ def run(arguments: argparse.Namespace) -> None:
     check_writable(drawing)
     mechanism = read_mechanism(arguments.mechanism) if arguments.mechanism else None
     poses = read_joint_poses(arguments.poses, mechanism, settings.form) if mechanism else read_poses(arguments.poses, settings.form)
-    sequence, understood = import_sequence(open_images(arguments.images), poses, settings)
+    patient = read_poses(arguments.poses, replace(settings.form, tool=arguments.reference_tool)) if arguments.reference_tool else None
+    sequence, understood = import_sequence(open_images(arguments.images), poses, settings, patient)
     with ProgressBar() as progress:
         write_sequence(sequence, arguments.output, arguments.compress, progress)
     lines = [*map(in_options, understood), *_check(sequence, settings.transform, drawing, arguments.output.name, mechanism)]
@@ -134,6 +140,7 @@ def settings_from(arguments: argparse.Namespace) -> tuple[ImportSettings, Path |
         calibration,
         arguments.orientation,
         arguments.rate,
+        arguments.time_offset,
         form,
         arguments.sure,
     )
@@ -151,6 +158,8 @@ def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, n
     """Facts of the sweep, and its drawing, where the images can be placed."""
     moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
     reference = transform.source if transform.target in moving else transform.target
+    if any(REFERENCE_FRAME in (each.source, each.target) for each in sequence.records[0].transforms):
+        reference = REFERENCE_FRAME
     try:
         poses = sweep_poses(sequence, reference=reference)
     except AIFReconError:

@@ -76,6 +76,8 @@ IN_OPTIONS = {
     Remedy.NO_TOOL: "Leave out --tool.",
     Remedy.GOOD_STATUS: 'Give the words that mean a valid pose, for example --status-ok "{word}".',
     Remedy.ROWS_OR_COLUMNS: "Give --column-major or --no-column-major.",
+    Remedy.TIME_OFFSET: "If the images began S seconds after the poses, give --time-offset S.",
+    Remedy.NO_MARKER: "Leave out --reference-tool.",
     Remedy.SURE: "If it is right as it is, give --sure.",
 }
 """A command's options, as they are typed."""

@@ -21,7 +21,7 @@ from .poses.files import PoseTable
 from .poses.rotations import PoseFormat, in_millimeters
 from .poses.times import FASTEST, SLOWEST
 
-IMAGE_FRAME = "Image"
+IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
 
 _Place = tuple[Matrix, dict[TransformName, TransformSample], str]
 """Poses, transforms of the header, and in words where the image is."""
@@ -48,6 +48,9 @@ class ImportSettings:
         Which way the pixels of the files run: MF, MN, UF or UN.
     rate : float or None, Hz
         Frames per second, where no file has times.
+    time_offset : float, s
+        What is added to the times of the images to get those of the poses: how long after the poses the images began, where both count
+        from 0.
     form : PoseFormat
     sure : bool
         Take poses as they are where no hand moves so.
@@ -59,6 +62,7 @@ class ImportSettings:
     calibration: tuple[TransformName, Matrix] | None = None
     orientation: str = IN_MEMORY
     rate: float | None = None
+    time_offset: float = 0.0
     form: PoseFormat = field(default_factory=PoseFormat)
     sure: bool = False
 
@@ -68,9 +72,13 @@ class ImportSettings:
             raise SettingsError(f"Input spacing must be two numbers above 0, in mm per pixel; got {self.spacing!r}.")
         if self.rate is not None and not (np.isfinite(self.rate) and self.rate > 0):
             raise SettingsError(f"Input rate must be above 0 frames per second; got {self.rate!r}.")
+        if not np.isfinite(self.time_offset):
+            raise SettingsError(f"Input time_offset must be a number of seconds; got {self.time_offset!r}.")
 
 
-def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> tuple[TrackedSequence, tuple[str, ...]]:
+def import_sequence(
+    images: ImportedImages, poses: PoseTable, settings: ImportSettings, patient: PoseTable | None = None
+) -> tuple[TrackedSequence, tuple[str, ...]]:
     """The sequence of these images and poses, and in words how they were understood.
 
     Parameters
@@ -78,6 +86,8 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     images : ImportedImages
     poses : PoseTable
     settings : ImportSettings
+    patient : PoseTable or None
+        Poses of the marker on the patient, in the direction of the others; it is the frame Reference.
 
     Raises
     ------
@@ -94,21 +104,52 @@ def import_sequence(images: ImportedImages, poses: PoseTable, settings: ImportSe
     matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=places_image and not rigid)
     doubts = _doubts(matrices, good, poses, settings)
     matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
-    samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)], settings.rate)
-    records = [FrameRecord(None if times is None else float(times[n]), transforms={name: sample}) for n, sample in enumerate(samples)]
+    samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)], settings)
+    every = {name: samples}
+    if patient is not None:
+        every |= _of_patient(images, patient, settings)
+    records = [
+        FrameRecord(None if times is None else float(times[n]), transforms={name: of_tool[n] for name, of_tool in every.items()})
+        for n in range(len(samples))
+    ]
     orientation = parse_orientation(settings.orientation)
     stack = images.stack if orientation[:2] == IN_MEMORY[:2] else FlippedImages(images.stack, orientation)
     understood = (
         f"images: {images.description}, orientation {orientation[:2]}",
         *(f"poses: {line}" for line in poses.understood),
-        f"direction: {name} takes points of {name.source} to {name.target}",
+        *(f"direction: {each} takes points of {each.source} to {each.target}" for each in every),
         f"place of the image: {how}",
         f"pairing: {pairing}",
         "times: " + ("none; frames are taken in this order" if times is None else _span(times)),
         *_first_frames(samples, times),
         *doubts,
+        *_clocks(images, poses, settings),
     )
     return TrackedSequence(stack, records, transforms=header), understood
+
+
+def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSettings) -> dict[TransformName, list[TransformSample]]:
+    """The poses of the marker on the patient, for each image."""
+    name = settings.transform
+    ends = (name.source, name.target)
+    calibrated = [settings.calibration[0].target] if settings.calibration else []
+    moving = next((frame for frame in (IMAGE_FRAME, *calibrated, "Probe") if frame in ends), name.source)
+    marker = TransformName(name.source, REFERENCE_FRAME) if moving == name.target else TransformName(REFERENCE_FRAME, name.target)
+    if REFERENCE_FRAME in ends:
+        raise SettingsError(f"The poses of {name} are those in Reference already, and there is a marker on the patient.", Remedy.NO_MARKER)
+    matrices = in_millimeters(patient.matrices, patient.length_unit, takes_pixels=False)
+    for number, matrix in enumerate(matrices):
+        if np.isfinite(matrix).all() and why_not_rigid(matrix):
+            raise SettingsError(f"Pose {number} of the marker must be a rotation and a translation; it is {why_not_rigid(matrix)}.")
+    return {marker: _paired(images, patient, [_sample(m, patient, n) for n, m in enumerate(matrices)], settings)[0]}
+
+
+def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> list[str]:
+    """What was taken for granted of two clocks that both count from 0."""
+    counted = poses.times is not None and abs(float(poses.times[0])) < 1.0 and poses.images is None and not settings.time_offset
+    if counted and images.times is not None and abs(float(images.times[0])) < 1.0:
+        return [Sentence("note: images and poses both count from 0, and were taken to begin at one moment.", Remedy.TIME_OFFSET)]
+    return []
 
 
 def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportSettings) -> bool:
@@ -203,7 +244,7 @@ def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
     return TransformSample(matrix, status)
 
 
-def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], rate: float | None) -> _Pairs:
+def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], settings: ImportSettings) -> _Pairs:
     """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
     missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
@@ -214,17 +255,22 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
             "one series."
         )
+    rate, offset = settings.rate, settings.time_offset
     by_rate = "" if rate is None else f", images {rate:g} times a second"
     image_times = images.times if rate is None else np.arange(count) / rate
-    if len(samples) == count and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
+    if offset and (image_times is None or poses.times is None):
+        raise SettingsError("A time offset needs times of images and poses, and one of them has none.", Remedy.NO_TIME_OFFSET)
+    if image_times is not None:
+        image_times = image_times + offset
+    if len(samples) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
         return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
     if poses.times is not None and image_times is not None:
         track = PoseTrack(zip(poses.times, samples))
         found = [track.at(time)[0] for time in image_times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
-                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(image_times)}{by_rate}. Make both "
-                "start at 0."
+                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(image_times)}{by_rate}.",
+                Remedy.TIME_OFFSET,
             )
         paired = [missing if matrix is None else TransformSample(matrix) for matrix in found]
         return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"

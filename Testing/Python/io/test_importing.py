@@ -348,3 +348,35 @@ def test_clocks_that_began_at_other_times_are_in_step(tmp_path, results, twelve)
     poses = table(tmp_path / "p.csv", COLUMNS, moving(start=1_700_000_000.0))
     sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     assert sequence.records[1].timestamp == pytest.approx(1_700_000_000.05)
+
+
+def test_the_marker_on_the_patient_is_the_reference(tmp_path, results, twelve, calibration, capsys):
+    """Probe and patient move together in the tracker: in Reference the probe stands still but for its own 20 mm/s."""
+    sway = [rigid((0.0, 2.0 * n, 5.0), (3.0 * n, -n, 0.0)) for n in range(12)]
+    probe = [pose @ rigid(translation=(n, 20.0, 30.0)) for n, pose in enumerate(sway)]
+    rows = [[0.05 * n, *flat([probe[n]])[0][:12], *flat([sway[n]])[0][:12]] for n in range(12)]
+    names = [f"{tool}_m{i}{j}" for tool in ("Probe", "Marker") for i in range(3) for j in range(4)]
+    poses = save(tmp_path / "p.csv", rows, ["time", *names])
+    options = ["--transform", "ProbeToTracker", "--tool", "Probe", "--reference-tool", "Marker", "--calibration", calibration]
+    sequence = imported(results, twelve, "--poses", poses, *options)
+    found = sweep_poses(sequence).image_to_reference
+    expected = [rigid(translation=(n, 20.0, 30.0)) @ IMAGE_TO_PROBE for n in range(12)]
+    np.testing.assert_allclose(found, expected, atol=1e-9)
+    assert "--reference" not in capsys.readouterr().out.split("to reconstruct:")[1]
+
+
+def test_images_that_began_later_get_the_poses_of_their_moment(tmp_path, results, twelve):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    options = ["--transform", "ProbeToTracker", "--rate", 20, "--time-offset", 1.025]
+    sequence = imported(results, twelve, "--poses", poses, *options)
+    np.testing.assert_allclose(places(sequence), 10 + 20 * (1.025 + 0.05 * np.arange(12)), atol=1e-9)
+
+
+def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
+    dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
+    from test_foreign_images import write_dicom
+
+    images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=20, step=0.02))
+    imported(results, images, "--poses", poses, "--transform", "ProbeToTracker")
+    assert "both count from 0, and were taken to begin at one moment. If the images began S seconds" in capsys.readouterr().out
