@@ -8,10 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dicom_samples import write_dicom
 from doc_pages import REPOSITORY, blocks
 from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
+from made_tables import Recording, motive
 from variant_files import slicer_images, slicer_transforms
 
+from AIFReconLib import read_labels
+from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
@@ -51,6 +55,7 @@ def make_workplace(folder: Path) -> Path:
     _write_frames(sequence, folder)
     # The page says of its first block that it is this file
     (folder / "my_methods.py").write_text(next(blocks(REPOSITORY / "docs" / "own-method.md")).text, "utf-8")
+    _write_optical_tracking(sequence, folder)
     slicer_images(folder / "Image.seq.nrrd")
     slicer_transforms(folder / "ImageToReference.seq.mha")
     slicer_transforms(folder / "Transform.seq.mha")
@@ -68,6 +73,22 @@ def _write_frames(sequence: TrackedSequence, folder: Path) -> None:
         rigid_pose = pose @ np.diag([*(1 / spacing), 1.0])
         rows.append(",".join(map(repr, [0.05 * number, *rigid_pose.ravel().tolist()])))
     (folder / "poses.csv").write_text("\n".join(rows), "utf-8")
+
+
+def _write_optical_tracking(sequence: TrackedSequence, folder: Path) -> None:
+    """A cine in DICOM, Motive's table of the rigid bodies on probe and patient, a calibration, and a mask for each vertebra."""
+    shutil.copy(folder / "ImageToProbe.tfm", folder / "calibration.tfm")
+    write_dicom(
+        pytest.importorskip("pydicom", reason="pydicom is not installed"), folder / "cine.dcm", np.asarray(sequence.images), FrameTime=50.0
+    )
+    bodies = [[record.transforms[TransformName(tool, "Tracker")].matrix for record in sequence.records] for tool in ("Probe", "Reference")]
+    times = 0.05 * np.arange(len(sequence))
+    good = np.ones((2, len(sequence)), bool)
+    table = motive(Recording(np.array(bodies), times, good, ["Probe", "Patient"], np.random.default_rng(0)))
+    (folder / "motive.csv").write_text(table.text, "utf-8")
+    (folder / "segmentations").mkdir()
+    labels = read_labels(folder / "labels.nrrd")
+    Volume((labels.array > 0).astype(np.uint8), labels.ijk_to_reference).write(folder / "segmentations" / "vertebrae_L3.nii.gz")
 
 
 def serve(folder: Path) -> ReplayServer:

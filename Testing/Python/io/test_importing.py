@@ -156,7 +156,7 @@ def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
 def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results):
     """Images of a DICOM file at 0, 0.04 and 0.08 s, poses every 0.02 s."""
     dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from test_foreign_images import write_dicom
+    from dicom_samples import write_dicom
 
     images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
     rows = [[0.02 * n + 0.01, *(rigid(translation=(n, 0, 0)) @ np.diag([0.4, 0.5, 1, 1])).ravel().tolist()] for n in range(-1, 5)]
@@ -169,7 +169,7 @@ def test_poses_of_another_rate_are_interpolated_at_the_images(tmp_path, results)
 def zoomed(tmp_path):
     """A folder of two DICOM files of one frame each, of which neither the order nor the one size of a pixel is known."""
     dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from test_foreign_images import write_dicom
+    from dicom_samples import write_dicom
 
     (tmp_path / "zoomed").mkdir()
     for number, size in enumerate((0.2, 0.4)):
@@ -374,7 +374,7 @@ def test_images_that_began_later_get_the_poses_of_their_moment(tmp_path, results
 
 def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
-    from test_foreign_images import write_dicom
+    from dicom_samples import write_dicom
 
     images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
     poses = table(tmp_path / "p.csv", COLUMNS, moving(count=20, step=0.02))

@@ -129,12 +129,16 @@ def _not_there(tool: str | None) -> str:
 
 
 def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True) -> int | None:
-    """Which of these is meant: by name, else by its place from 1."""
-    low = [name.lower() for name in names]
+    """Which of these is meant: by name, by a word of the name that no other has, else by its place from 1."""
     if tool is None:
         return None
+    low = [name.lower() for name in names]
     if low.count(tool.lower()) == 1:
         return low.index(tool.lower())
+    words = [set(name.split()) for name in low]
+    holding = [number for number, each in enumerate(words) if set(tool.lower().split()) <= each]
+    if len(holding) == 1:  # Motive names a number too
+        return holding[0]
     return int(tool) - 1 if by_place and tool.isdecimal() and 1 <= int(tool) <= len(names) else None
 
 
