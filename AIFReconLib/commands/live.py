@@ -13,6 +13,8 @@ from pathlib import Path
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
+from ..geometry.transform_graph import TransformName
+from ..io.foreign.mechanisms import read_mechanism
 from ..io.plus.configuration import read_plus_configuration
 from ..io.volume.files import check_volume_path
 from ..live.pairing.placement import UNCONFIRMED
@@ -21,9 +23,10 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.session import LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.sources import StreamStatistics
+from ..live.wire.joint_source import JointSource
+from ..live.wire.sources import MessageSource, StreamStatistics
 from ..machine.threads import pause
-from ..message import one_line
+from ..message import one_line, shorten
 from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
@@ -95,6 +98,11 @@ def add_to(commands: Commands) -> None:
         default=SynchronizerSettings.tracker_frame,
         metavar="FRAME",
         help="where poses lead that are named after their tool alone: Probe is ProbeTo and this (default: %(default)s)",
+    )
+    server.add_argument(
+        "--mechanism",
+        metavar="NAME=FILE",
+        help="what moves the probe (see import), whose axes the images' fields tell in mm and degrees: as in ProbeToBase=array.toml",
     )
     scan = parser.add_argument_group("scan")
     scan.add_argument(
@@ -194,7 +202,7 @@ def _session(
     )
     client = OpenIGTLinkClient(arguments.host, arguments.port)
     session = LiveSession(
-        client,
+        _with_poses(client, arguments.mechanism),
         replace(recipe, time_offset=0.0, longest_gap=LONGEST_GAP),
         bone,
         grid_from(arguments),
@@ -206,6 +214,16 @@ def _session(
     )
     client.start(wait=True)
     return session, client, seen
+
+
+def _with_poses(client: OpenIGTLinkClient, mechanism: str | None) -> MessageSource:
+    """The client, with the poses of a mechanism whose axes its images tell."""
+    if mechanism is None:
+        return client
+    name, equals, file = mechanism.partition("=")
+    if not equals:
+        raise SettingsError(f"--mechanism must be NAME=FILE, as in ProbeToBase=array.toml; got {shorten(mechanism)!r}.")
+    return JointSource(client, read_mechanism(file), TransformName.parse(name))
 
 
 def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.Namespace) -> tuple[Reconstruction | None, int | None]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,6 +38,11 @@ class Axis:
     before: Matrix = field(default_factory=lambda: np.eye(4))
     scale: float = 1.0
     zero: float = 0.0
+
+    def amount(self, reading: float) -> float:
+        """How far it has moved, mm or radians, where it reads mm or degrees."""
+        moved = (reading - self.zero) * self.scale
+        return math.radians(moved) if self.kind == TURN else moved
 
     def moved(self, amounts: Floats) -> Matrix:
         """Transforms (n, 4, 4), mm, when it has moved by so much (n,), mm or radians."""

@@ -19,6 +19,7 @@ from ...message import listed, said, shorten
 from ..disk.small_files import read_bytes
 from ..disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
 from ..metafile.text_values import NotANumberError
+from ..sequence.metafiles import METAFILES
 from .poses.files import MAXIMUM_BYTES, PoseTable
 from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
 from .poses.rotations import PoseFormat
@@ -79,7 +80,8 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
     Parameters
     ----------
     path : str or Path
-        Columns besides: time, image, status. Without headings the columns are the axes in order, with the time in front or not.
+        Columns besides: time, image, status. Without headings the columns are the axes in order, with the time in front or not. Or a
+        recording (.mha, .nrrd and the like) whose frames have a field for each axis.
     mechanism : Mechanism
     form : PoseFormat
         Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
@@ -92,6 +94,8 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
         When the times or what the table says of a pose cannot be understood.
     """
     path, form = Path(path), form or PoseFormat()
+    if path.suffix.lower() in METAFILES.suffixes:
+        return _of_fields(path, mechanism, form)
     data = read_bytes(path, MAXIMUM_BYTES + 1, FileFormatError)
     if len(data) > MAXIMUM_BYTES or b"\0" in data:
         raise FileFormatError(f"{path}: this is not a table in text of what the axes read. Give .csv or .txt.")
@@ -126,6 +130,24 @@ def _poses(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
     seconds = times.seconds if times.seconds is not None and np.isfinite(times.seconds).all() else None
     understood = (f"{len(sheet.rows)}, of a mechanism: {listed(told)}", *times.told, *of_status)
     return PoseTable(matrices, seconds, tuple(words[IMAGE]) if IMAGE in words else None, statuses, understood, "mm", True)
+
+
+def _of_fields(path: Path, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
+    """The same, of the fields of a recording's frames."""
+    records = METAFILES.read(path, None).records
+    fields = [{name.lower(): value for name, value in record.fields.items()} for record in records]
+    axes = [axis.name.lower() for axis in mechanism.moving]
+    missing = next((name for name in axes if not any(name in each for each in fields)), None)
+    if missing is not None:
+        there = listed(dict.fromkeys(name for each in fields for name in each)) or "none"
+        raise FileFormatError(f"{path}: its frames must have a field {missing}, for the axis of this name; got {shorten(there, 200)}.")
+    rows = [(number, [each.get(name, "nan") for name in axes]) for number, each in enumerate(fields)]
+    try:
+        table = _poses(Sheet(rows, axes), mechanism, form)
+    except AIFReconError as error:
+        raise type(error)(f"{path}: {said(error)}".replace(": line ", ": frame "), error) from None
+    times = [record.timestamp for record in records]
+    return replace(table, times=None if None in times else np.array(times, dtype=np.float64))
 
 
 def _unit(axis: Axis, column: Column, form: PoseFormat) -> tuple[str, float]:

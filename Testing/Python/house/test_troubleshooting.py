@@ -120,7 +120,7 @@ def test_poses_in_meters(here, said):
     rows = [[0.05 * n, 1, 0, 0, 0.001 * n, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] for n in range(FRAMES)]
     (here / "poses.csv").write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]), "utf-8")
     poses = ["--poses", "poses.csv", "--transform", "ImageToTracker", "--spacing", "0.4", "0.5"]
-    assert quoted("doubt:") in said("import", "frames/", *poses, "--output", "imported.mha")
+    assert quoted("aifrecon: The poses move") in said("import", "frames/", *poses, "--output", "imported.mha")
 
 
 def test_a_pixel_of_unknown_size(here, said):

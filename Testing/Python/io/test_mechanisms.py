@@ -14,7 +14,10 @@ from AIFReconLib import read_sequence
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.io.foreign.mechanisms import read_joint_poses, read_mechanism
+from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.foreign.poses.rotations import PoseFormat
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
 HOME = rigid((20.0, -35.0, 80.0), (12.0, -7.0, 140.0))
 SLIDE = {"name": "Slide", "kind": "shift", "direction": [1, 2, 2]}
@@ -157,6 +160,23 @@ def test_a_description_that_cannot_be_used_says_where(tmp_path, table, message):
 def test_a_table_that_does_not_fit_says_where(tmp_path, text, message):
     with pytest.raises(FileFormatError, match=message):
         read(tmp_path, described(tmp_path, axis=[SLIDE, TILT]), text)
+
+
+def test_the_fields_of_a_recording_may_hold_what_the_axes_read(tmp_path):
+    images = np.zeros((3, 4, 5), np.uint8)
+    fields = [{"Slide": "0", "Tilt": "0"}, {"Slide": "3", "Tilt": "12.5"}, {"Slide": "7.5"}]
+    records = [FrameRecord(0.1 * number, fields=each) for number, each in enumerate(fields)]
+    write_sequence(TrackedSequence(images, records), tmp_path / "sweep.igs.mha")
+    mechanism = described(tmp_path, axis=[SLIDE, TILT], home=HOME.tolist())
+    found = read_joint_poses(tmp_path / "sweep.igs.mha", mechanism)
+    expected = read(tmp_path, mechanism).matrices
+    np.testing.assert_allclose(found.matrices[:2], expected[:2])
+    assert np.isnan(found.matrices[2]).all()
+    np.testing.assert_allclose(found.times, [0, 0.1, 0.2])
+    assert len(open_images([tmp_path / "sweep.igs.mha"]).stack) == 3
+    other = described(tmp_path, axis=[{**SLIDE, "name": "lift"}])
+    with pytest.raises(FileFormatError, match=r"its frames must have a field lift, for the axis of this name; got slide, tilt"):
+        read_joint_poses(tmp_path / "sweep.igs.mha", other)
 
 
 @pytest.mark.skipif(sys.version_info < (3, 11), reason="Python 3.10 reads no TOML")

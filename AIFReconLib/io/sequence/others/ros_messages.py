@@ -6,7 +6,6 @@ import io
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ....arrays import Matrix, Numbers
 from ....errors import SequenceFormatError
@@ -68,7 +67,10 @@ def matrix_of(translation: Any, rotation: Any) -> Matrix | None:
         length = float(np.linalg.norm(quaternion))
     if not np.isfinite([*quaternion, *moved]).all() or not abs(length - 1.0) <= QUATERNION_TOLERANCE:
         return None
-    matrix = np.eye(4)
-    matrix[:3, :3] = scipy.spatial.transform.Rotation.from_quat(quaternion / length).as_matrix()
+    # By hand: what Slicer's own process imports loads no SciPy
+    (*vector, w), matrix = quaternion / length, np.eye(4)
+    x, y, z = vector
+    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    matrix[:3, :3] += 2 * (w * across + across @ across)
     matrix[:3, 3] = MILLIMETERS * moved
     return matrix

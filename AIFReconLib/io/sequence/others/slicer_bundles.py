@@ -28,7 +28,6 @@ from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
 from ...disk.xml_tree import parse_xml
 from ...metafile.text_values import NotANumberError, parse_numbers
-from ...transform.files import read_transform
 from ..decoded_images import decoding
 from ..images_on_demand import ImagesOnDemand
 from ..kinds import Recorded, RecordingKind
@@ -209,6 +208,8 @@ def _still(scene: _Scene, link: Element) -> Matrix:
     """The matrix of a transform that was not recorded, to its parent."""
     text = link.get("matrixTransformToParent")
     if link.tag != "LinearTransform" or text is None:
+        from ...transform.files import read_transform  # SimpleITK, which Slicer's own process must not load
+
         return read_transform(scene.stored(link))
     try:
         numbers = parse_numbers(text)
