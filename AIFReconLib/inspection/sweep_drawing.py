@@ -7,6 +7,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from ..arrays import Floats, Matrix
+from ..imaging.region import ImageRegion, extreme_pixels
 
 VIEWS = ((0, 1), (2, 1))
 """Axes across and down of each panel: seen along z, and along x."""
@@ -17,14 +18,20 @@ PANEL = 420.0
 
 MARGIN = 48.0
 _AXES = "xyz"
-_COLUMN_COLOR, _ROW_COLOR = "#c0392b", "#1e8449"
+_COLUMN_COLOR, _ROW_COLOR, _SHOWN_COLOR = "#c0392b", "#1e8449", "#2471a3"
 
 
-def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: str = "", reference: str = "Reference") -> str:
+def draw_sweep(
+    image_to_reference: Matrix,
+    frame_size: tuple[int, int],
+    title: str = "",
+    reference: str = "Reference",
+    region: ImageRegion | None = None,
+) -> str:
     """The text of an SVG file.
 
     The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
-    both of the first frame. Both panels have one scale.
+    both of the first frame, in which what is ultrasound is drawn in blue. Both panels have one scale.
 
     Parameters
     ----------
@@ -33,12 +40,15 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
     frame_size : (columns, rows)
     reference : str
         What the frame of the axes is called.
+    region : ImageRegion or None
+        The part of the image that is ultrasound.
     """
     poses = np.asarray(image_to_reference, dtype=np.float64)
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_OUTLINES)).round().astype(int))
     columns, rows = frame_size
     corners = np.array([(0, 0, 0, 1), (columns - 1, 0, 0, 1), (columns - 1, rows - 1, 0, 1), (0, rows - 1, 0, 1)], dtype=np.float64)
     outlines = np.einsum("nij,kj->nki", poses[chosen, :3], corners)
+    shown = np.empty((0, 3)) if region is None else _placed(extreme_pixels(region.mask(columns, rows)), poses[chosen[0]])
     low, high = outlines.reshape(-1, 3).min(axis=0), outlines.reshape(-1, 3).max(axis=0)
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
@@ -55,8 +65,19 @@ def draw_sweep(image_to_reference: Matrix, frame_size: tuple[int, int], title: s
 
         on_page = corner + PANEL / 2 + (outlines[..., list(axes)] - middle) * scale
         elements += _panel(on_page, corner, axes, scale, reference)
+        if len(shown):
+            points = " ".join(f"{x:.1f},{y:.1f}" for x, y in corner + PANEL / 2 + (shown[:, list(axes)] - middle) * scale)
+            elements.append(f'<polygon points="{points}" fill="{_SHOWN_COLOR}" fill-opacity="0.2" stroke="{_SHOWN_COLOR}"/>')
     elements.append("</svg>\n")
     return "\n".join(elements)
+
+
+def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
+    """The outline of an area, (n, 3) mm, from the first and the last pixel of each of its rows."""
+    half = len(pixels) // 2
+    around = np.concatenate([pixels[:half], pixels[half:][::-1]])
+    placed: Floats = around @ image_to_reference[:3, :2].T + image_to_reference[:3, 3]
+    return placed
 
 
 def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:

@@ -12,6 +12,7 @@ from ..errors import AIFReconError, OutputError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
+from ..io.volume.files import sidecar_of
 from .one_line_parser import OneLineParser
 
 Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
@@ -74,5 +75,7 @@ def as_compared(path: Path) -> str:
 
 
 def _companions(path: Path) -> list[Path]:
-    """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file."""
+    """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file, NIfTI what its header has no room for."""
+    if path.name.lower().endswith((".nii", ".nii.gz")):
+        return [sidecar_of(real_path(path))]
     return [real_path(path).with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []
