@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import AIFReconError
+from ..errors import AIFReconError, BeamGeometryError
 from ..geometry.mechanism import Mechanism
 from ..geometry.transform_graph import TransformName
+from ..geometry.transforms import pixel_spacing
+from ..imaging.detection import detect_imaging
 from ..inspection.offset_estimate import estimate_time_offset
 from ..inspection.sweep_drawing import draw_sweep
 from ..inspection.tracking_report import tracking_report
@@ -166,14 +168,19 @@ def _check(sequence: TrackedSequence, transform: TransformName, drawing: Path, n
         return ["no drawing: the image cannot be placed without a calibration"]
     if not len(poses.usable):
         return ["no drawing: no frame has a valid pose"]
+    try:
+        seen = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+        region, probe = seen.region, f"recognized in the images, blue in the drawing: {seen.description}"
+    except BeamGeometryError as error:
+        region, probe = None, in_options(error)
     axes = mechanism.lines() if mechanism and reference == transform.target else []
-    write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes))
+    write_text(drawing, draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes, region))
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     if np.isfinite(sequence.timestamps).all():
         rows.append(f"clocks: {estimate_time_offset(sequence, poses).to_text()}")
     option = "" if reference == "Reference" else f" --reference {reference}"
     next_step = f"to reconstruct: {program()} reconstruct {name}{option} --output volume.nrrd"
-    return [_size(sequence, poses), *rows, next_step, f"drew {drawing}"]
+    return [_size(sequence, poses), probe, *rows, next_step, f"drew {drawing}"]
 
 
 def _size(sequence: TrackedSequence, poses: SweepPoses) -> str:

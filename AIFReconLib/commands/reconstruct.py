@@ -9,12 +9,12 @@ from pathlib import Path
 
 from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
-from ..errors import BeamGeometryError, GeometryError
+from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..guidance.coverage import coverage
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
-from ..io.volume.files import check_volume_path
+from ..io.volume.files import check_volume_path, write_volume
 from ..progress import part
 from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
@@ -77,7 +77,7 @@ def add_to(commands: Commands) -> None:
         help="tracked frames, e.g. sweep.igs.mha; one or more sweeps",
     )
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)"
+        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz, .dcm)"
     )
     add_setting(parser, "method")
     add_tracking_options(parser, several=True)
@@ -85,10 +85,15 @@ def add_to(commands: Commands) -> None:
     volume = add_reconstruction_options(parser)
     add_preview_option(volume)
     add_memory_option(volume)
+    volume.add_argument("--dicom-study", type=Path, metavar="FILE", help="a DICOM file or folder of the study that .dcm outputs join")
     volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
     add_settings_options(parser)
     parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
+
+
+TYPE_OF = {"score": "float32", "hits": "uint32", "mask": "uint8", "cosine": "float32"}
+"""Types of the voxels of what is written beside the intensity."""
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -100,12 +105,16 @@ def run(arguments: argparse.Namespace) -> None:
         *(path for one in each for path in sequence_inputs(one)),
         *bone_inputs(arguments),
         arguments.importance_mask,
+        arguments.dicom_study,
     ]
     of_the_run = [*outputs.values(), arguments.preview, arguments.report, arguments.save_settings]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
     recipe = recipe_from(arguments)
-    for path in filter(None, outputs.values()):
-        check_volume_path(path)
+    for name, path in outputs.items():
+        if path:
+            check_volume_path(path, TYPE_OF.get(name) or recipe.output_type or "uint8")
+    if arguments.dicom_study and not any(path and path.suffix.lower() == ".dcm" for path in outputs.values()):
+        raise SettingsError("--dicom-study is for an output that ends with .dcm, and there is none.")
     check_preview(arguments.preview)
     check_save_settings(arguments)
     if arguments.report:
@@ -126,7 +135,7 @@ def run(arguments: argparse.Namespace) -> None:
         result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
-            getattr(result, name).write(path)
+            write_volume(getattr(result, name), path, arguments.dicom_study)
         poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if arguments.preview else None
         labels = labeled.in_reference() if labeled else None
         drawn = [*write_preview(result, arguments, labels, poses), *save_settings(result, arguments)]

@@ -320,9 +320,9 @@ class Volume(Described):
         return picture
 
     def write(self, path: str | Path) -> None:
-        """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz): LPS in the file, so that it opens in Slicer where it belongs.
+        """Write to a volume file (.nrrd, .mha, .mhd, .nii, .nii.gz, .dcm): LPS in the file, so that it opens in Slicer where it belongs.
 
-        Its `fields` go into the header, where the format has room for them (not NIfTI).
+        Its `fields` go into the header, of NIfTI into a .json file beside it.
 
         Raises
         ------

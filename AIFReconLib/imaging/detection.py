@@ -18,7 +18,7 @@ from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
-from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_rectangle, fit_sector, has_bent_ends, is_bent
+from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_rectangle, fit_sector, has_bent_ends, has_level_far_end, is_bent
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
@@ -31,7 +31,7 @@ CLOSED_PX, OPENED_PX = 4, 2
 LEVELS = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4)
 """Parts of the brightest pixel by which one must change between frames: noise and compressed video change too."""
 
-JOINED_PX, RINGING_PART = 12, 0.01
+JOINED_PX, RINGING_PART = 7, 0.01
 """Steps over which changing parts belong together; part of the largest one that others have at least, where they count too."""
 
 SMALLEST_PART, SAME = 0.02, 0.9
@@ -85,8 +85,8 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     try:
         found = _by_black_surround(brightest, spacing)
     except BeamGeometryError as error:
-        changing = _by_what_changes(change, float(brightest.max(initial=0)), spacing)
-        if changing is None or (isinstance(error, _SidesCutOff) and changing.probe.kind == LINEAR):
+        changing = _by_what_changes(change, float(brightest.max(initial=0)), spacing, isinstance(error, _SidesCutOff))
+        if changing is None:
             raise
         return changing
     if not _is_doubtful(found, change, brightest):
@@ -167,10 +167,13 @@ def _lit_area(brightest: Numbers) -> Mask:
     return largest_area(lit)
 
 
-def _by_what_changes(change: Numbers, brightest: float, spacing: tuple[float, float]) -> DetectedImaging | None:
+def _by_what_changes(
+    change: Numbers, brightest: float, spacing: tuple[float, float], sides_cut_off: bool = False
+) -> DetectedImaging | None:
     """The probe by what differs between frames, as buttons, text and rulers do not; None where that does not tell it surely.
 
-    `change` is the greatest less the least of each pixel. How much of it is noise is not known, and so several levels are tried.
+    `change` is the greatest less the least of each pixel; `sides_cut_off`: its outline may be that of a sector without its
+    sides. How much of it is noise is not known, and so several levels are tried.
     """
     fits: list[SectorFit] = []
     boxes: list[Box] = []
@@ -182,7 +185,7 @@ def _by_what_changes(change: Numbers, brightest: float, spacing: tuple[float, fl
         largest = area & largest_area(joined)
         box = fit_rectangle(largest)
         if box is not None:
-            if has_bent_ends(largest, box):
+            if has_bent_ends(largest, box) or (sides_cut_off and not has_level_far_end(largest)):
                 return None
             if boxes and _overlap(box, boxes[-1]) > SAME:
                 return _upright(box)

@@ -166,6 +166,12 @@ def has_bent_ends(area: Mask, box: tuple[int, int, int, int]) -> bool:
     return is_bent(shown.argmax(axis=0), lower=True) or is_bent(-shown[::-1].argmax(axis=0), lower=True)
 
 
+def has_level_far_end(area: Mask) -> bool:
+    """Whether an area ends downward along one row nearly everywhere, as no arc does; what the image's border cuts off does not count."""
+    bottom = outline_of(area, 1.0).bottom
+    return bool(_on_arc(bottom[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
+
+
 def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
     """The sector that an area (rows, columns) is part of; None where that cannot be told. `spacing` is (x, y) in mm."""
     aspect = spacing[0] / spacing[1]
@@ -370,7 +376,7 @@ def _last_filled(radius: Floats, angle: Floats, angles: list[float]) -> float:
     return float(np.flatnonzero(filled)[-1]) if filled.any() else 0.0
 
 
-LEAST_FILLED = 0.5
+LEAST_FILLED = 0.3
 """Part of an arc about the apex."""
 
 
@@ -394,8 +400,8 @@ RAGGED_PX = 6.0
 MOST_LOPSIDED_DEG, MORE_RAGGED = 1.5, 3.0
 """Degrees by which one side may lean more than the other, and how many times as ragged the edge of a shadow is then."""
 
-FEWEST_ROWS, CRISP = 5, 0.5
-"""Rows that a column of a rectangle has at least; part of a side that must lie on one line."""
+FEWEST_ROWS, CRISP, LEVEL = 5, 0.5, 0.8
+"""Rows that a column of a rectangle has at least; part of a side that must lie on one line; part of an end that is surely no arc."""
 
 SPECKS = 0.003
 """Part of the area that may lie beyond a side that is seen."""

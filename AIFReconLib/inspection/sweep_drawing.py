@@ -8,6 +8,7 @@ from xml.sax.saxutils import escape
 import numpy as np
 
 from ..arrays import Floats, Matrix
+from ..imaging.region import ImageRegion, extreme_pixels
 
 VIEWS = ((0, 1), (2, 1))
 """Axes across and down of each panel: seen along z, and along x."""
@@ -18,7 +19,7 @@ PANEL = 420.0
 
 MARGIN = 48.0
 _AXES = "xyz"
-_COLUMN_COLOR, _ROW_COLOR, _AXIS_COLOR = "#c0392b", "#1e8449", "#2471a3"
+_COLUMN_COLOR, _ROW_COLOR, _AXIS_COLOR, _SHOWN_COLOR = "#c0392b", "#1e8449", "#6c3483", "#2471a3"
 
 
 def draw_sweep(
@@ -27,11 +28,12 @@ def draw_sweep(
     title: str = "",
     reference: str = "Reference",
     lines: Sequence[tuple[str, Floats, Floats]] = (),
+    region: ImageRegion | None = None,
 ) -> str:
     """The text of an SVG file.
 
     The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
-    both of the first frame. Both panels have one scale.
+    both of the first frame, in which what is ultrasound is drawn in blue. Both panels have one scale.
 
     Parameters
     ----------
@@ -41,13 +43,16 @@ def draw_sweep(
     reference : str
         What the frame of the axes is called.
     lines : sequence of (name, point, direction)
-        Axes of the mechanism that moved the probe, in Reference, mm: drawn in blue and dashed, each through its point.
+        Axes of the mechanism that moved the probe, in Reference, mm: drawn in violet and dashed, each through its point.
+    region : ImageRegion or None
+        The part of the image that is ultrasound, drawn in blue.
     """
     poses = np.asarray(image_to_reference, dtype=np.float64)
     chosen = np.unique(np.linspace(0, len(poses) - 1, min(len(poses), MOST_OUTLINES)).round().astype(int))
     columns, rows = frame_size
     corners = np.array([(0, 0, 0, 1), (columns - 1, 0, 0, 1), (columns - 1, rows - 1, 0, 1), (0, rows - 1, 0, 1)], dtype=np.float64)
     outlines = np.einsum("nij,kj->nki", poses[chosen, :3], corners)
+    area = np.empty((0, 3)) if region is None else _placed(extreme_pixels(region.mask(columns, rows)), poses[chosen[0]])
     shown = np.concatenate([outlines.reshape(-1, 3), *(point[None] for _, point, _ in lines)])
     low, high = shown.min(axis=0), shown.max(axis=0)
     extent = max(float((high - low).max()), 1e-6)
@@ -68,6 +73,9 @@ def draw_sweep(
             return placed
 
         elements += _panel(on_page(outlines), corner, axes, scale, reference)
+        if len(area):
+            points = " ".join(f"{x:.1f},{y:.1f}" for x, y in on_page(area))
+            elements.append(f'<polygon points="{points}" fill="{_SHOWN_COLOR}" fill-opacity="0.2" stroke="{_SHOWN_COLOR}"/>')
         for name, point, direction in lines:
             elements += _line(name, on_page(np.array([point - extent / 6 * direction, point + extent / 6 * direction])))
     elements.append("</svg>\n")
@@ -82,6 +90,14 @@ def _line(name: str, ends: Floats) -> list[str]:
         f'<circle cx="{x2:.1f}" cy="{y2:.1f}" r="3" fill="{_AXIS_COLOR}"/>',
         f'<text x="{x2 + 5:.1f}" y="{y2 - 4:.1f}" fill="{_AXIS_COLOR}">{escape(name)}</text>',
     ]
+
+
+def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
+    """The outline of an area, (n, 3) mm, from the first and the last pixel of each of its rows."""
+    half = len(pixels) // 2
+    around = np.concatenate([pixels[:half], pixels[half:][::-1]])
+    placed: Floats = around @ image_to_reference[:3, :2].T + image_to_reference[:3, 3]
+    return placed
 
 
 def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:

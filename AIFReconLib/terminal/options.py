@@ -16,7 +16,7 @@ from ..geometry.labels import Labels
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
 from ..io.volume.dicom_series import read_ct
-from ..io.volume.files import suffix_of
+from ..io.volume.files import sidecar_of, suffix_of
 from ..io.volume.label_files import LABEL_SUFFIXES, doubts, read_labels
 from ..io.volume.models import LPS, RAS
 from ..message import Sentence
@@ -84,7 +84,9 @@ def as_compared(path: Path) -> str:
 
 
 def _companions(path: Path) -> list[Path]:
-    """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file."""
+    """What is written beside `path`: a .mhd header has its voxels in a .raw or .zraw file, NIfTI what its header has no room for."""
+    if path.name.lower().endswith((".nii", ".nii.gz")):
+        return [sidecar_of(real_path(path))]
     return [real_path(path).with_suffix(suffix) for suffix in (".raw", ".zraw")] if path.suffix.lower() == ".mhd" else []
 
 

@@ -1,7 +1,8 @@
-"""Volume files: MetaImage, NRRD and NIfTI, read by SimpleITK. Files hold left-posterior-superior coordinates, memory RAS ones."""
+"""Volume files: MetaImage, NRRD, NIfTI and DICOM. Files hold left-posterior-superior coordinates, memory RAS ones."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,12 @@ from ...remedies import Remedy
 from ..disk.atomic import atomic_output, atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
 from ..disk.itk import itk_path, short_cause
+from ..disk.small_files import read_bytes
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
+from .dicom_writer import SUFFIX as DICOM_SUFFIX
+from .dicom_writer import check_dicom, write_dicom
 from .itk_images import to_sitk
 from .itk_reading import StoredVolume, read_metafile_volume, read_nifti
 from .nifti_payload import check_nifti
@@ -33,7 +37,10 @@ __all__ = [
 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
-WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES)
+WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES, DICOM_SUFFIX)
+
+MOST_BESIDE = 2**22
+"""Bytes of a JSON file beside a NIfTI file that are read."""
 
 OWN_FIELDS = "AIFRecon_"
 """How the fields of a header begin that a volume keeps."""
@@ -79,15 +86,17 @@ def label_volume(path: Path) -> Volume:
     return _as_volume(path, _as_labels(path, array), ijk_to_lps, fields)
 
 
-def write_volume(volume: Volume, path: str | Path) -> None:
+def write_volume(volume: Volume, path: str | Path, study: str | Path | None = None) -> None:
     """Write a volume, completely or not at all.
 
     Parameters
     ----------
     volume : Volume
-        Truth values are written as 0 and 1, 8 bit. Its fields go into the header, a line each; NIfTI has no room for them.
+        Truth values are written as 0 and 1, 8 bit. Its fields go into the header, a line each; of NIfTI into a .json file beside it.
     path : str or Path
-        .nrrd, .mha, .mhd (with .zraw beside it), .nii or .nii.gz; compressed, except .nii.
+        .nrrd, .mha, .mhd (with .zraw beside it), .nii or .nii.gz, compressed, except .nii; or .dcm, one multi-frame DICOM file.
+    study : str, Path or None
+        Of a .dcm file: a DICOM file of the study that it is added to, or a folder of such.
 
     Raises
     ------
@@ -100,6 +109,10 @@ def write_volume(volume: Volume, path: str | Path) -> None:
         with atomic_output(path) as temporary:
             write_nrrd(volume, temporary)
         return
+    if suffix == DICOM_SUFFIX:
+        with atomic_output(path) as temporary:
+            write_dicom(volume, path, Path(temporary), None if study is None else Path(study))
+        return
     try:
         image = to_sitk(volume)
     except GeometryError as error:
@@ -108,12 +121,16 @@ def write_volume(volume: Volume, path: str | Path) -> None:
         ) from error
     for key, text in volume.fields.items():
         image.SetMetaData(key, text)
-    companions = (path.with_suffix(".zraw"),) if suffix == ".mhd" else ()
+    pair = suffix == ".mhd"
+    beside = [sidecar_of(path)] if suffix in NIFTI_SUFFIXES and volume.fields else []
+    companions = (path.with_suffix(".zraw"),) if pair else tuple(beside)
     with atomic_outputs(*companions, path) as temporaries:
-        one_file = temporaries[-1].with_suffix(".mha") if companions else temporaries[-1]
+        one_file = temporaries[-1].with_suffix(".mha") if pair else temporaries[-1]
         try:
             sitk.WriteImage(image, itk_path(one_file, OutputError), useCompression=suffix != ".nii")
-            if companions:
+            if beside:
+                Path(temporaries[0]).write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
+            if pair:
                 split_metaimage(one_file, temporaries[-1], temporaries[0])
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
             _check_complete(temporaries[-1])
@@ -125,15 +142,16 @@ def write_volume(volume: Volume, path: str | Path) -> None:
             ) from error
 
 
-def check_volume_path(path: str | Path) -> None:
-    """Return if a volume can be written to `path`; to be asked before a long computation. Leaves nothing behind.
+def check_volume_path(path: str | Path, dtype: str = "uint8") -> None:
+    """Return if a volume with voxels of this type can be written to `path`; to be asked before a long computation. Leaves nothing behind.
 
     Raises
     ------
     OutputError
         When no volume format has that suffix, or no file can be created there.
     """
-    _writable_suffix(Path(path))
+    if _writable_suffix(Path(path)) == DICOM_SUFFIX:
+        check_dicom(Path(path), dtype)
     itk_path(Path(path).absolute(), OutputError)
     check_writable(path)
 
@@ -167,7 +185,24 @@ def _read_stored(path: Path) -> StoredVolume:
         raise VolumeFormatError(
             f"{path}: its suffix must be one of {', '.join(READABLE_SUFFIXES)}. Export the volume in one of these formats."
         )
-    return read_nifti(path) if suffix in NIFTI_SUFFIXES else read_metafile_volume(path)
+    if suffix not in NIFTI_SUFFIXES:
+        return read_metafile_volume(path)
+    stored = read_nifti(path)
+    return stored._replace(fields={**stored.fields, **_beside(sidecar_of(path))})
+
+
+def sidecar_of(path: Path) -> Path:
+    """The file beside a NIfTI file that holds what its header has no room for: x.json of x.nii.gz."""
+    return path.with_name(path.name[: -len(_suffix(path))] + ".json")
+
+
+def _beside(path: Path) -> dict[str, str]:
+    """The fields in a JSON file, where it is there and is one of ours."""
+    try:
+        found = json.loads(read_bytes(path, MOST_BESIDE, VolumeFormatError)) if path.is_file() else {}
+    except (VolumeFormatError, ValueError, RecursionError):
+        return {}
+    return {key: text for key, text in found.items() if isinstance(text, str)} if isinstance(found, dict) else {}
 
 
 def _as_volume(path: Path, array: Numbers, ijk_to_lps: Matrix, fields: dict[str, str]) -> Volume:
