@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from importlib.util import find_spec
 
 import numpy as np
@@ -13,10 +14,18 @@ from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
-from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.errors import DisagreementWarning
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform, write_transform
+from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.provenance.settings_files import read_settings
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -125,3 +134,105 @@ def test_reconstruct_says_whether_ct_and_sweep_agree_and_believes_it_as_far(tran
     assert words in said
     assert f"Tolerance around the CT's bone: {width:g} mm" in said
     assert widths[0] <= width <= widths[1]
+
+
+# ---- one's own data: the same patient's bone in other forms
+
+
+def reconstructed(patient, output, *options) -> int:
+    words = [patient.sequence, "--config", patient.configuration, "--bone-transform", patient.ct_to_reference, "--spacing", "2", *options]
+    return main(["reconstruct", *map(str, words), "--output", str(output)])
+
+
+@pytest.fixture(scope="module")
+def exact(patient, tmp_path_factory):
+    """The volume that the labels make."""
+    path = tmp_path_factory.mktemp("exact") / "volume.nrrd"
+    assert reconstructed(patient, path, "--bone-labels", patient.labels) == 0
+    return read_volume(path)
+
+
+def test_other_organs_in_a_file_of_totalsegmentator_are_left_out_and_change_nothing(patient, exact, tmp_path, capsys):
+    true, ct = read_labels(patient.labels), read_volume(patient.ct)
+    # Vertebrae from below, as that program counts them, and the muscles of both sides
+    array = np.where(true.array > 0, 30 - true.array, np.where(ct.array > -200, 86, 0)).astype(np.uint8)
+    Volume(array, true.ijk_to_reference).write(tmp_path / "totalseg.nii.gz")
+    assert reconstructed(patient, tmp_path / "volume.nrrd", "--bone-labels", tmp_path / "totalseg.nii.gz") == 0
+    said = capsys.readouterr().out
+    assert "1 label is no bone by the numbers of TotalSegmentator and left out: 86." in said
+    assert "do not agree" not in said
+    np.testing.assert_array_equal(read_volume(tmp_path / "volume.nrrd").array, exact.array)
+
+
+def test_labels_that_are_no_bone_are_doubted_and_can_be_chosen_among(patient, tmp_path, capsys):
+    true, ct = read_labels(patient.labels), read_volume(patient.ct)
+    array = np.where(true.array > 0, true.array, np.where(ct.array > -200, 5, 0)).astype(np.uint8)
+    Volume(array, true.ijk_to_reference).write(tmp_path / "all.nrrd")
+    assert main(["bone-map", str(tmp_path / "all.nrrd"), "--output", str(tmp_path / "map.nrrd")]) == 0
+    said = capsys.readouterr().out
+    assert "WARNING: label 5 is " in said
+    assert "Say which labels are bone with --labels." in said
+    np.testing.assert_array_equal(read_labels(tmp_path / "all.nrrd", "1-3").array, true.array)
+
+
+def test_masks_of_one_bone_each_make_the_map_that_the_labels_make(patient, tmp_path):
+    true = read_labels(patient.labels)
+    files = []
+    for number, name in ((1, "vertebrae_L2"), (2, "vertebrae_L3"), (3, "vertebrae_L4")):
+        files.append(str(tmp_path / f"{name}.nrrd"))
+        Volume((true.array == number).astype(np.uint8), true.ijk_to_reference).write(files[-1])
+    assert main(["bone-map", "--bone-labels", *files, "--bone-sigma-mm", "2", "--output", str(tmp_path / "map.nrrd")]) == 0
+    assert main(["bone-map", str(patient.labels), "--bone-sigma-mm", "2", "--output", str(tmp_path / "same.nrrd")]) == 0
+    np.testing.assert_array_equal(read_volume(tmp_path / "map.nrrd").array, read_volume(tmp_path / "same.nrrd").array)
+
+
+def test_a_ct_alone_enhances_bone_and_says_its_threshold(patient, exact, tmp_path, capsys):
+    assert reconstructed(patient, tmp_path / "volume.nrrd", "--ct", patient.ct) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("weighted: ")
+    assert " HU, found in the CT." in said
+    assert "CT and sweep agree" in said
+    found = read_volume(tmp_path / "volume.nrrd")
+    off = np.abs(found.array.astype(float) - exact.array)
+    assert off.mean() < 1.0
+
+
+def test_what_does_not_go_together_is_said(patient, tmp_path, capsys):
+    for options, words in (
+        (("--bone-labels", patient.labels, "--bone-above", "300"), "--bone-above says what is bone in a CT"),
+        (("--labels", "L3"), "--labels chooses among labels, and there are none"),
+        (("--bone-labels", patient.labels, "--labels", "L9"), "No label is called 'L9'. There are 1"),
+        (("--bone-labels", patient.ct), "labels must not be negative; got -10"),
+    ):
+        options = options if "--bone-labels" in options else (*options, "--bone-from-sweep")
+        arguments = [patient.sequence, "--config", patient.configuration, *options, "--output", tmp_path / "volume.nrrd"]
+        assert main(["reconstruct", *map(str, arguments)]) == 2
+        assert words in capsys.readouterr().err
+
+
+def test_in_python_labels_are_given_as_they_are_and_the_same_is_made(patient, exact):
+    sequence = read_sequence(patient.sequence, patient.configuration)
+    bone = LabeledBone(read_labels(patient.labels), read_transform(patient.ct_to_reference))
+    result = reconstruct(sequence, Recipe(spacing=2.0), bone)
+    np.testing.assert_array_equal(result.intensity.array, exact.array)
+    assert any(line.startswith("CT and sweep agree") for line in result.said)
+    assert repr(bone) == "<LabeledBone: labels 1, 2, 3, placed by its transform>"
+
+
+def test_in_python_a_ct_that_does_not_agree_is_warned_about(patient):
+    sequence, labels = read_sequence(patient.sequence, patient.configuration), read_labels(patient.labels)
+    aside = read_transform(patient.ct_to_reference).copy()
+    aside[:3, 3] += 15.0, 6.0, 0.0
+    with pytest.warns(DisagreementWarning, match="do not agree"):
+        result = reconstruct(sequence, Recipe(spacing=4.0), LabeledBone(labels, aside))
+    with pytest.warns(DisagreementWarning, match="do not agree"):
+        evaluate(result.intensity, labels.placed_by(aside), result.mask, sweep=sequence)
+
+
+def test_a_model_that_does_not_say_its_space_is_placed_as_the_sweep_tells(patient):
+    labels, place = read_labels(patient.labels), read_transform(patient.ct_to_reference)
+    # In Reference, as a model in RAS is read that is taken for LPS
+    taken = replace(labels.placed_by(place), ijk_to_reference=LPS_FROM_RAS @ place @ labels.ijk_to_reference, space_is_guessed=True)
+    bone = LabeledBone(replace(taken, notes=("It is a guess.",)), None, read_sequence(patient.sequence, patient.configuration))
+    assert "taken to be in RAS" in bone.labels.notes[-1]
+    np.testing.assert_allclose(bone.labels.ijk_to_reference, place @ labels.ijk_to_reference, atol=1e-9)
