@@ -193,7 +193,7 @@ def _read_stored(path: Path) -> StoredVolume:
 
 def sidecar_of(path: Path) -> Path:
     """The file beside a NIfTI file that holds what its header has no room for: x.json of x.nii.gz."""
-    return path.with_name(path.name[: -len(_suffix(path))] + ".json")
+    return path.with_name(path.name[: -len(suffix_of(path))] + ".json")
 
 
 def _beside(path: Path) -> dict[str, str]:
