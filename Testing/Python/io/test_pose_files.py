@@ -167,6 +167,27 @@ def test_a_file_that_cannot_be_used_is_explained(tmp_path, text, form, message):
     assert "\n" not in str(caught.value)
 
 
+QUATERNION_ROWS = "\n".join([f"{time},1,2,3,0,0,0,1" for time in ("0.00", "{}", "0.10")])
+
+
+@pytest.mark.parametrize("word", ["nan", "missing", "-", ""])
+def test_a_row_without_a_time_is_told_and_times_are_not_used(tmp_path, word):
+    found = read(tmp_path, "time,x,y,z,qx,qy,qz,qw\n" + QUATERNION_ROWS.format(word))
+    assert found.times is None
+    assert "time: time: not used, 1 of 3 rows have none" in found.understood
+
+
+def test_a_word_in_parts_of_a_time_is_named_by_line_and_column(tmp_path):
+    with pytest.raises(FileFormatError, match="line 3, column time must be a number; got 'abc'"):
+        read(tmp_path, "sec,nanosec,x,y,z,qx,qy,qz,qw\n1,0,1,2,3,0,0,0,1\n1,abc,1,2,3,0,0,0,1\n")
+
+
+def test_an_hour_of_the_day_runs_over_midnight(tmp_path):
+    rows = [f"{hour},{n},2,3,0,0,0,1" for n, hour in enumerate(("23:59:59.90", "00:00:00.00", "00:00:00.10"))]
+    found = read(tmp_path, "\n".join(["time,x,y,z,qx,qy,qz,qw", *rows]))
+    np.testing.assert_allclose(np.diff(found.times), 0.1, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

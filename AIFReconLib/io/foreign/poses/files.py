@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,10 +12,9 @@ import numpy as np
 
 from ....arrays import Floats, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
-from ....message import listed, said, shorten
+from ....message import listed, said
 from ....remedies import Remedy
 from ...disk.small_files import read_bytes
-from ...metafile.text_values import NotANumberError
 from .headings import (
     ANGLES,
     FRAME,
@@ -23,6 +22,7 @@ from .headings import (
     LENGTHS,
     MATRIX,
     OCCLUDED,
+    RECEIVED,
     STATUS,
     TIME,
     TOOL,
@@ -34,7 +34,7 @@ from .headings import (
 )
 from .json_sheet import sheet_of_json
 from .rotations import PoseFormat, PoseValueError, poses_of, rotation_kind
-from .sheet import Sheet, is_number, number_in, sheets_of
+from .sheet import Sheet, is_number, number_at, number_in, sheets_of
 from .statuses import statuses_of
 from .times import Times, times_of
 from .tools import Rows, Track, rows_of, track_of
@@ -145,7 +145,7 @@ def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat, places: Sequence[str] 
         table = _table(rows, columns, form, places)
     else:
         how, table = [], _table(sheet.rows, columns, form, places, rate=_rate(sheet, columns), above=sheet.above)
-    return PoseTable(**{**vars(table), "understood": (*table.understood, *how, *others)})
+    return replace(table, understood=(*table.understood, *how, *others))
 
 
 def _columns(sheet: Sheet, form: PoseFormat) -> list[Column] | None:
@@ -247,27 +247,15 @@ def _table(
     understood = [f"{len(chosen)}, {kind.told(length or 'mm', form)}", *told, *told_rows, *times.told, *told_status]
     understood += [f"columns that are not used: {listed(dict.fromkeys(unused))}"] if unused else []
     images = _words(IMAGE, track, chosen)
-    return PoseTable(matrices, _all(times.seconds), images, statuses, tuple(understood), length or "mm", length is not None)
-
-
-def _all(seconds: Floats | None) -> Floats | None:
-    return seconds if seconds is not None and np.isfinite(seconds).all() else None
+    return PoseTable(matrices, times.seconds, images, statuses, tuple(understood), length or "mm", length is not None)
 
 
 def _is_numeric(name: str) -> bool:
-    return name not in (IMAGE, STATUS, OCCLUDED, TOOL, TIME, FRAME, "received")
+    return name not in (IMAGE, STATUS, OCCLUDED, TOOL, TIME, FRAME, RECEIVED)
 
 
 def _numbers(name: str, place: int, rows: Rows, where: Sequence[str]) -> Floats:
-    values = []
-    for at, (_line, cells) in zip(where, rows):
-        try:
-            values.append(number_in(cells[place]))
-        except NotANumberError:
-            raise FileFormatError(
-                f"{at}, column {name} must be a number; got {shorten(cells[place])!r}. Export it again, with decimal points."
-            ) from None
-    return np.array(values)
+    return np.array([number_at(at, name, cells[place]) for at, (_line, cells) in zip(where, rows)])
 
 
 def _unit(track: Track, units: Sequence[str]) -> str | None:

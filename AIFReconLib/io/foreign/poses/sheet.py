@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from ....errors import FileFormatError
+from ....message import shorten
 from ...metafile.text_values import NotANumberError, parse_number
 from .headings import are_headings, is_unit
 
@@ -59,9 +61,14 @@ class _Line:
         return 0 if self.is_comment else sum(map(is_number, self.cells))
 
 
+def has_none(cell: str) -> bool:
+    """Whether a cell is blank, or says that there is nothing."""
+    return not cell or cell.lower() in _NO_VALUE
+
+
 def number_in(cell: str) -> float:
     """The number in a cell, NaN where it is blank or says that there is none; a comma may be the decimal mark. Raises NotANumberError."""
-    if not cell or cell.lower() in _NO_VALUE:
+    if has_none(cell):
         return float("nan")
     return parse_number(cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell)
 
@@ -69,9 +76,20 @@ def number_in(cell: str) -> float:
 def is_number(cell: str) -> bool:
     """Whether a cell holds a number."""
     try:
-        return bool(cell) and cell.lower() not in _NO_VALUE and number_in(cell) is not None
+        return not has_none(cell) and number_in(cell) is not None
     except NotANumberError:
         return False
+
+
+def number_at(place: str | int, column: str, cell: str) -> float:
+    """The same; raises FileFormatError, which names the place (the number of a line, or words) and the column."""
+    try:
+        return number_in(cell)
+    except NotANumberError:
+        where = place if isinstance(place, str) else f"line {place}"
+        raise FileFormatError(
+            f"{where}, column {column} must be a number; got {shorten(cell)!r}. Export it again, with decimal points."
+        ) from None
 
 
 def sheets_of(text: str) -> list[Sheet]:

@@ -12,7 +12,7 @@ from ....errors import SettingsError
 from ....message import listed, shorten
 from ....remedies import Remedy
 from .headings import RECEIVED, TIME, TIMES, Column
-from .sheet import is_number, number_in
+from .sheet import has_none, is_number, number_at
 
 _PARTS = {"h": 3600.0, "min": 60.0, **TIMES}
 _SINCE_1970 = (("ns", 1e17, 1e19), ("us", 1e14, 1e16), ("ms", 1e11, 1e13), ("s", 1e8, 1e10))
@@ -59,20 +59,20 @@ def times_of(columns: dict[int, Column], rows: Sequence[tuple[int, Sequence[str]
         return _checked(np.asarray(seconds), f"time: {' + '.join(column.heading for column in found.values())}", unit, None)
     ((place, column),) = found.items()
     cells = [cells[place] for _number, cells in rows]
-    if any(cell and not is_number(cell) for cell in cells):
+    if any(not (has_none(cell) or is_number(cell)) for cell in cells):
         return _checked(_clock(cells, column), f"time: {column.heading}, by date or hour", None, None)
     numbers = _numbers(place, rows)
     unit = unit or column.unit
     if unit is None:
         largest = float(np.nanmax(np.abs(numbers))) if np.isfinite(numbers).any() else 0.0
         unit = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
-        told = f"time: {column.heading}" + (f" in {unit}, by its size" if unit is not None and unit != "s" else "")
-        return _checked(numbers * _PARTS[unit or "s"], told, None if unit is None else unit, column.heading)
+        told = f"time: {column.heading}" + (f" in {unit}, by its size" if unit not in (None, "s") else "")
+        return _checked(numbers * _PARTS[unit or "s"], told, unit, column.heading)
     return _checked(numbers * _PARTS[unit], f"time: {column.heading} in {unit}", unit, None)
 
 
 def _numbers(place: int, rows: Sequence[tuple[int, Sequence[str]]]) -> Floats:
-    return np.array([number_in(cells[place]) for _number, cells in rows])
+    return np.array([number_at(line, "time", cells[place]) for line, cells in rows])
 
 
 def _clock(cells: Sequence[str], column: Column) -> Floats:
@@ -86,7 +86,7 @@ def _clock(cells: Sequence[str], column: Column) -> Floats:
                 seconds.append(np.datetime64(text.replace("/", "-")).astype("datetime64[ns]").astype(np.int64) * 1e-9)
             elif len(parts) == 3:
                 seconds.append(float(int(parts[0]) * 3600 + int(parts[1]) * 60 + float(parts[2])))
-            elif not cell:
+            elif has_none(cell):
                 seconds.append(np.nan)
             else:
                 raise ValueError
@@ -97,7 +97,8 @@ def _clock(cells: Sequence[str], column: Column) -> Floats:
                 Remedy.NAME_THE_COLUMNS,
             ) from None
     found = np.array(seconds)
-    if np.ptp(found[np.isfinite(found)]) > 43200.0 and max(found, default=0.0) < 86400.0:
+    known = found[np.isfinite(found)]
+    if len(known) and np.ptp(known) > 43200.0 and known.max() < 86400.0:
         found = np.where(found < 43200.0, found + 86400.0, found)  # over midnight
     return found
 
@@ -114,4 +115,7 @@ def _checked(seconds: Floats, told: str, unit: str | None, heading: str | None) 
                 Remedy.TIME_UNIT,
                 unit=likely,
             )
+    missing = int((~np.isfinite(seconds)).sum())
+    if missing:
+        return Times(None, (f"{told}: not used, {missing} of {len(seconds)} rows have none",))
     return Times(seconds, (told,))
