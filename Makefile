@@ -23,7 +23,6 @@ help:
 	@echo "make test         lint, format check, types and all tests"
 	@echo "make coverage     all tests, and which lines of the library they run"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
-	@echo "make every visible text of the module, for translators, into Resources/Translations/"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
 	@echo "make figures      the pictures of docs/method.md, into docs/images/ (minutes)"
 	@echo "make docs         the site with its gallery and API reference, into build/site/ (minutes)"
