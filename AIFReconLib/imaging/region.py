@@ -7,15 +7,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import SettingsError
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Numbers, NumberType
-from ..io.sequence.files import kind_of_recording, read_sequence
+from ..io.sequence.files import read_sequence, require_recording_kind
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
 from ..sweep.time_offset import with_time_offset
@@ -58,5 +58,5 @@ def frame_fields(path: str | Path) -> frozenset[str] | None:
 
     Raises SequenceFormatError when it cannot be read.
     """
-    fields = kind_of_recording(Path(path)).frame_fields(Path(path))
+    fields = require_recording_kind(Path(path)).frame_fields(Path(path))
     return None if fields is None else frozenset(fields)

@@ -44,8 +44,8 @@ def recording_kind(path: Path) -> RecordingKind | None:
     return next((kind for kind in KINDS if path.suffix.lower() in kind.suffixes), None)
 
 
-def kind_of_recording(path: Path) -> RecordingKind:
-    """The same.
+def require_recording_kind(path: Path) -> RecordingKind:
+    """The kind that opens it.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def read_sequence(
     """
     path = Path(path)
     refuse_one_frame(path)
-    recorded = kind_of_recording(path).read(path, parse_orientation(orientation) if orientation else None)
+    recorded = require_recording_kind(path).read(path, parse_orientation(orientation) if orientation else None)
     records, notes = recorded.records, recorded.notes
     if transform_sequences:
         records, paired = pair_transforms(records, transform_sequences, longest_gap)

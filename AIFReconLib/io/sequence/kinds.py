@@ -59,5 +59,5 @@ class RecordingKind:
     name: str
     suffixes: tuple[str, ...]
     read: Callable[[Path, str | None], Recorded]
-    frame_fields: Callable[[Path], Set[str] | None]
+    frame_fields: Callable[[Path], Set[str] | None] = lambda _: frozenset()
     is_folder: Callable[[Path], bool] = lambda _: False

@@ -318,7 +318,7 @@ def test_a_record_that_could_not_be_read_back_is_refused(tmp_path, record, expec
         write_sequence(sequence_of(ramp(frames=1), records=[record]), tmp_path / "sweep.mha")
 
 
-def test_a_new_kind_of_recording_is_an_entry_of_the_table(tmp_path, monkeypatch):
+def test_a_new_require_recording_kind_is_an_entry_of_the_table(tmp_path, monkeypatch):
     """All that chooses or names files goes by it, the module too."""
     monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[3] / "AIFRecon"))
     from AIFReconScene.sweep.fileKinds import opened  # what a file is, the worker says

@@ -70,7 +70,7 @@ REFUSED = [
 ]
 
 
-def test_every_kind_of_recording_is_fuzzed():
+def test_every_require_recording_kind_is_fuzzed():
     assert all({Path(target.file_name).suffix for target in SEQUENCES} & set(kind.suffixes) for kind in KINDS)
 
 

@@ -9,7 +9,7 @@ poses have their origin at the upper left pixel: its page says lower left, its p
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -194,12 +194,8 @@ def _matrices(path: Path) -> Matrix:
     return matrices
 
 
-def _frame_fields(_: Path) -> Set[str]:
-    return frozenset()
-
-
 def _is_folder(path: Path) -> bool:
     return next(path.glob("*.fts"), None) is not None
 
 
-CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, _frame_fields, _is_folder)
+CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=_is_folder)

@@ -6,7 +6,6 @@ The arrays are those of `TrackedSequence.from_arrays`; the last two may be left 
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Set
 from pathlib import Path
 from typing import IO
 
@@ -99,8 +98,4 @@ def _place(path: Path, member: zipfile.ZipInfo) -> int:
     return member.header_offset + _LOCAL_HEADER + int.from_bytes(local[26:28], "little") + int.from_bytes(local[28:30], "little")
 
 
-def _frame_fields(_: Path) -> Set[str]:
-    return frozenset()
-
-
-NUMPY_ARCHIVES = RecordingKind("an archive of NumPy arrays", (".npz",), _read, _frame_fields)
+NUMPY_ARCHIVES = RecordingKind("an archive of NumPy arrays", (".npz",), _read)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import weakref
-from collections.abc import Callable, Generator, Mapping, Set
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -200,12 +200,8 @@ def frame_word(frame: str) -> str:
     return "".join(word[:1].upper() + word[1:] for word in re.findall("[A-Za-z0-9]+", frame))
 
 
-def _frame_fields(_: Path) -> Set[str]:
-    return frozenset()
-
-
 def _is_folder(path: Path) -> bool:
     return (path / "metadata.yaml").is_file() and any(next(path.glob(f"*{suffix}*"), None) for suffix in (".mcap", ".db3"))
 
 
-BAGS = RecordingKind("a bag of ROS", (".bag", ".mcap", ".db3"), _read, _frame_fields, _is_folder)
+BAGS = RecordingKind("a bag of ROS", (".bag", ".mcap", ".db3"), _read, is_folder=_is_folder)

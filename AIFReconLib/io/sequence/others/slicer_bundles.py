@@ -11,7 +11,7 @@ import shutil
 import tempfile
 import weakref
 import zipfile
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
@@ -231,8 +231,4 @@ def _beside(scene: _Scene, records: Sequence[FrameRecord], moves: list[Element])
     return records
 
 
-def _frame_fields(_: Path) -> Set[str]:
-    return frozenset()
-
-
-BUNDLES = RecordingKind("a scene bundle of Slicer", (".mrb",), _read, _frame_fields)
+BUNDLES = RecordingKind("a scene bundle of Slicer", (".mrb",), _read)
