@@ -70,6 +70,7 @@ TABLES = {
             "import",
             "registration",
             "guidance",
+            "own-data",
             "without-ct",
             "cohorts",
             "troubleshooting",
