@@ -14,12 +14,17 @@ from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_se
 from made_tables import Recording, motive
 from variant_files import slicer_images, slicer_transforms
 
+<<<<<<< HEAD
 from AIFReconLib import read_labels
 from AIFReconLib.geometry.transform_graph import TransformName
+=======
+from AIFReconLib.geometry.labels import Labels
+>>>>>>> h-ct
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import write_transform
+from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -40,6 +45,16 @@ def bone_images() -> np.ndarray:
     return images
 
 
+def _ct_of(labels: Labels) -> Volume:
+    """Dense bone in muscle, 20 mm of it around, in air."""
+    more = [int(np.ceil(20 / step)) for step in labels.spacing[::-1]]
+    bone = np.pad(labels.array > 0, [(n, n) for n in more])
+    values = np.pad(np.where(bone, 1500, 50).astype(np.int16), 4, constant_values=-1000)
+    shift = np.eye(4)
+    shift[:3, 3] = [-n - 4 for n in more[::-1]]
+    return Volume(values, labels.ijk_to_reference @ shift)
+
+
 def make_workplace(folder: Path) -> Path:
     """Write all files into `folder`, and return it."""
     patient = write_patient(folder, tracked_sequence(FRAMES, images=bone_images()))
@@ -51,7 +66,7 @@ def make_workplace(folder: Path) -> Path:
     volume = reconstruct(sequence).intensity
     for name in ("volume.nrrd", "average.nrrd", "weighted.nrrd", "planned.nrrd"):
         volume.write(folder / name)
-    Volume(np.zeros((4, 5, 6), np.int16), np.eye(4)).write(folder / "ct.nrrd")
+    _ct_of(read_labels(patient.labels)).write(folder / "ct.nrrd")
     _write_frames(sequence, folder)
     # The page says of its first block that it is this file
     (folder / "my_methods.py").write_text(next(blocks(REPOSITORY / "docs" / "own-method.md")).text, "utf-8")

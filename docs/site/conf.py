@@ -71,6 +71,7 @@ TABLES = {
             "import",
             "registration",
             "guidance",
+            "own-data",
             "without-ct",
             "cohorts",
             "troubleshooting",

@@ -38,7 +38,7 @@ shell around it would have to be brighter for it to be the inside of bone."""
 LEAST_BONE, LEAST_SHARE = 3.0, 0.2
 """cm3 of a piece of bone, or the share of the largest piece where that is small. What is smaller is a calcified vessel or a speck."""
 
-SMALLEST_FIND = 0.5
+SMALLEST_FIND = 0.2
 """cm3 that the largest piece has at least, or there is no bone."""
 
 BRIGHTEST, BRIGHTEST_WITHIN = 1500.0, 2.0

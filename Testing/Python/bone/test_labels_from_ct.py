@@ -90,7 +90,7 @@ def water(noise: float = 20.0) -> np.ndarray:
 @pytest.mark.parametrize(
     ("array", "words"),
     [
-        (water(), "There is no bone in the CT: nothing above 1.. HU is larger than 0.5 cm3"),
+        (water(), "There is no bone in the CT: nothing above 1.. HU is larger than 0.2 cm3"),
         (water() + 1024, "not in Hounsfield units: its values run from .* with 1000 or 1024 added"),
         (np.clip((water() + 1000) / 8, 0, 255).astype(np.uint8), "not in Hounsfield units"),
         (np.random.default_rng(1).gamma(2.0, 200.0, (20, 30, 30)), "not in Hounsfield units"),

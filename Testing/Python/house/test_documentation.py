@@ -154,6 +154,8 @@ def test_every_make_target_and_extra_of_a_command_exists():
     assert [extra for extra in extras if not re.search(rf"^{extra} = \[", project, flags=re.MULTILINE)] == []
 
 
+# The sweep of the workplace is of no patient
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
 @pytest.mark.parametrize("block", [block for block in PYTHON if "AIFReconLogic" not in block.text], ids=lambda block: block.name)
 def test_every_python_block_runs(block: Block, workplace):
     exec(compile(block.text, block.name, "exec"), {})
