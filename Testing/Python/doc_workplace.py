@@ -14,12 +14,9 @@ from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_se
 from made_tables import Recording, motive
 from variant_files import slicer_images, slicer_transforms
 
-<<<<<<< HEAD
 from AIFReconLib import read_labels
-from AIFReconLib.geometry.transform_graph import TransformName
-=======
 from AIFReconLib.geometry.labels import Labels
->>>>>>> h-ct
+from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
