@@ -18,7 +18,8 @@ from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
-from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_rectangle, fit_sector, has_bent_ends, has_level_far_end, is_bent
+from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_sector, has_ragged_narrow_side
+from .rectangle import fit_rectangle, has_bent_ends, has_level_far_end, is_bent
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
@@ -96,6 +97,12 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
         return changing
     if changing is None and _stands_still(found, change, brightest):
         raise _unrecognized("what stands on black does not change from frame to frame")
+    fan = found.region.fan
+    if changing is None and fan is not None and _is_lopsided(fan):
+        changed = _changed_area(change, LEVELS[1] * float(brightest.max()))
+        # The straight edge of a shadow looks like a side
+        if has_ragged_narrow_side(changed, fan):
+            raise _unrecognized("one of its sides is dark, and where it ends is not seen")
     return found
 
 
@@ -106,9 +113,17 @@ def _changed_and_kept(found: DetectedImaging, change: Numbers, brightest: Number
 def _is_doubtful(found: DetectedImaging, change: Numbers, brightest: Numbers) -> bool:
     """Whether what stands on black holds much that stands still or is black, leaves out much that changes, or leans to one side."""
     changed, kept = _changed_and_kept(found, change, brightest)
-    if found.region.fan is not None and abs(sum(found.region.fan.angles_deg)) > MOST_LOPSIDED_DEG:
+    if found.region.fan is not None and _is_lopsided(found.region.fan):
         return True
     return bool((kept & ~changed).sum() > MOST_STILL * kept.sum() or (changed & ~kept).sum() > MOST_STILL * changed.sum())
+
+
+def _is_lopsided(fan: Fan) -> bool:
+    return abs(sum(fan.angles_deg)) > MOST_LOPSIDED_DEG
+
+
+def _changed_area(change: Numbers, level: float) -> Mask:
+    return opened(closed(change > level, CLOSED_PX), OPENED_PX)
 
 
 def _stands_still(found: DetectedImaging, change: Numbers, brightest: Numbers) -> bool:
@@ -178,7 +193,7 @@ def _by_what_changes(
     fits: list[SectorFit] = []
     boxes: list[Box] = []
     for level in LEVELS:
-        area = opened(closed(change > level * brightest, CLOSED_PX), OPENED_PX)
+        area = _changed_area(change, level * brightest)
         if area.sum() < SMALLEST_PART * area.size:
             break
         joined = closed(area, JOINED_PX)

@@ -1,4 +1,4 @@
-"""The sector, or rectangle, that an area of an image is the lit part of: fitted to its outline where only parts of that can be seen.
+"""The outline of an area of an image, and the sector that it is the lit part of, where only parts of that can be seen.
 
 A side may be dark, covered, or cut by the border. Beams start at the apex, so sides lie on rays through it and the near and the far end on
 arcs about it: any two of these tell it. What cannot be told to a part of a millimeter is refused.
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Reals
+from .region import Fan
 
 BORDER_PX = 4
 """Outlines that end closer to the image's border than this are cut off there."""
@@ -34,12 +35,6 @@ LARGEST_APEX_ERROR = 1.0
 
 CRISP_PX2, RAGGED_LENGTH = 0.1, 8.0
 """Mean squared distance of a crisp outline from its side, due to whole pixels; length over which points of a ragged one err alike."""
-
-EDGE_PARTS, FEWEST_PARTS = 16, 5
-"""Parts of an upper or lower edge, whose median rows are looked at."""
-
-SMALLEST_BEND_PX, SMOOTH_PX, SMOOTH_UPPER, SMOOTH_LOWER = 1.2, 0.4, 0.5, 0.06
-"""How far the middle of an edge must be from its ends to be bent, and how near, in pixels or as a part of that, the edge to its arc."""
 
 
 @dataclass(frozen=True)
@@ -109,69 +104,6 @@ def straightest(points: Floats, sign: int) -> tuple[float, float, int] | None:
     return offset, slope, int(near.sum())
 
 
-def is_bent(edge: Integers, lower: bool = False) -> bool:
-    """Whether the rows of an upper or lower edge, one a column, follow an arc or an angle, over their whole width or its middle half.
-
-    The upper edge of a linear image is the skin, straight. A lower one may be ragged where the image fades, and shadows pull its middle up;
-    so it is bent only where its middle lies lower, as that of an arc, and along a smooth line.
-    """
-    smooth = SMOOTH_LOWER if lower else SMOOTH_UPPER
-    for columns in (edge, edge[edge.size // 4 : edge.size - edge.size // 4]):
-        parts = np.array_split(columns, min(columns.size // 4 + 1, EDGE_PARTS))
-        if len(parts) <= FEWEST_PARTS:
-            return False
-        rows = np.array([np.median(part) for part in parts])
-        x = np.linspace(-1.0, 1.0, len(parts))
-        parabola = np.polyfit(x, rows, 2)
-        rest = np.sqrt(np.mean((rows - np.polyval(parabola, x)) ** 2))
-        depth = -parabola[0] if lower else abs(parabola[0])
-        if depth > SMALLEST_BEND_PX and rest < max(SMOOTH_PX, smooth * depth):
-            return True
-    return False
-
-
-def fit_rectangle(area: Mask) -> tuple[int, int, int, int] | None:
-    """First and last column, first and last row of the upright rectangle that an area is part of; None where that cannot be told.
-
-    Two sides that are straight along most of their length and stand upright tell it, or one and a level end.
-    """
-    outline = outline_of(area, 1.0)
-    rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.sum(axis=0) >= FEWEST_ROWS)
-    if not columns.size or min(rows.size, columns.size) < 40:
-        return None
-    bounds, crisp = [float(columns[0]), float(columns[-1]), float(rows[0]), float(rows[-1])], []
-    ends = ((outline.left, 0, rows), (outline.right, 0, rows), (outline.top, 1, columns), (outline.bottom, 1, columns))
-    for number, (points, axis, all_) in enumerate(ends):
-        place, count = _on_arc(points[:, axis], 1.5)
-        crisp.append(count >= CRISP * all_.size)
-        if crisp[-1]:
-            bounds[number] = place + (0.5 if number % 2 == 0 else -0.5)
-    lines = [straightest(outline.left, -1), straightest(outline.right, 1)]
-    lean = [None if line is None or line[2] < CRISP * rows.size else abs(math.degrees(math.atan(line[1]))) for line in lines]
-    upright = [seen and degrees is not None and degrees < UPRIGHT_DEG / 2 for seen, degrees in zip(crisp, lean, strict=False)]
-    if sum(crisp) < 2 or not any(upright) or any(degrees is not None and degrees > UPRIGHT_DEG for degrees in lean):
-        return None
-    left, right, top, bottom = (round(bound) for bound in bounds)
-    within = area[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
-    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or (left < BORDER_PX and right >= area.shape[1] - BORDER_PX):
-        return None
-    return left, right, top, bottom
-
-
-def has_bent_ends(area: Mask, box: tuple[int, int, int, int]) -> bool:
-    """Whether the near or the far end of an area in a rectangle is an arc, as of a sector whose sides were covered."""
-    left, right, top, bottom = (max(bound, 0) for bound in box)
-    shown = area[top : bottom + 1, left : right + 1]
-    shown = shown[:, shown.any(axis=0)]
-    return is_bent(shown.argmax(axis=0), lower=True) or is_bent(-shown[::-1].argmax(axis=0), lower=True)
-
-
-def has_level_far_end(area: Mask) -> bool:
-    """Whether an area ends downward along one row nearly everywhere, as no arc does; what the image's border cuts off does not count."""
-    bottom = outline_of(area, 1.0).bottom
-    return bool(_on_arc(bottom[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
-
-
 def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
     """The sector that an area (rows, columns) is part of; None where that cannot be told. `spacing` is (x, y) in mm."""
     aspect = spacing[0] / spacing[1]
@@ -180,6 +112,19 @@ def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
         return None
     fits = (_refined(outline, start, area, spacing) for start in _starts(outline))
     return next((fit for fit in fits if fit is not None), None)
+
+
+def has_ragged_narrow_side(area: Mask, fan: Fan) -> bool:
+    """Whether the side of a sector that leans less is the edge of a shadow: the outline of an area is much more ragged there."""
+    aspect = fan.pixel_size[0] / fan.pixel_size[1]
+    outline, apex = outline_of(area, aspect), np.array([fan.apex_px[0] * aspect, fan.apex_px[1]])
+    return _is_ragged(outline, apex, [math.radians(angle) for angle in fan.angles_deg])
+
+
+def _is_ragged(outline: Outline, apex: Floats, angles: list[float]) -> bool:
+    narrow = int(angles[0] + angles[1] < 0)
+    spreads = [_spread(_distances((outline.left, outline.right)[side], apex, angles, [], side)) for side in (narrow, 1 - narrow)]
+    return spreads[0] >= MORE_RAGGED * spreads[1]
 
 
 def _starts(outline: Outline) -> Iterator[tuple[float, float]]:
@@ -208,8 +153,8 @@ def _most_together(values: Floats, width: float) -> Floats:
     return np.array([(last - np.arange(last.size)).max(initial=0) for last in upto], dtype=np.float64)
 
 
-def _on_arc(radii: Floats, tolerance: float) -> tuple[float, int]:
-    """The radius near which most points are, and how many."""
+def most_at(radii: Floats, tolerance: float) -> tuple[float, int]:
+    """The radius, or row, or column, near which most points are, and how many."""
     if not len(radii):
         return 0.0, 0
     ordered = np.sort(radii)
@@ -241,7 +186,7 @@ def _refined(
         for points in arcs:
             x, y = (points - apex).T
             radius = np.hypot(x, y)
-            middle = _on_arc(radius, tolerance)[0]
+            middle = most_at(radius, tolerance)[0]
             near = np.abs(radius - middle) <= tolerance
             radii.append(middle)
             counted.append(points[near])
@@ -307,7 +252,7 @@ def _enough(outline: Outline, counted: list[Floats], angles: list[float], radii:
 
 def _flat_top(top: Floats, on_arc: Floats) -> float | None:
     """The row of a straight face; None where an arc suits the upper outline better."""
-    row, count = _on_arc(top[:, 1], 1.5)
+    row, count = most_at(top[:, 1], 1.5)
     return row if count > 1.1 * len(on_arc) and count > 0.3 * len(top) else None
 
 
@@ -337,11 +282,9 @@ def _checked(
     dark = None
     if all(seen) and abs(angles[0] + angles[1]) > math.radians(MOST_LOPSIDED_DEG):
         # The edge of a shadow, which is ragged, or a sector that was steered
-        narrow = int(angles[0] + angles[1] < 0)
-        spreads = [_spread(_distances((outline.left, outline.right)[side], apex, angles, radii, side)) for side in (narrow, 1 - narrow)]
-        if spreads[0] < MORE_RAGGED * spreads[1]:
+        if not _is_ragged(outline, apex, angles):
             return None
-        seen[narrow] = False
+        seen[int(angles[0] + angles[1] < 0)] = False
     if not all(seen):
         if used[seen.index(False)]:
             # Its straight edge is that of a shadow, which only about follows a beam
@@ -399,9 +342,6 @@ RAGGED_PX = 6.0
 
 MOST_LOPSIDED_DEG, MORE_RAGGED = 1.5, 3.0
 """Degrees by which one side may lean more than the other, and how many times as ragged the edge of a shadow is then."""
-
-FEWEST_ROWS, CRISP, LEVEL = 5, 0.5, 0.8
-"""Rows that a column of a rectangle has at least; part of a side that must lie on one line; part of an end that is surely no arc."""
 
 SPECKS = 0.003
 """Part of the area that may lie beyond a side that is seen."""

@@ -1,0 +1,82 @@
+"""The upright rectangle that an area of an image is the lit part of, and what tells it from a sector whose sides were covered."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import Integers, Mask
+from .outline import BORDER_PX, MOST_OUTSIDE, UPRIGHT_DEG, most_at, outline_of, straightest
+
+EDGE_PARTS, FEWEST_PARTS = 16, 5
+"""Parts of an upper or lower edge, whose median rows are looked at."""
+
+SMALLEST_BEND_PX, SMOOTH_PX, SMOOTH_UPPER, SMOOTH_LOWER = 1.2, 0.4, 0.5, 0.06
+"""How far the middle of an edge must be from its ends to be bent, and how near, in pixels or as a part of that, the edge to its arc."""
+
+FEWEST_ROWS, CRISP, LEVEL = 5, 0.5, 0.8
+"""Rows that a column of a rectangle has at least; part of a side that must lie on one line; part of an end that is surely no arc."""
+
+
+def is_bent(edge: Integers, lower: bool = False) -> bool:
+    """Whether the rows of an upper or lower edge, one a column, follow an arc or an angle, over their whole width or its middle half.
+
+    The upper edge of a linear image is the skin, straight. A lower one may be ragged where the image fades, and shadows pull its middle up;
+    so it is bent only where its middle lies lower, as that of an arc, and along a smooth line.
+    """
+    smooth = SMOOTH_LOWER if lower else SMOOTH_UPPER
+    for columns in (edge, edge[edge.size // 4 : edge.size - edge.size // 4]):
+        parts = np.array_split(columns, min(columns.size // 4 + 1, EDGE_PARTS))
+        if len(parts) <= FEWEST_PARTS:
+            return False
+        rows = np.array([np.median(part) for part in parts])
+        x = np.linspace(-1.0, 1.0, len(parts))
+        parabola = np.polyfit(x, rows, 2)
+        rest = np.sqrt(np.mean((rows - np.polyval(parabola, x)) ** 2))
+        depth = -parabola[0] if lower else abs(parabola[0])
+        if depth > SMALLEST_BEND_PX and rest < max(SMOOTH_PX, smooth * depth):
+            return True
+    return False
+
+
+def fit_rectangle(area: Mask) -> tuple[int, int, int, int] | None:
+    """First and last column, first and last row of the upright rectangle that an area is part of; None where that cannot be told.
+
+    Two sides that are straight along most of their length and stand upright tell it, or one and a level end.
+    """
+    outline = outline_of(area, 1.0)
+    rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.sum(axis=0) >= FEWEST_ROWS)
+    if not columns.size or min(rows.size, columns.size) < 40:
+        return None
+    bounds, crisp = [float(columns[0]), float(columns[-1]), float(rows[0]), float(rows[-1])], []
+    ends = ((outline.left, 0, rows), (outline.right, 0, rows), (outline.top, 1, columns), (outline.bottom, 1, columns))
+    for number, (points, axis, all_) in enumerate(ends):
+        place, count = most_at(points[:, axis], 1.5)
+        crisp.append(count >= CRISP * all_.size)
+        if crisp[-1]:
+            bounds[number] = place + (0.5 if number % 2 == 0 else -0.5)
+    lines = [straightest(outline.left, -1), straightest(outline.right, 1)]
+    lean = [None if line is None or line[2] < CRISP * rows.size else abs(math.degrees(math.atan(line[1]))) for line in lines]
+    upright = [seen and degrees is not None and degrees < UPRIGHT_DEG / 2 for seen, degrees in zip(crisp, lean, strict=False)]
+    if sum(crisp) < 2 or not any(upright) or any(degrees is not None and degrees > UPRIGHT_DEG for degrees in lean):
+        return None
+    left, right, top, bottom = (round(bound) for bound in bounds)
+    within = area[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
+    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or (left < BORDER_PX and right >= area.shape[1] - BORDER_PX):
+        return None
+    return left, right, top, bottom
+
+
+def has_bent_ends(area: Mask, box: tuple[int, int, int, int]) -> bool:
+    """Whether the near or the far end of an area in a rectangle is an arc, as of a sector whose sides were covered."""
+    left, right, top, bottom = (max(bound, 0) for bound in box)
+    shown = area[top : bottom + 1, left : right + 1]
+    shown = shown[:, shown.any(axis=0)]
+    return is_bent(shown.argmax(axis=0), lower=True) or is_bent(-shown[::-1].argmax(axis=0), lower=True)
+
+
+def has_level_far_end(area: Mask) -> bool:
+    """Whether an area ends downward along one row nearly everywhere, as no arc does; what the image's border cuts off does not count."""
+    bottom = outline_of(area, 1.0).bottom
+    return bool(most_at(bottom[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
