@@ -14,7 +14,6 @@ from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_se
 from made_tables import Recording, motive
 from variant_files import slicer_images, slicer_transforms
 
-from AIFReconLib import read_labels
 from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.geometry.volume import Volume
