@@ -274,12 +274,13 @@ def plain(r: Recording) -> Made:
 def bare(r: Recording, kind: int | None = None) -> Made:
     """Matrices without headings, in rows of 12 or 16 or in lines of four, row by row or column by column; JSON."""
     poses = r.poses[0]
-    kind = r.random.integers(4) if kind is None else kind
+    kind = int(r.random.integers(4)) if kind is None else kind
     if kind == 4:
         rows = [",".join([f"{t:.6f}", *numbers(pose[:3, 3]), *quaternion(pose, "xyzw")]) for t, pose in zip(r.times, poses)]
         return Made(poses, r.times - r.times[0], "\n".join(["time,x,y,z,qx,qy,qz,qw", *rows]))
     if kind == 0:
-        text = "\n".join(" ".join(numbers(pose[: 3 + r.random.integers(2)])) for pose in poses)
+        height = 3 + int(r.random.integers(2))
+        text = "\n".join(" ".join(numbers(pose[:height])) for pose in poses)
     elif kind == 1:
         text = "\n".join(",".join(numbers(pose.T)) for pose in poses)
         return Made(poses, None, text, answers=answers(COLUMN_MAJOR={"column_major": True}))
