@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 
+from ..arrays import Matrix
 from ..errors import RegistrationRefused
 from ..geometry.labels import Labels
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import LPS_FROM_RAS, invert, transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform, write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
-from ..progress import part
+from ..progress import Progress, part
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
+from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
 from ..terminal.options import (
     Commands,
@@ -101,20 +104,32 @@ def run(arguments: argparse.Namespace) -> None:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
         start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         sequences = [sequence_from(one) for one in each]
-        found = register(
-            sequences,
-            labels,
-            start,
-            per_segment=arguments.per_segment,
-            level=arguments.level or 0,
-            recipe=recipe_from(arguments),
-            progress=part(progress, 0.05, 0.95),
-        )
+        found = _registered(arguments, sequences, labels, start, part(progress, 0.05, 0.95))
+        if labels.space_is_guessed and not found.accepted:
+            turned = replace(labels, ijk_to_reference=LPS_FROM_RAS @ labels.ijk_to_reference)
+            other = _registered(arguments, sequences, turned, start, None)
+            if other.agreement.rank > found.agreement.rank:
+                note = "The model does not say whether it is in RAS or LPS; it is taken to be in RAS, where the sweep fits better."
+                found, labels = other, replace(turned, notes=(*labels.notes[:-1], note))
         written = _write(arguments, found, labels)
     lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels)]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
         raise RegistrationRefused(f"No transform is written. {found.said}", found.said)
+
+
+def _registered(
+    arguments: argparse.Namespace, sequences: list[TrackedSequence], labels: Labels, start: Matrix | None, progress: Progress | None
+) -> Registration:
+    return register(
+        sequences,
+        labels,
+        start,
+        per_segment=arguments.per_segment,
+        level=arguments.level or 0,
+        recipe=recipe_from(arguments),
+        progress=progress,
+    )
 
 
 def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:

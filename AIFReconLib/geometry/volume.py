@@ -48,8 +48,8 @@ class Picture(Protocol):
         """Write the PNG file; an `OutputError` where it cannot be written."""
 
 
-@dataclass(frozen=True, eq=False)
-class VoxelGrid:
+@dataclass(frozen=True, eq=False, repr=False)
+class VoxelGrid(Described):
     """Where the voxels are: their number along i, j, k and the matrix that places them in Reference.
 
     Raises
@@ -128,6 +128,9 @@ class VoxelGrid:
         numbers = (self.size, np.round(self.spacing, 4), np.round(self.origin, 2))
         size, spacing, origin = (" x ".join(f"{n:g}" for n in three) for three in numbers)
         return [("voxels", size), ("spacing", f"{spacing} mm"), ("origin", f"{origin.replace(' x ', ', ')} mm")]
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return self.facts()
 
     def matches(self, other: VoxelGrid) -> bool:
         """Whether both grids have the same voxels, to a thousandth of a voxel over the whole grid."""

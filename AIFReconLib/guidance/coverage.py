@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Mask, Matrix
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.volume import Volume
-from ..message import columns, one_line
+from ..message import Described, columns, one_line
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..resolve import resolve_imaging
@@ -27,8 +27,8 @@ AWRY_DEG = 60.0
 """A sweep whose middle beams run farther than this from the front of the labels, on the mean, says itself where the front is."""
 
 
-@dataclass(frozen=True, eq=False)
-class Coverage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Coverage(Described):
     """What a scan met."""
 
     met: BoneMet  #: Point by point
@@ -36,6 +36,11 @@ class Coverage:
     interspinous: Share
     by_label: dict[str, Share]  #: By the name of the label, or its number where it has none
     notes: tuple[str, ...] = ()  #: What was assumed
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return [
+            (name, f"{share.met:.0%} met of {share.reachable_cm2:.1f} cm2") for name, share in (*self.by_label.items(), ("all", self.all))
+        ]
 
     def to_dict(self) -> dict[str, object]:
         """The report, for JSON."""

@@ -10,6 +10,7 @@ from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError, SettingsError
 from ..geometry.transforms import as_matrix, invert, transform_points
 from ..geometry.volume import Volume
+from ..message import Described
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
@@ -44,8 +45,8 @@ class PlannedPass:
     planned: Pass  #: From where to where it goes
 
 
-@dataclass(frozen=True, eq=False)
-class ScanPlan:
+@dataclass(frozen=True, eq=False, repr=False)
+class ScanPlan(Described):
     """Passes, and what they are expected to show."""
 
     target: str
@@ -61,6 +62,10 @@ class ScanPlan:
     def frames(self) -> int:
         """Of all passes."""
         return sum(len(one.image_to_reference) for one in self.passes)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        shown = f"{self.predicted_of_reachable:.0%} of what can be reached"
+        return [("target", self.target), ("passes", str(len(self.passes))), ("frames", str(self.frames)), ("expected to show", shown)]
 
     def to_dict(self) -> dict[str, object]:
         """The plan, for JSON."""

@@ -11,7 +11,7 @@ from ..arrays import Floats
 from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
-from ..message import Sentence, advised
+from ..message import Described, Sentence, advised
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import Remedy
@@ -52,8 +52,8 @@ class Alternative:
     levels: int | None
 
 
-@dataclass(frozen=True, eq=False)
-class Registration:
+@dataclass(frozen=True, eq=False, repr=False)
+class Registration(Described):
     """Where the CT belongs, and how sure that is."""
 
     transform: Floats  #: (4, 4), mm. labels_to_reference, RAS.
@@ -66,6 +66,9 @@ class Registration:
     moved: float | None  #: mm. How far the bone has moved from the start; None without one.
     segments: Segments | None  #: Each bone's own motion
     echoes: SweepEchoes = field(repr=False)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return [("accepted", str(self.accepted)), ("agreement", self.agreement.sentence())]
 
     @property
     def accepted(self) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
 
+from AIFReconLib import plan as public_plan
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import planned_path
 from AIFReconLib.evaluation.visibility import SweepBeams, look
@@ -211,3 +212,12 @@ def test_the_command_writes_a_plan_that_the_simulated_probe_can_follow(tmp_path,
     path = planned_path(written)
     assert (np.diff(path.timestamps) > 0).all()
     np.testing.assert_allclose(path.transducer_to_reference @ PhasedArray().image_to_transducer, poses, atol=1e-9)
+
+
+def test_one_call_plans_from_labels_as_the_parts_do():
+    labels = two_vertebrae()
+    found = public_plan(labels, target="posterior", frames=24)
+    bone = guided_bone(labels)
+    same = plan_scan(bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), "posterior", 24)
+    assert found.to_dict() == same.to_dict()
+    assert repr(found).startswith("<ScanPlan: target posterior, passes ")

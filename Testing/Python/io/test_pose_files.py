@@ -225,3 +225,18 @@ def test_a_convention_that_is_none_is_refused(options, message):
 def test_no_text_is_more_than_a_clear_refusal(tmp_path, text, suffix):
     with contextlib.suppress(AIFReconError):
         read(tmp_path, text, name=f"p{suffix}")
+
+
+@pytest.mark.parametrize("shape", [(3, 4, 4), (3, 16), (3, 12), (3, 3, 4)])
+def test_an_array_of_matrices_is_read_as_it_is(shape, tmp_path):
+    poses = np.tile(np.eye(4), (3, 1, 1))
+    poses[:, :3, 3] = np.arange(9).reshape(3, 3) + 0.1
+    np.save(tmp_path / "poses.npy", (poses[:, :3] if 3 in shape[1:] or shape[-1] == 12 else poses).reshape(shape))
+    np.testing.assert_array_equal(read_poses(tmp_path / "poses.npy").matrices, poses)
+
+
+@pytest.mark.parametrize(("array", "words"), [(np.zeros((3, 7)), r"got \(3, 7\)"), (np.array([{}], dtype=object), "array of numbers")])
+def test_an_array_of_something_else_is_refused(array, words, tmp_path):
+    np.save(tmp_path / "poses.npy", array, allow_pickle=True)
+    with pytest.raises(FileFormatError, match=words):
+        read_poses(tmp_path / "poses.npy")

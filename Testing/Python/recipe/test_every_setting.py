@@ -158,3 +158,9 @@ def test_a_column_of_a_table_says_it(name, tmp_path):
     read = read[0] if name == "method" else read
     expected = getattr(recipe_from(argparse.Namespace(**{**VALUES[name][2], name: VALUES[name][1]})), name)
     assert np.array_equal(read, expected)
+
+
+def test_every_setting_is_explained_in_the_docstring_and_only_given_ones_are_shown():
+    page = Recipe.__doc__ or ""
+    assert [name for name in RULES if f"    {name} : " not in page] == []
+    assert repr(Recipe(spacing=0.5)) == "Recipe(spacing=0.5)"
