@@ -19,7 +19,7 @@ from .beams import LINEAR, SECTOR, ProbeGeometry
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
 from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_sector, has_ragged_narrow_side
-from .rectangle import fit_rectangle, has_bent_ends, has_level_far_end, is_bent
+from .rectangle import fit_rectangle, has_bent_ends, has_level_end, is_bent
 from .region import ClipRectangle, Fan, ImageRegion
 
 FRAMES_LOOKED_AT = 24
@@ -200,7 +200,7 @@ def _by_what_changes(
         largest = area & largest_area(joined)
         box = fit_rectangle(largest)
         if box is not None:
-            if has_bent_ends(largest, box) or (sides_cut_off and not has_level_far_end(largest)):
+            if has_bent_ends(largest, box) or not has_level_end(largest, also_near=not sides_cut_off):
                 return None
             if boxes and _overlap(box, boxes[-1]) > SAME:
                 return _upright(box)
