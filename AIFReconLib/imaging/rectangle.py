@@ -76,8 +76,7 @@ def has_bent_ends(area: Mask, box: tuple[int, int, int, int]) -> bool:
     return is_bent(shown.argmax(axis=0), lower=True) or is_bent(-shown[::-1].argmax(axis=0), lower=True)
 
 
-def has_level_end(area: Mask, also_near: bool = True) -> bool:
-    """Whether an area ends along one row nearly everywhere, as no arc does; what the image's border cuts off does not count."""
-    outline, columns = outline_of(area, 1.0), np.count_nonzero(area.any(axis=0))
-    ends = (outline.bottom, outline.top) if also_near else (outline.bottom,)
-    return any(most_at(end[:, 1], 1.5)[1] >= LEVEL * columns for end in ends)
+def has_level_far_end(area: Mask) -> bool:
+    """Whether an area ends downward along one row nearly everywhere, as no arc does; what the image's border cuts off does not count."""
+    bottom = outline_of(area, 1.0).bottom
+    return bool(most_at(bottom[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
