@@ -44,6 +44,9 @@ SURE_ENOUGH, LARGEST_CHANGE = 0.05, 0.2
 Box = tuple[int, int, int, int]
 """First and last column, first and last row."""
 
+NARROWEST = 0.45
+"""Width of a linear image by its depth: what is narrower may be the middle of a sector whose sides were covered, straight to a pixel."""
+
 MOST_STILL = 0.02
 """Part of what was found that may stand still, and of what changes that may lie elsewhere, before other evidence is asked."""
 
@@ -200,7 +203,8 @@ def _by_what_changes(
         largest = area & largest_area(joined)
         box = fit_rectangle(largest)
         if box is not None:
-            if has_bent_ends(largest, box) or (sides_cut_off and not has_level_far_end(largest)):
+            narrow = (box[1] - box[0]) * spacing[0] < NARROWEST * (box[3] - box[2]) * spacing[1]
+            if narrow or has_bent_ends(largest, box) or (sides_cut_off and not has_level_far_end(largest)):
                 return None
             if boxes and _overlap(box, boxes[-1]) > SAME:
                 return _upright(box)

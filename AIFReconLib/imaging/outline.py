@@ -30,8 +30,8 @@ SHORTEST_SIDE, SHORTEST_ARC = 0.2, 0.2
 MOST_OUTSIDE = 0.02
 """Part of the area that may lie outside what was fitted."""
 
-LARGEST_APEX_ERROR = 1.0
-"""mm. Estimated error of the apex, on the large side, beyond which a fit is refused."""
+LARGEST_APEX_ERROR, LARGEST_ONE_SIDED = 1.0, 0.7
+"""mm. Estimated error of the apex, on the large side, beyond which a fit is refused, and one of which only one side is seen."""
 
 CRISP_PX2, RAGGED_LENGTH = 0.1, 8.0
 """Mean squared distance of a crisp outline from its side, due to whole pixels; length over which points of a ragged one err alike."""
@@ -298,7 +298,7 @@ def _checked(
     off = np.concatenate([_distances(each, apex, angles, radii, number) for number, each in enumerate(parts) if used[number]])
     spread = _spread(off)
     error *= spacing[1] * math.sqrt(3 * CRISP_PX2 + RAGGED_LENGTH * (spread - CRISP_PX2))
-    if 1 - inside.mean() > MOST_OUTSIDE or error > LARGEST_APEX_ERROR:
+    if 1 - inside.mean() > MOST_OUTSIDE or error > (LARGEST_APEX_ERROR if dark is None else LARGEST_ONE_SIDED):
         return None
     return SectorFit(
         (float(apex[0] * spacing[1] / spacing[0]), float(apex[1])),

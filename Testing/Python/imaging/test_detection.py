@@ -233,8 +233,8 @@ def test_a_full_frame_shows_no_outline_and_is_refused():
 
 
 def test_a_sector_of_which_one_half_is_in_shadow_is_taken_to_be_as_wide_as_the_other_and_says_so():
-    found = detect_imaging(images_of(sector() & (COLUMN > 160)))
-    assert_found(found)
+    found = detect_imaging(images_of(sector() & (COLUMN > 160)), (0.3, 0.3))
+    assert_found(found, radii=(0.0, 64.5), spacing=(0.3, 0.3))
     assert "its left side is dark" in found.description
 
 
