@@ -332,13 +332,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         self.verdicts.judge(parameters, made.comparison, made.tracking, asked)
         return "\n".join(made.lines)
 
-    def boneFromCT(self, parameters, progress=None) -> str:
-        """Find the bone of the chosen CT, select its segmentation, and return what a user should know of it."""
-        from AIFReconScene.volumes.segments import segmentsOfCT
-
-        parameters.bone, notes = segmentsOfCT(parameters.ctVolume, progress)
-        return "\n".join(notes)
-
     def openFiles(self, parameters, paths, progress=None) -> str:
         """Read files of any kind that a reconstruction needs, and choose what they hold; returns what was done."""
         from AIFReconScene.volumes.opening import openFiles

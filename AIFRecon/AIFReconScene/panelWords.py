@@ -107,6 +107,8 @@ def remedies() -> dict[Remedy, str]:
                 Remedy.NO_TOOL,
                 Remedy.GOOD_STATUS,
                 Remedy.ROWS_OR_COLUMNS,
+                Remedy.TIME_OFFSET,
+                Remedy.NO_MARKER,
                 Remedy.SURE,
             ),
             imported,

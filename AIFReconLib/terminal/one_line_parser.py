@@ -190,7 +190,7 @@ class OneLineParser(argparse.ArgumentParser):
                 left = left[len(taken) :]
             else:
                 others += not word.startswith("-")
-        positional = any(not action.option_strings for action in self._actions)
+        positional = any(not action.option_strings and action.nargs not in ("?", "*") for action in self._actions)
         for at, option, tail in reversed(runs if others or not positional else []):
             words[at : at + len(tail)] = [each for file in tail for each in (option, file)]
         return words

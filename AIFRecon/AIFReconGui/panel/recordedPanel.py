@@ -130,7 +130,9 @@ class RecordedPanel(Follower):
 
     def onBoneFromCT(self) -> None:
         """Find the bone in the CT."""
-        self._run(_("Bone from CT"), _("The CT's bone could not be found."), self._logic.boneFromCT)
+        from AIFReconScene.volumes.segments import boneFromCT
+
+        self._run(_("Bone from CT"), _("The CT's bone could not be found."), boneFromCT)
 
     def onLoad(self) -> None:
         """Read the recording."""

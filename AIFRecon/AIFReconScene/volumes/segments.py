@@ -17,6 +17,12 @@ COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67), (0.93, 0.7
 """Of the segments in turn: pale, so that ultrasound stays in front."""
 
 
+def boneFromCT(parameters, progress=None) -> str:
+    """Find the bone of the chosen CT, select its segmentation, and return what a user should know of it."""
+    parameters.bone, notes = segmentsOfCT(parameters.ctVolume, progress)
+    return "\n".join(notes)
+
+
 def segmentsOfCT(ct, progress=None) -> tuple:
     """A segmentation of the bone of a CT's node, under the same transform, and what a user should know of it; none after a cancel."""
     with named(ct):

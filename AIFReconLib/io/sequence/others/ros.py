@@ -119,7 +119,7 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         if len(names) != 1:
             raise SequenceFormatError(
                 f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. "
-                "Write a bag of one: rosbags-convert with --include-topic."
+                "Write a bag of one of them with rosbags-convert."
             )
         decode = IMAGES[topics[0].msgtype]
         found = _found(bag, topics)
