@@ -13,8 +13,9 @@ OTHERS = ("Yellow", "Green")
 MARGIN = 1.1
 """Of the view around the frame."""
 
-FASTEST, SLOWER = 12.0, 4.0
-"""Pictures/s at most of the red view, and of all others: whatever moves, Slicer asks every view to be drawn anew."""
+FASTEST, SLOWER, SLOWEST = 12.0, 4.0, 2.0
+"""Pictures/s at most of the red view, of those in 3D, and of the other slices, whose volume changes twice a second: whatever moves, Slicer
+asks every view to be drawn anew."""
 
 
 class LiveViews:
@@ -97,7 +98,7 @@ def _slowed() -> list:
     views |= {number: manager.threeDWidget(number).threeDView() for number in range(manager.threeDViewCount)}
     before = [(view, view.maximumUpdateRate) for view in views.values()]
     for name, view in views.items():
-        view.maximumUpdateRate = FASTEST if name == FOLLOWING else SLOWER
+        view.maximumUpdateRate = FASTEST if name == FOLLOWING else SLOWEST if name in manager.sliceViewNames() else SLOWER
     return before
 
 
