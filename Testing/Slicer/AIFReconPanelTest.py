@@ -113,11 +113,13 @@ class AIFReconPanelTest(unittest.TestCase):
 
     def test_a_ct_without_hounsfield_units_is_refused_in_a_sentence_and_the_scene_stays(self):
         self.addBareCT(hounsfield=False)
+        from AIFReconScene.volumes.segments import boneFromCT
+
         from AIFReconLib.errors import GeometryError
 
         before = slicer.mrmlScene.GetNumberOfNodes()
         with self.assertRaisesRegex(GeometryError, "not in Hounsfield units"):
-            self.widget.logic.boneFromCT(self.parameters)
+            boneFromCT(self.parameters)
         self.assertEqual(slicer.mrmlScene.GetNumberOfNodes(), before)
         self.assertIsNone(self.parameters.bone)
 
