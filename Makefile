@@ -31,7 +31,7 @@ help:
 	@echo "make lint         only lint, format check, types and workflows"
 	@echo "make format       reformat the code"
 	@echo "make bench        measure the speed of this machine, and renew the tables of docs/performance.md"
-	@echo "make study        compare all methods, register CTs and scan by guidance, on simulated patients, into $(STUDY_OUTPUT)/ and the pages (two hours)"
+	@echo "make study        compare all methods, register CTs, scan by guidance, find bone in CTs and probes on screens, into $(STUDY_OUTPUT)/ and the pages (two hours)"
 	@echo "make real-bone    compare all methods on a recorded sweep of real bone with its CT, into $(REAL_BONE_OUTPUT)/ and the pages (half an hour)"
 	@echo "make soak         an hour of live reconstruction from a server that fails at random, in simulated time (half an hour)"
 	@echo "make faults       kill, fill and cut whatever can be for FAULTS_SECONDS ($(FAULTS_SECONDS)); nothing may be lost (Linux, best as root)"
@@ -113,6 +113,8 @@ study: setup
 	@$(BIN)/python Testing/study methods --pages --output "$(STUDY_OUTPUT)"
 	@$(BIN)/python Testing/study registration --pages --output "$(STUDY_OUTPUT)/registration"
 	@$(BIN)/python Testing/study guidance --pages --output "$(STUDY_OUTPUT)/guidance"
+	@$(BIN)/python Testing/study ct_bone --output "$(STUDY_OUTPUT)/ct-bone"
+	@$(BIN)/python Testing/study screens --output "$(STUDY_OUTPUT)/screens"
 
 # Not run by continuous integration: the recording is not part of the project
 real-bone: setup

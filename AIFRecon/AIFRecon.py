@@ -90,6 +90,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         from AIFReconGui.panel.recordedPanel import RecordedPanel
         from AIFReconGui.panel.registrationPanel import RegistrationPanel
         from AIFReconScene.inputs.inputWatch import InputWatch
+        from AIFReconScene.volumes.volumeNodes import goneWith
 
         uiWidget = slicer.util.loadUI(self.resourcePath("UI/AIFRecon.ui"))
         self.layout.addWidget(uiWidget)
@@ -98,13 +99,12 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         uiWidget.setMRMLScene(slicer.mrmlScene)
         self.logic = AIFReconLogic()
         self._work = LongWork(uiWidget)
-        self._recorded = RecordedPanel(self.ui, self.logic, self._work, self._onParametersModified)
+        self._recorded = RecordedPanel(self.ui, self._work, self._onParametersModified, self.logic)
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
-        onBone = (self.ui, self._work, self._live, self.logic, self._onParametersModified)
+        onBone = (self.ui, self._work, self._onParametersModified, self._live, self.logic)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
-        self._tabs = Tabs(self.ui, self._onParametersModified)
-        self._room = RoomForTexts(uiWidget, self.ui)
-        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode))
+        self._tabs, self._room = Tabs(self.ui, self._onParametersModified), RoomForTexts(uiWidget, self.ui)
+        self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode), goneWith)
         self._isSetUp = True
 
         warmUp()
@@ -244,7 +244,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         Parameters
         ----------
-        sweep : vtkMRMLSequenceBrowserNode
         bone : vtkMRMLSegmentationNode, vtkMRMLLabelMapVolumeNode or vtkMRMLScalarVolumeNode (probability), or None
         output : vtkMRMLScalarVolumeNode or None
             Takes the intensities; a new node by default.
@@ -282,17 +281,9 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         """The sweeps that can be reconstructed with the chosen one, and those that are."""
         return offered(parameters, self._sweep)
 
-    def whyNotReconstruct(self, parameters) -> str:
-        """What is missing before a volume can be reconstructed; empty: nothing."""
-        return readiness.whyNotReconstruct(parameters, self._sweep.summary(parameters))
-
-    def whyNotCompare(self, parameters) -> str:
-        """What is missing before the methods can be compared; empty: nothing."""
-        return readiness.whyNotCompare(parameters, self._sweep.summary(parameters))
-
-    def whyNotRegister(self, parameters, isScanning: bool = False) -> str:
-        """What is missing before the CT can be placed on the sweep, or on what a scan has shown so far; empty: nothing."""
-        return readiness.whyNotRegister(parameters, self._sweep.summary(parameters), isScanning)
+    def sweepSummary(self, parameters):
+        """The `SweepSummary` of the chosen sweep, by which `readiness` says what is missing; None where none is chosen."""
+        return self._sweep.summary(parameters)
 
     def trackingReport(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep, with the coverage where it was reconstructed last."""
@@ -305,16 +296,27 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         configuration = parameters.configurationPath if parameters.configurationPath.is_file() else None
         with openedTogether(parameters):
-            share = part(progress, 0.0, 0.95)
-            browser = self.readRecording(parameters.recordingPath, configuration, share, **readingFrom(parameters))
+            told = part(progress, 0.0, 0.95)
+            browser = self.readRecording(parameters.recordingPath, configuration, told, **readingFrom(parameters))
             parameters.sweep, parameters.imageSequence = browser, None
             takeConfigured(parameters, browser)
-            showInputs(browser, parameters.ctVolume)
+        showInputs(browser, parameters.ctVolume)
         return _("Loaded {name}.").format(name=browser.GetName())
+
+    def takeImported(self, parameters, foreign, progress=None) -> str:
+        """Add a `ForeignSweep` to the scene and select it."""
+        from AIFReconScene.display.firstLook import showInputs
+        from AIFReconScene.volumes.opening import openedTogether
+
+        with openedTogether(parameters):
+            parameters.sweep, parameters.imageSequence = foreign.browser(part(progress, 0.0, 0.95)), None
+            showInputs(parameters.sweep, parameters.ctVolume)
+        return _("Imported {name}.").format(name=parameters.sweep.GetName())
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
         from AIFReconScene.inputs.inputs import Inputs
+        from AIFReconScene.volumes.volumeNodes import isRenamed
 
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
@@ -322,7 +324,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         asked, made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
         # Drawn once, when all of it is shown
         with slicer.util.RenderBlocker():
-            node = self._kept(made, inputs, parameters.output, keep)
+            node = self._kept(made, inputs, None if isRenamed(parameters.output) else parameters.output, keep)
             if progress is not None:
                 progress(0.85, "Showing the volume")  # it is there: too late to cancel
             if node.GetScene() is None or parameters.sweep is None:
@@ -330,13 +332,14 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             parameters.output = node
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
         self.verdicts.judge(parameters, made.comparison, made.tracking, asked)
-        return "\n".join(made.lines)
+        unchecked = _("Whether the CT lies on the sweep was not looked at: it is shown where its file has it.")
+        return "\n".join([*made.lines, *([unchecked] if parameters.ctVolume is not None and made.comparison is None else [])])
 
     def openFiles(self, parameters, paths, progress=None) -> str:
-        """Read files of any kind that a reconstruction needs, and choose what they hold; returns what was done."""
-        from AIFReconScene.volumes.opening import openFiles
+        """Read files of any kind that a reconstruction needs, choose and show what they hold; returns what was done."""
+        from AIFReconScene.display.firstLook import openAndShow
 
-        return openFiles(parameters, paths, self.loadRecording, progress)
+        return openAndShow(parameters, paths, self.loadRecording, progress)
 
     def compare(self, parameters, progress=None) -> str:
         """Reconstruct with every method that is compared, show the volumes side by side and measure them; returns what was done."""
@@ -388,8 +391,7 @@ class AIFReconTest(ScriptedLoadableModuleTest):
         from AIFReconLib.worker.evaluating import measured_volumes
 
         loadPhantom()
-        logic = AIFReconLogic()
-        parameters = logic.getParameterNode()
+        parameters = (logic := AIFReconLogic()).getParameterNode()
         readiness.chooseDefaults(parameters)
         node = logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, hole_limit=2.0, inputs={"boneSigmaMm": 4.0})
         volume = Volume(slicer.util.arrayFromVolume(node), ijkToRAS(node))

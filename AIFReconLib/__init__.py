@@ -15,8 +15,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     # The names below, for editors and type checkers; a test compares
     from .bone.ct.from_ct import labels_from_ct
-    from .bone.echo_bone import bone_from_sweep
+    from .bone.echoes.surface import bone_from_sweep
     from .bone.map import BoneMap
+    from .calibration.calibration import calibrate
+    from .calibration.check import check_calibration
     from .compounding.own.method import Method, register_method
     from .compounding.reconstructor import Reconstructor
     from .compounding.state import Reconstruction
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
     from .live.replay.server import ReplayServer
     from .live.session.session import LiveSession
     from .live.wire.client import OpenIGTLinkClient
+    from .paths.free_paths import free_paths
     from .recipe.recipe import Recipe, ReconstructionSettings
     from .reconstruction import reconstruct
     from .registration.labeled_bone import LabeledBone
@@ -74,10 +77,13 @@ _PUBLIC = {
     "TransformGraph": "geometry.transform_graph",
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
-    "bone_from_sweep": "bone.echo_bone",
+    "bone_from_sweep": "bone.echoes.surface",
+    "calibrate": "calibration.calibration",
+    "check_calibration": "calibration.check",
     "coverage": "guidance.coverage",
     "estimate_time_offset": "inspection.offset_estimate",
     "evaluate": "evaluation.metrics",
+    "free_paths": "paths.free_paths",
     "labels_from_ct": "bone.ct.from_ct",
     "plan": "guidance.plan",
     "read_ct": "io.volume.dicom_series",
@@ -119,9 +125,12 @@ __all__ = [
     "Volume",
     "VoxelGrid",
     "bone_from_sweep",
+    "calibrate",
+    "check_calibration",
     "coverage",
     "estimate_time_offset",
     "evaluate",
+    "free_paths",
     "labels_from_ct",
     "plan",
     "read_ct",

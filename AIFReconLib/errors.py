@@ -98,7 +98,7 @@ class InsufficientMemoryError(AIFReconError, MemoryError):
 
 
 class RegistrationRefused(AIFReconError):
-    """A CT was not placed: the bone does not agree, or another place fits as well. No transform is written."""
+    """A CT was not placed, or a calibration not found: the bone does not agree, or another answer fits as well. Nothing is written."""
 
 
 class OutputError(AIFReconError, OSError):

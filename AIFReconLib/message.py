@@ -91,6 +91,22 @@ class Described:
         return html_table(type(self).__name__, self._facts())
 
 
+class Judged(Described):
+    """An answer that is to be used only where nothing speaks against it."""
+
+    said: str | None
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it may be used unseen."""
+        return self.said is None
+
+    @property
+    def refusal(self) -> str | None:
+        """Why it must not be used unseen, in Python's words."""
+        return None if self.said is None else advised(self.said)
+
+
 def columns(rows: Iterable[Iterable[str]], indent: str = "  ") -> str:
     """Rows of words as aligned columns, one line each."""
     table = [[str(cell) for cell in row] for row in rows]

@@ -31,6 +31,12 @@ class Remedy(Enum):
     START_NEARER_OR_PIECES = auto()
     CHOOSE_A_PLACE = auto()
     CHECK_PROBE_AND_CLIP = auto()
+    CALIBRATE = auto()
+    CHECK_CALIBRATION = auto()
+    STEP = auto()
+    MIRROR = auto()
+    INVERT = auto()
+    SCALE = auto()
 
     BRIGHTEST_VALUE = auto()
     FLOAT_OUTPUT = auto()
@@ -72,6 +78,7 @@ class Remedy(Enum):
     GOOD_STATUS = auto()
     ROWS_OR_COLUMNS = auto()
     TIME_OFFSET = auto()
+    IMAGE_RATE = auto()
     NO_MARKER = auto()
     SURE = auto()
 
@@ -98,6 +105,12 @@ IN_PYTHON = {
     Remedy.START_NEARER_OR_PIECES: "Give a start nearer to it, one for each piece if the spine has bent, or use its transform as it is.",
     Remedy.CHOOSE_A_PLACE: "Compare the alternatives, then choose one by level, or use its transform.",
     Remedy.CHECK_PROBE_AND_CLIP: "Check that the sweep shows bone, and probe and clip_px.",
+    Remedy.CALIBRATE: "See calibrate, or repeat the calibration.",
+    Remedy.CHECK_CALIBRATION: "Check that both are of one bone; check_calibration looks for mirrored images and the like.",
+    Remedy.STEP: "Mend recordings with with_time_offset(sequence, {offset}).",
+    Remedy.MIRROR: "Turn the images with sweep.edits.mirrored(sequence), or read it with the right orientation=.",
+    Remedy.SCALE: "Mend recordings with sweep.edits.corrected(sequence, D), D diagonal: {across}, {along}, 1, 1.",
+    Remedy.INVERT: "Mend recordings with sweep.edits.inverted(sequence, {name}).",
     Remedy.BRIGHTEST_VALUE: "Give their brightest value as intensity_maximum.",
     Remedy.FLOAT_OUTPUT: 'Use output_type="float32".',
     Remedy.HOLE_LIMIT: "Give hole_limit in mm.",
@@ -141,6 +154,7 @@ IN_PYTHON = {
     Remedy.GOOD_STATUS: 'Give the words that mean a valid pose, as in good_statuses=("{word}",).',
     Remedy.ROWS_OR_COLUMNS: "Give column_major, True or False.",
     Remedy.TIME_OFFSET: "If the images began S seconds after the poses, give time_offset=S.",
+    Remedy.IMAGE_RATE: "If images were taken at a steady rate, give rate, in Hz.",
     Remedy.NO_MARKER: "Leave it out.",
     Remedy.SURE: "If it is right as it is, give sure=True.",
 }

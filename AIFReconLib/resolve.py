@@ -175,11 +175,12 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
         When the probe is needed and cannot be told, or sweeps that were joined have configurations that contradict each other.
     """
     configuration = sequence.configuration
-    region, probe = (None, None) if asked is None else asked_imaging(asked, configuration, sequence.images)
+    pixel = pixel_spacing(poses.image_to_reference[poses.usable[0]])
+    region, probe = (None, None) if asked is None else asked_imaging(asked, configuration, sequence.images, pixel)
     _require_one_imaging(sequence, need_probe and probe is None, region is None)
     known = known_imaging(configuration, need_probe, region, probe)
     if known is not None:
-        return replace(known, notes=_about_black_surround(sequence, known.region)) if region is None else known
+        return replace(known, notes=_about_black_surround(sequence, known.region, pixel)) if region is None else known
     try:
         return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
     except BeamGeometryError as error:
@@ -187,16 +188,19 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
 
 
 def asked_imaging(
-    asked: ImagingSettings, configuration: PlusConfiguration, images: ImageStack | None = None
+    asked: ImagingSettings,
+    configuration: PlusConfiguration,
+    images: ImageStack | None = None,
+    pixel: tuple[float, float] = (1.0, 1.0),
 ) -> tuple[ImageRegion | None, ProbeGeometry | None]:
-    """Region and probe that are asked for, completed by the configuration's; None where they are left open.
+    """Region and probe that are asked for, completed by the configuration's; None where they are left open. `pixel` (x, y), mm.
 
     Raises
     ------
     SettingsError
         When they do not go together, or the apex of a sector is not known; before a scan there are no `images` that show it.
     """
-    probe = _asked_probe(asked, configuration, images)
+    probe = _asked_probe(asked, configuration, images, pixel)
     if asked.clip_px is None and asked.fan_radius_px is None:
         return None, probe
     configured = configuration.imaged_region or ImageRegion()
@@ -218,7 +222,9 @@ def asked_imaging(
     return ImageRegion(clip, fan, detection), probe
 
 
-def _asked_probe(asked: ImagingSettings, configuration: PlusConfiguration, images: ImageStack | None) -> ProbeGeometry | None:
+def _asked_probe(
+    asked: ImagingSettings, configuration: PlusConfiguration, images: ImageStack | None, pixel: tuple[float, float]
+) -> ProbeGeometry | None:
     if asked.probe == LINEAR:
         if asked.apex_px:
             raise SettingsError("A linear probe has no apex, and one is given.", Remedy.NAME_THE_PROBE)
@@ -231,7 +237,7 @@ def _asked_probe(asked: ImagingSettings, configuration: PlusConfiguration, image
     if known is None:
         if images is None:
             raise SettingsError("A sector probe has an apex, which is not known before the scan.", Remedy.NAME_THE_PROBE)
-        known = detect_imaging(images).probe  # the apex in pixels does not depend on their size
+        known = detect_imaging(images, pixel).probe
     if known.kind != SECTOR:
         raise SettingsError("The images or the configuration show a linear probe, not a sector.", Remedy.NAME_THE_PROBE)
     return known
@@ -268,13 +274,13 @@ def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_reg
             raise BeamGeometryError(f"The configurations of {names[0]} and {name} name different probes.", Remedy.ONE_PROBE_FOR_ALL)
 
 
-def _about_black_surround(sequence: TrackedSequence, region: ImageRegion) -> tuple[str, ...]:
+def _about_black_surround(sequence: TrackedSequence, region: ImageRegion, pixel: tuple[float, float]) -> tuple[str, ...]:
     """A note where a configuration's clip rectangle is the whole image although ultrasound fills only a part of it."""
     columns, rows = sequence.frame_size
     if region.fan is not None or not region.mask(columns, rows).all():
         return ()
     try:
-        lit = detect_imaging(sequence.images).region.mask(columns, rows)
+        lit = detect_imaging(sequence.images, pixel).region.mask(columns, rows)
     except BeamGeometryError:
         return ()
     if lit.mean() > MOST_OF_AN_IMAGE:

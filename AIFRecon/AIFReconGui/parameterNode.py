@@ -117,7 +117,8 @@ class AIFReconParameterNode(_SETTINGS):
     keepScore: bool = False
     keepHits: bool = False
     keepMask: bool = False
-    opacity: Annotated[float, WithinRange(0.0, 1.0)] = 0.6
+    opacity: Annotated[float, WithinRange(0.0, 1.0)] = 1.0
+    showBoneOutlines: bool = True
     volumeRendering: bool = False
     showProbe: bool = False
     showOutlines: bool = False

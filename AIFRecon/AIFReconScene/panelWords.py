@@ -7,6 +7,7 @@ import re
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
+from AIFReconLib.io.foreign.options import ASKED
 from AIFReconLib.message import advised
 from AIFReconLib.remedies import Remedy
 
@@ -37,12 +38,12 @@ def remedies() -> dict[Remedy, str]:
     """The words, made when first asked for: Slicer's `tr` reads files."""
     probe = _("In Settings, “Image and probe”, set “Probe” to “Linear”, or to “Sector, with this apex”.")
     commandLine = _("The command line can do this: aifrecon {command} --help.")
-    imported, converted = commandLine.replace("{command}", "import"), commandLine.replace("{command}", "convert")
+    converted = commandLine.replace("{command}", "convert")
     return {
         Remedy.NAME_THE_PROBE: probe,
         Remedy.ONE_PROBE_FOR_ALL: _("Set “Probe” for all of them (Settings, “Image and probe”), or reconstruct them one by one."),
         Remedy.ONE_CLIP_FOR_ALL: _("Set “Clip rectangle” for all of them (Settings, “Image and probe”), or reconstruct them one by one."),
-        Remedy.CLIP_AS_RECOGNIZED: _("Recognized: “Clip rectangle” {x}, {y}, {width}, {height}."),
+        Remedy.CLIP_AS_RECOGNIZED: _("Recognized: {x}, {y}, {width}, {height}. Press “As recognized” (Settings, “Image and probe”)."),
         Remedy.WHOLE_FAN: _("Set both “Fan angles” and “Fan radii”."),
         Remedy.BONE_OF_CT: _("Choose the “Bone of CT”, or no bone."),
         Remedy.TAKE_AS_LABELS: _("Divide it by its largest possible value, or choose labels as “Bone of CT”."),
@@ -62,6 +63,12 @@ def remedies() -> dict[Remedy, str]:
         Remedy.CHECK_PROBE_AND_CLIP: _(
             "Choose a sweep that shows more bone, or check “Probe” and “Clip rectangle” (Settings, “Image and probe”)."
         ),
+        Remedy.CALIBRATE: _("See aifrecon calibrate --help, or repeat the calibration."),
+        Remedy.CHECK_CALIBRATION: _("Check that both are of one bone; see aifrecon calibrate --help."),
+        Remedy.STEP: _("Images and poses are to be shifted by {offset} s."),
+        Remedy.MIRROR: _("The images are to be turned left to right."),
+        Remedy.SCALE: _("The size of a pixel is to be multiplied by {across} across and {along} along."),
+        Remedy.INVERT: _("The inverse of {name} is to be taken."),
         Remedy.BRIGHTEST_VALUE: _("Set “Brightest value” (Settings)."),
         Remedy.FLOAT_OUTPUT: _("Set “Stored as” to float32 (Settings)."),
         Remedy.HOLE_LIMIT: _("Set “Fill gaps up to” (Settings)."),
@@ -83,34 +90,17 @@ def remedies() -> dict[Remedy, str]:
         Remedy.ORIENTATION: _(
             "Look which side of the images is marked and choose it as “Stored pixels”: a wrong code mirrors the anatomy."
         ),
-        Remedy.NO_TIME_OFFSET: _("Set “Time offset” to 0, or record the sweep with time stamps."),
-        Remedy.IMPORT_IT: _("Choose a MetaImage or NRRD file; the command line makes one of pictures, DICOM or video."),
+        Remedy.IMPORT_IT: _("Choose a MetaImage or NRRD file, or press “Import...”."),
         Remedy.OPEN_IT: _("It is read as it is: choose it as the recording."),
         **dict.fromkeys((Remedy.CALIBRATION_FILE, Remedy.WRONG_CALIBRATION), converted),
         Remedy.REPLAY_RATE: commandLine.replace("{command}", "replay"),
-        **dict.fromkeys(
-            (
-                Remedy.NAME_THE_CALIBRATION,
-                Remedy.NO_CALIBRATION,
-                Remedy.PIXEL_SIZE,
-                Remedy.NO_PIXEL_SIZE,
-                Remedy.WHERE_THE_IMAGE_LIES,
-                Remedy.NAME_THE_COLUMNS,
-                Remedy.NO_IMAGE_COLUMN,
-                Remedy.QUATERNION_ORDER,
-                Remedy.EULER_ORDER,
-                Remedy.COLUMN_MAJOR,
-                Remedy.UNITS,
-                Remedy.ANGLE_UNIT,
-                Remedy.TIME_UNIT,
-                Remedy.WHICH_TOOL,
-                Remedy.NO_TOOL,
-                Remedy.GOOD_STATUS,
-                Remedy.ROWS_OR_COLUMNS,
-                Remedy.TIME_OFFSET,
-                Remedy.NO_MARKER,
-                Remedy.SURE,
-            ),
-            imported,
-        ),
+        **dict.fromkeys(ASKED, _("Answer the question below, and press “Check”.")),
+        **dict.fromkeys((Remedy.NO_PIXEL_SIZE, Remedy.NO_TOOL, Remedy.NO_MARKER), _("Leave it open below, and press “Check”.")),
+        **dict.fromkeys((Remedy.UNITS, Remedy.SURE), _("If it is another unit, or right as it is, say so below, and press “Check”.")),
+        Remedy.NO_CALIBRATION: _("Leave “Calibration” empty."),
+        Remedy.NAME_THE_CALIBRATION: _("Choose another “Calibration”."),
+        Remedy.WHERE_THE_IMAGE_LIES: _("Choose the “Calibration”; or answer below, if the axes of the image are those of {frame}."),
+        Remedy.TIME_OFFSET: _("If the images began later than the poses, say below by how much."),
+        Remedy.IMAGE_RATE: _("If images were taken at a steady rate, say it below, and press “Check”."),
+        Remedy.NO_TIME_OFFSET: _("Set “Time offset” to 0, or record the sweep with time stamps."),
     }

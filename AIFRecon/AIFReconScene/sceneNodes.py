@@ -2,6 +2,7 @@
 
 import contextlib
 
+import slicer
 import vtk
 
 
@@ -12,11 +13,35 @@ def nodesOfClass(className: str, scene) -> list:
 
 def proxiesOf(browser) -> list:
     """The nodes that a sequence browser replays into; none without a browser."""
-    if browser is None:
-        return []
+    return [] if browser is None else _collected(browser.GetAllProxyNodes)
+
+
+def sequencesOf(browser, withMaster: bool = True) -> list:
+    """The sequences of a browser, its master first; none without a browser."""
+    return [] if browser is None else _collected(browser.GetSynchronizedSequenceNodes, withMaster)
+
+
+def _collected(give, *arguments) -> list:
     nodes = vtk.vtkCollection()
-    browser.GetAllProxyNodes(nodes)
+    give(nodes, *arguments)
     return [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
+
+
+def colorTable(name: str, colors):
+    """A node of colors, each a name and (red, green, blue, opacity), that is in no scene yet."""
+    node, colors = slicer.vtkMRMLColorTableNode(), list(colors)
+    node.SetName(name)
+    node.SetTypeToUser()
+    node.SetNumberOfColors(len(colors))
+    for number, (called, color) in enumerate(colors):
+        node.SetColor(number, called, *color)
+    return node
+
+
+def setWindow(display, low: float, high: float) -> None:
+    """Show these gray levels, whatever the voxels are."""
+    display.SetAutoWindowLevel(False)
+    display.SetWindowLevelMinMax(low, high)
 
 
 @contextlib.contextmanager

@@ -23,6 +23,7 @@ from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
 from ..remedies import Remedy
+from .field import BoneField
 from .placed.at_voxels import BoneAtVoxels
 from .placed.coordinates import SLABS, MapCoordinates
 from .placed.on_grid import BoneOnGrid
@@ -39,6 +40,9 @@ BYTES_PER_LABEL = 16
 GAUSSIAN_REACH = 4.0
 """Where scipy cuts a Gaussian off, in sigmas."""
 
+FIELD_REACH = 3.0
+"""Widths from the surface beyond which a map from distances is 0."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BoneMap(Described):
@@ -54,8 +58,8 @@ class BoneMap(Described):
     """uint8. 1 within bone, on the same voxels; None when only a probability is known, then bone is where it exceeds one half."""
     notes: tuple[str, ...] = ()  #: What a user should know of how it was made, one sentence each
     slopes: Singles | None = None
-    """(3, k, j, i), along i, j, k of the map, where frames drew it: V_dir before it is normalized, with the side from which beams saw the
-    bone. Then `gradient` and `surface` directions are one."""
+    """(3, k, j, i), along i, j, k of the map: V_dir before it is normalized, into bone, where that is known otherwise than by a gradient of
+    the probability, which turns over on the surface. Then `gradient` and `surface` directions are one."""
     grows: ClassVar[bool] = False
     """Whether it is told more while it is read, and then has to lie on the grid of the reconstruction."""
 
@@ -128,6 +132,25 @@ class BoneMap(Described):
         bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed))
         report(progress, 1.0, "Made the bone map")
         return bone_map
+
+    @classmethod
+    def from_field(cls, field: BoneField, width: float, labels_to_reference: Matrix | None = None) -> BoneMap:
+        """Bone by its distance: exp(-d^2 / 2 w^2), 1 on the surface; V_dir is the slope of the distance, which keeps its side.
+
+        Parameters
+        ----------
+        width : float, mm
+            w: how far from the surface its echoes may lie.
+        labels_to_reference : (4, 4) array or None, mm
+            The registration of the CT, when its labels do not hold Reference coordinates already.
+        """
+        distance = field.distance if labels_to_reference is None else field.distance.placed_by(labels_to_reference)
+        away = distance.array.astype(np.float32, copy=False)
+        probability = np.exp(-0.5 * (away / np.float32(width)) ** 2)
+        probability[np.abs(away) > FIELD_REACH * width] = 0.0
+        slopes = -np.stack([np.gradient(away, axis=2 - axis) for axis in range(3)])
+        inside = Volume((away < 0).astype(np.uint8), distance.ijk_to_reference)
+        return cls(Volume(probability, distance.ijk_to_reference), inside, slopes=slopes)
 
     @classmethod
     def from_probability(

@@ -20,7 +20,7 @@ from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
-from .echo_bone import BoneEchoFinder
+from .echoes.finder import BoneEchoFinder
 from .map import BoneMap
 from .predictions import LARGEST_SIGMA, SIGMA, SPACING, BoneAccumulator, Prediction, PredictionSampler, cubes_over
 from .scan_line_reader import ForEachKind

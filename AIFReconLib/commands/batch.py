@@ -44,7 +44,6 @@ def add_to(commands: Commands) -> None:
     names = textwrap.fill(", ".join(Columns().names[2:]), 110, initial_indent="  ", subsequent_indent="  ")
     parser = commands.add_parser(
         "batch",
-        help="reconstruct, register and measure all cases of a table",
         description="Compute every case of a table on this computer's cores or on a Dask cluster: volumes, registration, coverage, metrics "
         "and previews in a folder each, and results.csv, results.parquet and index.html of all.",
         epilog=EXAMPLE.format(columns=names),

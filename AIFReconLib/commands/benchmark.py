@@ -52,7 +52,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "benchmark",
-        help="measure whether this machine keeps up with a live scan",
         description="Receive and insert made-up images with every method, and say whether this machine keeps up with a live scan of that "
         "size and rate.",
     )

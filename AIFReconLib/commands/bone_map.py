@@ -21,7 +21,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "bone-map",
-        help="make a bone probability map from a segmentation",
         description="Make the bone probability map that the reconstruction would use, to look at or to reuse with --bone-probability.",
     )
     parser.add_argument(

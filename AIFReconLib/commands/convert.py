@@ -6,6 +6,8 @@ import argparse
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..arrays import Matrix
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
@@ -13,7 +15,17 @@ from ..io.foreign.calibration import read_calibration
 from ..io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
 from ..io.sequence.files import IMAGE_FRAME
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
-from ..sweep.edits import crop, recalibrate, rename, select_frames, with_configured_transforms
+from ..io.transform.files import read_transform
+from ..sweep.edits import (
+    corrected,
+    crop,
+    inverted,
+    mirrored,
+    recalibrate,
+    rename,
+    select_frames,
+    with_configured_transforms,
+)
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
@@ -25,6 +37,7 @@ EXAMPLE = """examples:
   aifrecon convert long.igs.mha short.igs.mha --frames 100 499 --every 2 --crop 80 20 640 480 --config PlusDeviceSet.xml
   aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
   aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
+  aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm --time-offset 0.045
   aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
 
 
@@ -32,7 +45,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "convert",
-        help="write a recording in another format, cut, renamed or mended",
         description="Write a tracked sequence as .mha, .mhd or .nrrd. Images and fields stay as they are, but for what the options change.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -64,6 +76,10 @@ def add_to(commands: Commands) -> None:
     names.add_argument(
         "--wrong-calibration", metavar="[NAME=]FILE", help="the calibration that recorded transforms such as ImageToReference include"
     )
+    names.add_argument("--correction", type=Path, metavar="FILE.tfm", help="correct the image plane as aifrecon calibrate found it")
+    names.add_argument("--scale", type=float, nargs=2, metavar=("X", "Y"), help="times the size of a pixel across and along")
+    names.add_argument("--invert", metavar="NAME", help="take a transform for its inverse, e.g. ProbeToTracker")
+    part.add_argument("--mirror", action="store_true", help="turn the images left to right; poses stay")
     parser.set_defaults(run=run)
 
 
@@ -71,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, change, write, and say what was done."""
     check_sequence_name(arguments.output)
     calibrations = [_named_file(text) for text in (arguments.calibration, arguments.wrong_calibration) if text]
-    refuse_to_overwrite([arguments.output], [*sequence_inputs(arguments), *(path for _, path in calibrations)])
+    refuse_to_overwrite([arguments.output], [*sequence_inputs(arguments), *(path for _, path in calibrations), arguments.correction])
     sequence = changed(sequence_from(arguments), arguments)
     with ProgressBar() as progress:
         write_sequence(sequence, arguments.output, arguments.compress, progress)
@@ -91,12 +107,29 @@ def changed(sequence: TrackedSequence, arguments: argparse.Namespace) -> Tracked
         sequence = recalibrate(sequence, name, matrix, wrong)
     elif arguments.wrong_calibration:
         raise SettingsError("--wrong-calibration says what to take out. Say with --calibration what to put in its place.")
+    sequence = _mended(sequence, arguments)
     first, last = arguments.frames or (0, len(sequence) - 1)
     sequence = select_frames(sequence, first, last, arguments.every)
     if not arguments.crop:
         return sequence
     x, y, width, height = arguments.crop
     return crop(sequence, x, y, width, height, sequence.configuration.image_frame or IMAGE_FRAME)
+
+
+def _mended(sequence: TrackedSequence, arguments: argparse.Namespace) -> TrackedSequence:
+    """The sequence with what was recorded wrongly put right, in the order in which `calibrate` names it."""
+    image = sequence.configuration.image_frame or IMAGE_FRAME
+    if arguments.mirror:
+        sequence = mirrored(sequence)
+    if arguments.invert:
+        sequence = inverted(sequence, TransformName.parse(arguments.invert))
+    if arguments.scale:
+        if min(arguments.scale) <= 0 or not np.isfinite(arguments.scale).all():
+            raise SettingsError(f"--scale must be two numbers above 0, as in --scale 1 1.02; got {arguments.scale}.")
+        sequence = corrected(sequence, np.diag([*arguments.scale, 1.0, 1.0]), image)
+    if arguments.correction:
+        sequence = corrected(sequence, read_transform(arguments.correction), image)
+    return sequence
 
 
 def _pair(text: str) -> tuple[str, str]:

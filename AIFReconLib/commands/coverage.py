@@ -31,7 +31,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "coverage",
-        help="say which bone a sweep has met, and how squarely",
         description="Tell from poses, images and a registered CT's segmentation how much of each bone the beams hit, at which angles, and "
         "what a reconstruction will show of it.",
         epilog=EXAMPLE,

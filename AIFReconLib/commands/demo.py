@@ -10,7 +10,7 @@ from datetime import date
 from pathlib import Path
 
 from ..bone.map import BoneMap
-from ..compounding.methods.table import COMPARED_METHODS, METHODS
+from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import IN_WORDS, BoneMetrics, achieved, metrics_csv, table
@@ -28,6 +28,7 @@ from ..message import columns
 from ..progress import part
 from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
+from ..registration.labeled_bone import LabeledBone
 from ..resolve import resolve_settings
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands
@@ -65,7 +66,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "demo",
-        help="simulate a lumbar scan, reconstruct it with every method, measure and draw it",
         description="Simulate a patient with a registered CT and a tracked sweep, write them as files, reconstruct the sweep with every "
         "method, draw the results beside the CT, and measure how well each shows bone.",
     )
@@ -87,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)
         labels = read_labels(files.labels).placed_by(ct_to_reference)
-        bone = BoneMap.from_labels(labels, sigma_mm=BONE_SIGMA)
+        paper, ours = BoneMap.from_labels(labels, sigma_mm=BONE_SIGMA), LabeledBone(labels, None, sequence)
         truth = bone_truth(labels, SweepBeams.of_sequence(sequence), progress=part(progress, 0.5, 0.57))
         met = coverage(sequence, labels, progress=part(progress, 0.57, 0.6))
         metrics: dict[str, BoneMetrics] = {}
@@ -97,6 +97,7 @@ def run(arguments: argparse.Namespace) -> None:
             step = part(progress, 0.6 + 0.35 * number / len(METHODS), 0.6 + 0.35 * (number + 1) / len(METHODS))
             asked = Recipe(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
             settings[method] = resolve_settings(asked, sequence.configuration, True)
+            bone = ours if method_named(method).follows_agreement else paper
             result = reconstruct(sequence, settings[method], bone, beside=(), progress=part(step, 0.0, 0.8))
             result.intensity.write(folder / f"reconstruction-{method}.nrrd")
             metrics[method] = evaluate(result.intensity, truth, result.mask)
@@ -127,7 +128,7 @@ def run(arguments: argparse.Namespace) -> None:
     print("the same by hand, for one method:")
     print(
         f"  {program()} reconstruct {files.sequence} --config {files.configuration} \\\n"
-        f"      --bone-labels {files.labels} --bone-sigma-mm {BONE_SIGMA:g} --bone-transform {files.ct_to_reference} \\\n"
+        f"      --bone-labels {files.labels} --bone-transform {files.ct_to_reference} \\\n"
         f"      --spacing {SPACING:g} --hole-limit {HOLE_LIMIT:g} --output volume.nrrd"
     )
 
@@ -156,7 +157,7 @@ def _report(
             "Patient": f"simulated, seed {seed}",
             "Sweep": f"simulated, {PATH}, {frames} frames used of {FRAMES}; seed {seed}",
             "Volumes": f"{size} voxels of {SPACING:g} mm",
-            "Bone map": f"from the CT's segmentation, smoothed by {BONE_SIGMA:g} mm",
+            "Bone map": f"the CT's segmentation: for weighted by distance, for the paper's methods smoothed by {BONE_SIGMA:g} mm",
             "Registration and tracking": "exact",
             "Interspinous borders": f"hit {hit_of(met.interspinous)}",
         },

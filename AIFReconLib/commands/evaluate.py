@@ -25,13 +25,12 @@ from ..message import columns, listed
 from ..progress import part
 from ..provenance.settings_files import made_with
 from ..sweep.joined import joined
-from ..terminal.console import ProgressBar
+from ..terminal.console import ProgressBar, real_path
 from ..terminal.options import (
     Commands,
     add_beam_option,
     add_labels_options,
     labels_inputs,
-    real_path,
     refuse_to_overwrite,
     required_labels,
 )
@@ -50,7 +49,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "evaluate",
-        help="measure how well volumes show bone",
         description="Measure volumes against the surface of a registered segmentation: contrast and contrast-to-noise ratio (CNR) of "
         "bone, its thickness and place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, "
         "noise and speckle.",
@@ -99,7 +97,7 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         beams = _beams(arguments) if arguments.sweep else None
         to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
-        given = required_labels(arguments, part(progress, 0.0, 0.05))
+        given = required_labels(arguments, part(progress, 0.0, 0.05)).told_by(read_volume(arguments.volumes[0]).grid, to_reference)
         labels = _placed(given, to_reference)
         mask = read_volume(arguments.mask) if arguments.mask else None
         truth = bone_truth(labels, beams, progress=part(progress, 0.05, 0.6))

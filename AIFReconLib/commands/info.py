@@ -9,13 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
+from ..compounding.methods.table import method_named
 from ..errors import AIFReconError
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
+from ..io.transform.files import read_transform
 from ..message import columns
 from ..progress import Progress, part
 from ..reconstruction import Plan, plan
+from ..registration.labeled_bone import LabeledBone
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from
 from ..terminal.recipe_options import add_imaging_options, recipe_from
@@ -30,7 +33,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "info",
-        help="say what a sequence holds and what is missing",
         description="Show frames, transforms, rate, pixel spacing and tracking of sequences, say in words what is missing, estimate from a "
         "sweep that goes to and fro whether images and poses are out of step, and say what reconstruct would make of it, with the command. "
         "Exit code 1: a sequence cannot be reconstructed as it is.",
@@ -65,11 +67,11 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     sequence = sequence_from(arguments)
     recipe = recipe_from(arguments)
     labels = labels_from(arguments, progress)
+    placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     has_bone = labels is not None
     told = recipe.probe if recipe.probe == LINEAR else SECTOR if recipe.apex_px else None
     report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress, told and f"{told} (as given)", has_bone)
-    notes = () if labels is None else labels.notes
-    report = replace(report, findings=tuple(map(in_options, (*report.findings, *notes))))
+    report = replace(report, findings=tuple(map(in_options, report.findings)))
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict
@@ -77,8 +79,10 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
-    clip = None if sequence.configuration.imaged_region else planned.region.clip
-    command = f"{program()} {shell_words(_command(arguments, clip if planned.region.fan is None else None))}"
+    bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
+    first = [] if places or placed is not None else [register_command(arguments)]
+    clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
+    command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
     facts = columns([("", f"{name}:", value) for name, value in _facts(planned)], indent="")
     as_dict["plan"] = {
         "method": planned.method,
@@ -87,11 +91,24 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         "ijk_to_reference": planned.grid.ijk_to_reference.tolist(),
         "memory_bytes": planned.memory,
         "hole_limit_mm": planned.hole_limit,
+        "bone": bone,
+        "first": first,
         "command": command,
     }
-    return "\n".join(
-        [text, "", "As it is, reconstruct would make:", facts, *map(in_options, planned.notes), "", "To do so:", f"  {command}"]
-    ), as_dict
+    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, planned.notes), *bone]
+    if first:
+        lines += ["", "First place the CT on the sweep:", f"  {first[0]}"]
+    return "\n".join([*lines, "", "Then:" if first else "To do so:", f"  {command}"]), as_dict
+
+
+def _bone(labeled: LabeledBone | None, method: str) -> tuple[list[str], bool]:
+    """What is to be said of the bone, and whether it lies on the sweep, as far as that can be told."""
+    if labeled is None:
+        return [], True
+    comparison = labeled.comparison()
+    agreement = None if comparison is None else comparison.agreement
+    lines = labeled.lines(method) if method_named(method).needs_bone else []
+    return [*map(in_options, (*labeled.labels.notes, *lines))], agreement is None or agreement.enough
 
 
 def _facts(planned: Plan) -> list[tuple[str, str]]:
@@ -108,30 +125,43 @@ def _facts(planned: Plan) -> list[tuple[str, str]]:
     ]
 
 
-def _command(arguments: argparse.Namespace, clip: ClipRectangle | None) -> list[str]:
-    """The words of the reconstruction that was planned, with the rectangle that was recognized."""
-    words = ["reconstruct", str(arguments.sequence)]
-    of_files = (
-        "config",
-        "bone_labels",
-        "labels",
-        "ct",
-        "bone_above",
-        "bone_space",
-        "bone_transform",
-        "image_to_reference",
-        "reference",
-        *OF_A_RECORDING,
-        "probe",
-    )
-    of_images = {name: getattr(arguments, name) for name in ("apex_px", "clip_px", "fan_angles_deg", "fan_radius_px")}
-    if clip is not None and of_images["clip_px"] is None:
-        of_images["clip_px"] = (*clip.origin_px, *clip.size_px)
-    for option, value in {**{name: getattr(arguments, name) for name in of_files}, **of_images}.items():
+OF_REGISTER = Path("CTToReference.tfm")
+OF_FILES = ("config", "bone_labels", "labels", "ct", "bone_above", "bone_space", "image_to_reference", "reference")
+OF_IMAGES = ("probe", "apex_px", "clip_px", "fan_angles_deg", "fan_radius_px")
+
+
+def reconstruct_command(arguments: argparse.Namespace, clip: ClipRectangle | None = None, bone_transform: Path | None = None) -> str:
+    """The reconstruction of these files, with the rectangle that was recognized and the transform that was found."""
+    transform = bone_transform or arguments.bone_transform
+    words = [*_words(arguments, clip), *([] if transform is None else ["--bone-transform", str(transform)])]
+    name = _sequences(arguments)[0].name.partition(".")[0]
+    return _line(["reconstruct", *words, "--output", f"{name}-volume.nrrd"])
+
+
+def register_command(arguments: argparse.Namespace) -> str:
+    """The registration of these files."""
+    return _line(["register", *_words(arguments, None), "--output", str(OF_REGISTER)])
+
+
+def _line(words: list[str]) -> str:
+    return f"{program()} {shell_words(words)}"
+
+
+def _sequences(arguments: argparse.Namespace) -> list[Path]:
+    sequence = getattr(arguments, "sequence", None)
+    return arguments.sequences if sequence is None else [sequence]
+
+
+def _words(arguments: argparse.Namespace, clip: ClipRectangle | None) -> list[str]:
+    """The sequences, and the options that say how to read them and where bone is."""
+    words = list(map(str, _sequences(arguments)))
+    given = {name: getattr(arguments, name, None) for name in (*OF_FILES, *OF_A_RECORDING, *OF_IMAGES)}
+    if clip is not None and given["clip_px"] is None:
+        given["clip_px"] = (*clip.origin_px, *clip.size_px)
+    for option, value in given.items():
         values = value if isinstance(value, tuple | list) else [value]
         if value is not None:
             words += [f"--{option.replace('_', '-')}", *(f"{each:g}" if isinstance(each, float) else str(each) for each in values)]
     for name, file in (arguments.transform_sequence or {}).items():
         words += ["--transform-sequence", f"{name}={file}"]
-    name = arguments.sequence.name.partition(".")[0]
-    return [*words, "--output", f"{name}-volume.nrrd"]
+    return words

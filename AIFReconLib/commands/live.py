@@ -75,7 +75,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "live",
-        help="reconstruct while scanning, from an OpenIGTLink server",
         description="Receive images and poses over OpenIGTLink, from Plus for example, and reconstruct while they come. "
         "Ctrl-C ends the scan and saves the volume. Without --grid-like, move over the whole region at first.",
         epilog=EXAMPLE,
@@ -102,7 +101,8 @@ def add_to(commands: Commands) -> None:
     server.add_argument(
         "--mechanism",
         metavar="NAME=FILE",
-        help="what moves the probe (see import), whose axes the images' fields tell in mm and degrees: as in ProbeToBase=array.toml",
+        help="what moves the probe (see import), whose axes messages (STRING, SENSOR) or the images' fields tell in mm and degrees: "
+        "as in ProbeToBase=array.toml",
     )
     scan = parser.add_argument_group("scan")
     scan.add_argument(
@@ -200,7 +200,7 @@ def _session(
         trust_image_pose=arguments.trust_image_pose,
         tracker_frame=arguments.tracker_frame,
     )
-    client = OpenIGTLinkClient(arguments.host, arguments.port)
+    client = OpenIGTLinkClient(arguments.host, arguments.port, takes_readings=arguments.mechanism is not None)
     session = LiveSession(
         _with_poses(client, arguments.mechanism),
         replace(recipe, time_offset=0.0, longest_gap=LONGEST_GAP),
@@ -217,7 +217,7 @@ def _session(
 
 
 def _with_poses(client: OpenIGTLinkClient, mechanism: str | None) -> MessageSource:
-    """The client, with the poses of a mechanism whose axes its images tell."""
+    """The client, with the poses of a mechanism whose axes its messages or its images tell."""
     if mechanism is None:
         return client
     name, equals, file = mechanism.partition("=")

@@ -1,6 +1,6 @@
 """The command line: one parser, one place where errors become a line and an exit code.
 
-Exit codes: 0 success; 1 a registration that is ambiguous or does not agree, and is not written, a sequence that `info` says cannot be
+Exit codes: 0 success; 1 a registration or calibration that is not sure, and is not written, a sequence that `info` says cannot be
 reconstructed, or cases of a `batch` that are not done; 2 wrong arguments or input; but for `info` with one line on standard error that
 says what is wrong and what to do; 130 interrupted (143 by SIGTERM, 129 by a terminal that was closed).
 Whatever fails, no file is left half-written.
@@ -13,7 +13,7 @@ import contextlib
 import errno
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from importlib import import_module
 from types import ModuleType
 
@@ -27,24 +27,26 @@ from ..terminal.remedies import in_options
 from ..terminal.signals import OrderlyEnd, orderly_end
 
 COMMANDS = {
-    "demo": "demo",
-    "reconstruct": "reconstruct",
-    "preview": "preview",
-    "register": "register",
-    "coverage": "coverage",
-    "plan": "plan",
-    "batch": "batch",
-    "bone-map": "bone_map",
-    "info": "info",
-    "import": "import_frames",
-    "convert": "convert",
-    "live": "live",
-    "replay": "replay",
-    "evaluate": "evaluate",
-    "simulate": "simulate",
-    "benchmark": "benchmark",
+    "demo": ("demo", "simulate a lumbar scan, reconstruct it with every method, measure and draw it"),
+    "reconstruct": ("reconstruct", "turn a recorded sweep into a volume"),
+    "preview": ("preview", "draw a volume: three cuts through its bone and a projection"),
+    "register": ("register", "find where a CT belongs on a sweep"),
+    "calibrate": ("calibrate", "check a calibration by the scan itself, or find a better one"),
+    "coverage": ("coverage", "say which bone a sweep has met, and how squarely"),
+    "plan": ("plan", "say which passes will show the borders of the interspinous gaps, or other bone"),
+    "paths": ("paths", "find straight lines from the skin to a target past the bone that a volume shows; research only"),
+    "batch": ("batch", "reconstruct, register and measure all cases of a table"),
+    "bone-map": ("bone_map", "make a bone probability map from a segmentation"),
+    "info": ("info", "say what a sequence holds and what is missing"),
+    "import": ("import_frames", "make a sequence from images and a file of poses"),
+    "convert": ("convert", "write a recording in another format, cut, renamed or mended"),
+    "live": ("live", "reconstruct while scanning, from an OpenIGTLink server"),
+    "replay": ("replay", "serve a recording over OpenIGTLink as Plus would"),
+    "evaluate": ("evaluate", "measure how well volumes show bone"),
+    "simulate": ("simulate", "make a simulated lumbar spine, its CT and a tracked sweep"),
+    "benchmark": ("benchmark", "measure whether this machine keeps up with a live scan"),
 }
-"""Names of all commands in the order of the help, and the file of each in this folder."""
+"""All commands in the order of the help: the file of each in this folder, and what it is for."""
 
 SUCCESS, REFUSED = 0, 1
 
@@ -59,17 +61,17 @@ _NO_MEMORY = (
 
 
 def named(words: Sequence[str]) -> tuple[str, ...]:
-    """The commands whose options must be known to understand these words: the one that is named, else all."""
-    return (words[0],) if words and words[0] in COMMANDS else tuple(COMMANDS)
+    """The commands whose options must be known to understand these words: the one that is named, if any."""
+    return tuple(word for word in words if word in COMMANDS)[:1]
 
 
 def load(names: Iterable[str] = COMMANDS) -> list[ModuleType]:
     """The files of these commands, with the libraries that they need: so long takes the start of the program."""
-    return [import_module(f".{COMMANDS[name]}", __package__) for name in names]
+    return [import_module(f".{COMMANDS[name][0]}", __package__) for name in names]
 
 
-def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
-    """The parser of these commands."""
+def build_parser(names: Collection[str] = COMMANDS) -> argparse.ArgumentParser:
+    """The parser of these commands; the others are known by their names only."""
     parser = OneLineParser(
         prog="aifrecon",
         description="3D ultrasound of the spine from tracked 2D frames, weighted by the angle of incidence to bone. "
@@ -78,8 +80,11 @@ def build_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"aifrecon {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=OneLineParser)
-    for command in load(names):
-        command.add_to(commands)
+    for name, (_file, purpose) in COMMANDS.items():
+        if name in names:
+            load([name])[0].add_to(commands)
+        else:
+            commands.add_parser(name, help=purpose)
     for each in commands.choices.values():
         add_log_options(each)
     return parser

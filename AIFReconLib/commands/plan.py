@@ -43,7 +43,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "plan",
-        help="say which passes will show the borders of the interspinous gaps, or other bone",
         description="Choose the passes of a scan that show most of a target with a number of frames, from a registered CT's segmentation, "
         "and say how much of it a reconstruction will show.",
         epilog=EXAMPLE,
@@ -124,4 +123,5 @@ def _draw(path: Path, plan: ScanPlan, bone: GuidedBone, probe: ProbeOnBack) -> N
     poses = to_patient @ np.concatenate([one.image_to_reference for one in plan.passes])
     surface = transform_points(to_patient, bone.surface.points_reference)
     title = f"{plan.frames} frames for {plan.target}: {plan.predicted_of_reachable:.0%} of what can be reached is expected to show"
-    plan_figure(path, surface, plan.met.best_cosine, probe.images.faces(poses), poses[:, :3, 1], title)
+    frames = [len(one.image_to_reference) for one in plan.passes]
+    plan_figure(path, surface, plan.met.best_cosine, probe.images.faces(poses), poses[:, :3, 1], frames, title)

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.preview import preview
+from ..geometry.labels import Labels
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable
 from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
+from ..message import Sentence
+from ..remedies import Remedy
 from ..sweep.poses import SweepPoses
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite
@@ -25,7 +29,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "preview",
-        help="draw a volume: three cuts through its bone and a projection",
         description="Draw axial, sagittal and coronal cuts through the middle of the bone, the patient's right on the left as in Slicer, "
         "and the bone from the probe's side. Without labels or a CT nothing tells how the patient lies: cuts then go across x, y and z.",
     )
@@ -70,11 +73,22 @@ def run(arguments: argparse.Namespace) -> None:
         if mask is not None and not mask.grid.matches(volume.grid):
             raise GeometryError(f"{arguments.mask}: must have the voxels of {arguments.volume}. Give its own mask.")
         given = labels_from(arguments, progress)
+        if given is not None:
+            given = _in_sight(given, volume, arguments)
         labels = None if given is None else _placed(given, arguments)
         ct = _placed(read_ct(arguments.ct), arguments) if arguments.ct else None
         progress(0.5, "Drawing")
         preview(volume, mask, labels, ct, arguments.volume.name, patient=arguments.patient or None).write(arguments.output)
     print("\n  ".join([f"wrote {arguments.output}", *map(in_options, () if given is None else given.notes)]))
+
+
+def _in_sight(labels: Labels, volume: Volume, arguments: argparse.Namespace) -> Labels:
+    """The labels in the space in which the volume shows them, with a warning where it shows none."""
+    place = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    labels = labels.told_by(volume.grid, place)
+    if labels.share_within(volume.grid, place):
+        return labels
+    return replace(labels, notes=(*labels.notes, Sentence("WARNING: None of the bone lies in the volume.", Remedy.REGISTER)))
 
 
 def _placed(volume: Volume, arguments: argparse.Namespace) -> Volume:

@@ -37,6 +37,7 @@ from ..terminal.reconstruction_options import (
 from ..terminal.remedies import IN_OPTIONS, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
+from .info import register_command
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
 EXAMPLE = """examples:
@@ -64,7 +65,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "reconstruct",
-        help="turn a recorded sweep into a volume",
         description="Reconstruct a volume from a tracked sequence recorded by Plus (.mha, .mhd, .nrrd).",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -137,10 +137,11 @@ def run(arguments: argparse.Namespace) -> None:
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             write_volume(getattr(result, name), path, arguments.dicom_study)
         poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if arguments.preview else None
-        labels = labeled.in_reference() if labeled else None
+        uses_bone = labeled is not None and method_named(result.method).needs_bone
+        on_bone = labeled is not None and not (uses_bone and labeled.taken_from_echoes(result.method))
+        labels = labeled.in_reference() if labeled and on_bone else None
         drawn = [*write_preview(result, arguments, labels, poses), *save_settings(result, arguments)]
         # What the sweep's own bone says of the CT's place
-        uses_bone = labeled is not None and method_named(result.method).needs_bone
         lines = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled is not None and uses_bone else []
     agreement = list(map(in_options, lines))
     tracking = {
@@ -152,6 +153,8 @@ def run(arguments: argparse.Namespace) -> None:
         write_text(arguments.report, json.dumps(said, indent=2) + "\n")
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
+    if labeled is not None and not on_bone and arguments.bone_transform is None:
+        print(f"  The CT was taken to lie in Reference already. Place it first: {register_command(arguments)}")
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
 
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from ..arrays import Matrix
 from ..errors import RegistrationRefused
 from ..geometry.labels import Labels
-from ..geometry.transforms import LPS_FROM_RAS, invert, transform_points
+from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import read_transform, write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
 from ..progress import Progress, part
+from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
@@ -32,6 +34,7 @@ from ..terminal.options import (
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
+from .info import reconstruct_command
 
 EXAMPLE = """examples:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
@@ -46,7 +49,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "register",
-        help="find where a CT belongs on a sweep",
         description="Lay the bone of a CT's segmentation upon the bone that a sweep shows, and say how well they agree.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -104,18 +106,22 @@ def run(arguments: argparse.Namespace) -> None:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
         start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
         sequences = [sequence_from(one) for one in each]
+        given = labels
+        if given.space_is_guessed:
+            labels = LabeledBone(given, start, sequences, recipe_from(arguments)).labels
         found = _registered(arguments, sequences, labels, start, part(progress, 0.05, 0.95))
-        if labels.space_is_guessed and not found.accepted:
-            turned = replace(labels, ijk_to_reference=LPS_FROM_RAS @ labels.ijk_to_reference)
+        if given.space_is_guessed and not found.accepted:
+            is_lps = np.array_equal(labels.ijk_to_reference, given.ijk_to_reference)
+            turned = given.taken_as("RAS" if is_lps else "LPS", "where the sweep fits better")
             other = _registered(arguments, sequences, turned, start, None)
-            if other.agreement.rank > found.agreement.rank:
-                note = "The model does not say whether it is in RAS or LPS; it is taken to be in RAS, where the sweep fits better."
-                found, labels = other, replace(turned, notes=(*labels.notes[:-1], note))
+            if other.agreement.tightness > found.agreement.tightness:
+                found, labels = other, turned
         written = _write(arguments, found, labels)
     lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels)]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
         raise RegistrationRefused(f"No transform is written. {found.said}", found.said)
+    print(f"next: {reconstruct_command(arguments, bone_transform=arguments.output)}")
 
 
 def _registered(

@@ -21,7 +21,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "replay",
-        help="serve a recording over OpenIGTLink as Plus would",
         description="Send a tracked sequence over OpenIGTLink with the device names, shared time stamps and statuses of a Plus server. "
         "It begins when the first client connects and serves until Ctrl-C, which is no error.",
         epilog=EXAMPLE,

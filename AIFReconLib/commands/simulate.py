@@ -65,7 +65,6 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "simulate",
-        help="make a simulated lumbar spine, its CT and a tracked sweep",
         description="Write a simulated patient: CT and segmentation, their registration, and a tracked ultrasound sweep with its "
         "configuration. The same seed gives the same patient.",
     )

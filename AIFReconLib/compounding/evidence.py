@@ -33,7 +33,8 @@ PACE = 0.25
 """mm along the beam at which onsets are looked for: brightness is smoothed over five times that."""
 
 FADE = 4.0
-"""mm over which the level of a shadow is averaged: one speckle in it is not its level."""
+"""mm over which the level of a shadow is averaged: one speckle in it is not its level, and what is left of a line in its last 4 mm is not
+enough to tell it."""
 
 LEAST_SHADOW = 8.0
 """mm. Darkness shorter than this, at the end of a scan line, is no evidence of a shadow."""
@@ -118,6 +119,9 @@ class ScanLines:
         Every so many samples an onset is looked for.
     judged : (lines,) int32 array
         First sample of each line at which no onset is looked for any more.
+    behind : (paces, lines) float32 array
+        What makes a mean of the brightness behind each sample at which an onset is looked for: 1 over the share of all weights that the
+        rest of its line has; 0 where that is too short.
     paces : int
         How many of these share a number of the CT's probability.
     expected_of_line : (lines,) int64 array
@@ -178,6 +182,7 @@ class ScanLines:
         ends = np.where(inside.any(axis=0), samples - inside[::-1].argmax(axis=0), 0)
         self.judged = (ends - max(self._samples(LEAST_SHADOW), self.depth)).astype(np.int32)
         self._is_judged = np.arange(samples)[:, None] < self.judged
+        self.behind = self._behind(ends)
 
     def _active(self, inside: Mask) -> Integers:
         """`active`, of the samples (samples, lines) that have a pixel.
@@ -200,6 +205,15 @@ class ScanLines:
         # Whole vectors are the fastest; where there is nothing at all, nothing
         starts, stops = starts // VECTOR * VECTOR, np.minimum(-(-(stops + 1) // VECTOR) * VECTOR, inside.shape[1])
         return np.stack([np.minimum(starts, stops), stops], axis=1)
+
+    def _behind(self, ends: Integers) -> Singles:
+        """`behind`, of lines that end before these samples (lines,)."""
+        samples = np.arange(0, self.shape[0], self.pace)
+        left = np.maximum(ends - 1 - samples[:, None], 0) * self.step
+        with np.errstate(divide="ignore"):
+            mean = np.where(left >= FADE, 1 / (1 - np.exp(-left / FADE)), 0.0)
+        # As wide as compiled code's rows; lines beyond the last one stay dark
+        return np.pad(mean, ((0, 0), (0, self.padded - mean.shape[1]))).astype(np.float32)
 
     def scales(self, full_scale: float) -> Scales:
         """What brightness is judged by: 1 / taps, 1 / 3, 1 / (reached M), least reach; what of a shadow's level is kept from pace to
@@ -253,11 +267,11 @@ class ScanLines:
 
         Notes
         -----
-        With q the smoothed brightness along a scan line, M the full scale, b(r) the mean of q behind r, weighted by exp(-distance / 4 mm),
-        and L(r) the largest b from r + 2 mm on, which is the level of the shadow if r is bone, an onset is possible where
-        c = (q - L) / (q + L + 0.2 M) - 0.2 + 0.1 P exceeds 0 and L is below 0.31 M. Of these places of a line, without its last 8 mm, that
-        of the largest max(0, q - 1.5 L + 0.3 M) (0.05 + P) is its onset; there E = clip(c / 0.15) clip((0.31 - L / M) / 0.08) within
-        0.25 mm, and 0 elsewhere.
+        With q the smoothed brightness along a scan line, M the full scale, b(r) the mean of q from r to the end of the line, weighted by
+        exp(-distance / 4 mm), and L(r) the largest b from r + 2 mm on, up to 4 mm before the end, which is the level of the shadow if r
+        is bone, an onset is possible where c = (q - L) / (q + L + 0.2 M) - 0.2 + 0.1 P exceeds 0 and L is below 0.31 M. Of these places
+        of a line, without its last 8 mm, that of the largest max(0, q - 1.5 L + 0.3 M) (0.05 + P) is its onset; there
+        E = clip(c / 0.15) clip((0.31 - L / M) / 0.08) within 0.25 mm, and 0 elsewhere.
         With S(r) = max of q from r to the end, A = min(1, S / (0.35 M))^2 is how much of the sound arrives at r or deeper; R = A + 0.01.
         clip limits to 0 to 1.
         """
@@ -271,7 +285,7 @@ class ScanLines:
         arrived = np.minimum(below * per_reached, one)
         arrived *= arrived
         arrived += least
-        place, strength = self._onsets(paced, self._levels_behind(paced, scales), expected, scales)
+        place, strength = self._onsets(paced, self._levels_behind(paced, self.behind, scales), expected, scales)
         onset = np.zeros_like(below)
         for line in np.flatnonzero(strength > 0):
             onset[max(place[line] - self.crest, 0) : place[line] + self.crest + 1, line] = strength[line]
@@ -296,13 +310,13 @@ class ScanLines:
         return np.maximum(brightness, dark, out=brightness)
 
     @staticmethod
-    def _levels_behind(brightness: Singles, scales: Scales) -> Singles:
+    def _levels_behind(brightness: Singles, behind: Singles, scales: Scales) -> Singles:
         """The largest mean level behind each sample and the deeper ones, (samples, lines)."""
         kept, new = scales[4:6]
         levels = np.empty_like(brightness)
         level, largest = np.zeros((2, brightness.shape[1]), np.float32)
         for sample in range(len(brightness) - 1, -1, -1):
-            np.maximum(largest, level, out=largest)
+            np.maximum(largest, level * behind[sample, : len(level)], out=largest)
             levels[sample] = largest
             level *= kept
             level += new * brightness[sample]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -12,6 +14,10 @@ from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
 from .surface import DISTANCE_LIMIT, distance_from_labels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import FigureBase
 
 SLAB = 2.5
 """mm to either side of a cut from which echoes are drawn."""
@@ -39,15 +45,32 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
     echoes : (n, 3) array, mm
         Where bone was seen, in the frame of the labels, whose axes are the patient's.
     """
+    figure = new_figure(13.0, 5.2)
+    panels = figure.subplots(1, 3)
+    draw_cuts(figure, panels, echoes, distance_from_labels(labels))
+    figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
+    save_figure(path, figure)
+
+
+@own_looks()
+def calibration_figure(path: str | Path, before: Floats, after: Floats, labels: Volume, titles: tuple[str, str]) -> None:
+    """The same for echoes (n, 3), mm, as an old and a new calibration place them, one row each; `titles` are those of the rows."""
+    figure, field_of_bone = new_figure(13.0, 10.4), distance_from_labels(labels)
+    for rows, echoes, title in zip(figure.subfigures(2, 1), (before, after), titles, strict=True):
+        rows.set_facecolor(figure.get_facecolor())
+        draw_cuts(rows, rows.subplots(1, 3), echoes, field_of_bone)
+        rows.suptitle(title, color=INK, fontsize=12, parse_math=False)
+    save_figure(path, figure)
+
+
+def draw_cuts(figure: FigureBase, panels: Sequence[Axes], points: Floats, field_of_bone: Volume) -> None:
+    """The echoes on the outline of bone, in three panels of a figure."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-    points, field_of_bone = echoes, distance_from_labels(labels)
     distances = np.abs(_sample(field_of_bone, points))
     near = distances < NEAR
     middle = np.median(points[near] if near.any() else points, axis=0)
-    figure = new_figure(13.0, 5.2)
-    panels = figure.subplots(1, 3)
     colors = LinearSegmentedColormap.from_list("distance", COLORS)
     for panel, (name, across, right, up) in zip(panels, CUTS):
         # The cut that shows most: where echoes are densest along its axis
@@ -76,8 +99,6 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
     bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
     bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
     bar.ax.tick_params(colors=INK, labelsize=8)
-    figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
-    save_figure(path, figure)
 
 
 def _densest(values: Floats, otherwise: float) -> float:

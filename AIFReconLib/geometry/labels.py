@@ -8,13 +8,20 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..arrays import Integers
+from ..arrays import Integers, Matrix
 from ..errors import GeometryError
 from ..message import listed, shorten
-from .volume import Volume
+from .transforms import LPS_FROM_RAS, transform_points
+from .volume import Volume, VoxelGrid
 
 MOST_LISTED = 12
 """Names of labels that a sentence lists at most."""
+
+
+SPACE_UNKNOWN = "The model does not say whether it is in RAS or LPS; it is taken to be in "
+
+MOST_ASKED = 20_000
+"""Voxels of bone that are asked where they lie."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -32,6 +39,28 @@ class Labels(Volume):
     notes: tuple[str, ...] = ()  #: What a user should know of them, one sentence each.
     space_is_guessed: bool = False
     """Whether they come of a surface model that does not say if it is in RAS or LPS; then they are placed as if in LPS."""
+
+    def taken_as(self, space: str, why: str) -> Labels:
+        """Those of models that do not say it, in that space, RAS or LPS, for a reason that a note tells."""
+        matrix = LPS_FROM_RAS @ self.ijk_to_reference if space == "RAS" else self.ijk_to_reference
+        others = (note for note in self.notes if not note.startswith(SPACE_UNKNOWN))
+        return replace(self, ijk_to_reference=matrix, notes=(*others, f"{SPACE_UNKNOWN}{space}, {why}."), space_is_guessed=False)
+
+    def share_within(self, grid: VoxelGrid, labels_to_reference: Matrix | None = None) -> float:
+        """The share of these bones that lies in the box of a grid in Reference, 0 to 1."""
+        kji = np.argwhere(self.array > 0)
+        kji = kji[:: max(len(kji) // MOST_ASKED, 1)]
+        to_grid = grid.reference_to_ijk @ (np.eye(4) if labels_to_reference is None else labels_to_reference) @ self.ijk_to_reference
+        ijk = transform_points(to_grid, kji[:, ::-1].astype(np.float64))
+        return float(((ijk >= -0.5) & (ijk <= np.array(grid.size) - 0.5)).all(axis=1).mean()) if len(ijk) else 0.0
+
+    def told_by(self, grid: VoxelGrid, labels_to_reference: Matrix | None = None) -> Labels:
+        """Models that do not say their space, in that of which more lies in a volume that shows them."""
+        if not self.space_is_guessed:
+            return self
+        as_lps, as_ras = self.taken_as("LPS", "where it lies in the volume"), self.taken_as("RAS", "where it lies in the volume")
+        low, high = (each.share_within(grid, labels_to_reference) for each in (as_lps, as_ras))
+        return self if low == high else as_ras if high > low else as_lps
 
     def numbers(self) -> Integers:
         """The labels that there are, above 0, in their order."""

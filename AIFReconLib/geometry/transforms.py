@@ -138,6 +138,14 @@ def pixel_spacing(image_to_reference: Matrix) -> tuple[float, float]:
     return math.hypot(*x), math.hypot(*y)
 
 
+def with_unit_depth(image_to_any: Matrix) -> Matrix:
+    """A copy of a matrix of pixels (4, 4) whose third column is a step of 1 mm out of the image, right-handed with its axes."""
+    matrix = np.array(image_to_any, dtype=np.float64)
+    normal = np.cross(matrix[:3, 0], matrix[:3, 1])
+    matrix[:3, 2] = normal / np.linalg.norm(normal)
+    return matrix
+
+
 def image_plane_axes(image_to_reference: Matrix) -> tuple[Floats, Floats]:
     """Orthonormal unit vectors (3,) in Reference along the image's columns (x) and rows (y).
 

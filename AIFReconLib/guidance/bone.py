@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arrays import Floats, Integers, Mask, Matrix
+from ..bone.field import VOXEL, BoneField
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
 from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix, transform_points
 from ..geometry.volume import Volume
-from ..registration.bone_field import VOXEL, BoneField
 
 PITCH = 1.0
 """mm. About one point per square of this side; coarser where there would be more than `MOST_POINTS`."""

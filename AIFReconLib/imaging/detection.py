@@ -16,13 +16,13 @@ from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import BeamGeometryError
 from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
+from .change import extremes, standing_out
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
 from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_sector, has_ragged_narrow_side
-from .rectangle import fit_rectangle, has_bent_ends, has_level_far_end, is_bent
+from .rectangle import SMOOTH_LOWER, SMOOTH_UPPER, fit_rectangle, has_bent_ends, has_level_end, is_bent, is_cut_off
 from .region import ClipRectangle, Fan, ImageRegion
 
-FRAMES_LOOKED_AT = 24
 LIT = 0.01
 """A pixel is lit when it exceeds this part of the brightest pixel in any of the frames looked at."""
 
@@ -35,11 +35,17 @@ LEVELS = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4)
 JOINED_PX, RINGING_PART = 7, 0.01
 """Steps over which changing parts belong together; part of the largest one that others have at least, where they count too."""
 
+TALLEST_TRACE = 0.1
+"""Height of a band that runs from border to border, as a part of the image's, up to which it is none."""
+
 SMALLEST_PART, SAME = 0.02, 0.9
 """Part of an image that must change, and overlap of rectangles that are one."""
 
-SURE_ENOUGH, LARGEST_CHANGE = 0.05, 0.2
-"""mm by which the apex may differ between levels where no others are tried, and at all."""
+SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.5, 0.8
+"""mm of `_doubt` about two levels below which no others are tried, and beyond which, and this many pixels, the probe is not told."""
+
+LARGEST_CHANGE = 0.2
+"""mm by which an apex may differ and still be the same."""
 
 Box = tuple[int, int, int, int]
 """First and last column, first and last row."""
@@ -53,8 +59,14 @@ MOST_STILL = 0.02
 VERTICAL_SLOPE = 0.03
 """Sides that lean less than this (columns per row) are those of a linear probe."""
 
-LINE_TOLERANCE_PX = 2.0
-"""How far a side may be from its straight line."""
+LINE_TOLERANCE_PX, ON_LINE, FEWEST_POINTS, MOST_ROUNDS = 2.0, 0.75, 10, 5
+"""How far a side may be from its straight line, the part of it that must be on it, its points, and rounds in which those are chosen."""
+
+FULL_BOX, FILLED, EXPLAINED_BOX, EXPLAINED_SECTOR = 0.97, 0.7, 0.9, 0.95
+"""Parts of a box that are lit where it is a rectangle at once, and of what was fitted at least; of what is lit that must lie in it."""
+
+WIDEST_AT_TOP, MIDDLE = 0.2, 0.25
+"""Parts of the height in which the widest row is the top of upright sides, and of a sector's angles that are its middle."""
 
 DIRECTIONS = 64
 """Directions in which the outer radius of a sector is looked for."""
@@ -84,18 +96,20 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
 
     Raises BeamGeometryError when the outline is neither a rectangle nor a sector.
     """
-    darkest, brightest = _extremes(images)
+    if len(images) == 0:
+        raise _unrecognized("there are none")
+    darkest, brightest = extremes(images)
     change = np.subtract(brightest, darkest)
     try:
         found = _by_black_surround(brightest, spacing)
     except BeamGeometryError as error:
-        changing = _by_what_changes(change, float(brightest.max(initial=0)), spacing, isinstance(error, _SidesCutOff))
+        changing = _by_what_changes(change, brightest, spacing, isinstance(error, _SidesCutOff))
         if changing is None:
             raise
         return changing
     if not _is_doubtful(found, change, brightest):
         return found
-    changing = _by_what_changes(change, float(brightest.max()), spacing)
+    changing = _by_what_changes(change, brightest, spacing)
     if changing is not None and _differ(found, changing, change.shape, spacing):
         return changing
     if changing is None and _stands_still(found, change, brightest):
@@ -104,7 +118,7 @@ def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)
     if changing is None and fan is not None and _is_lopsided(fan):
         changed = _changed_area(change, LEVELS[1] * float(brightest.max()))
         # The straight edge of a shadow looks like a side
-        if has_ragged_narrow_side(changed, fan):
+        if has_ragged_narrow_side(changed, fan) or fit_sector(largest_area(changed), spacing) is not None:
             raise _unrecognized("one of its sides is dark, and where it ends is not seen")
     return found
 
@@ -153,25 +167,11 @@ def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> Dete
     box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     sides = _straight_sides(box)
     upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
-    if box.mean() > 0.97 or upright:
+    if box.mean() > FULL_BOX or upright:
         return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
     if sides is None:
         raise _unrecognized("its outline is neither a rectangle nor a sector")
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
-
-
-def _extremes(images: ImageStack) -> tuple[Numbers, Numbers]:
-    """The least and the greatest of each pixel in the frames looked at, (rows, columns)."""
-    if len(images) == 0:
-        raise _unrecognized("there are none")
-    numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
-    brightest = np.array(_without_gaps(images[int(numbers[0])]))
-    darkest = brightest.copy()
-    for number in numbers[1:]:
-        image = _without_gaps(images[int(number)])
-        np.maximum(brightest, image, out=brightest)
-        np.minimum(darkest, image, out=darkest)
-    return darkest, brightest
 
 
 def _lit_area(brightest: Numbers) -> Mask:
@@ -186,7 +186,7 @@ def _lit_area(brightest: Numbers) -> Mask:
 
 
 def _by_what_changes(
-    change: Numbers, brightest: float, spacing: tuple[float, float], sides_cut_off: bool = False
+    change: Numbers, brightest: Numbers, spacing: tuple[float, float], sides_cut_off: bool = False
 ) -> DetectedImaging | None:
     """The probe by what differs between frames, as buttons, text and rulers do not; None where that does not tell it surely.
 
@@ -195,50 +195,71 @@ def _by_what_changes(
     """
     fits: list[SectorFit] = []
     boxes: list[Box] = []
-    for level in LEVELS:
-        area = _changed_area(change, level * brightest)
+    pair: tuple[SectorFit, SectorFit] | None = None
+    evidence: list[Numbers] = []
+    for level in np.multiply(LEVELS, brightest.max(initial=0)):
+        area = _changed_area(change, level)
         if area.sum() < SMALLEST_PART * area.size:
             break
-        joined = closed(area, JOINED_PX)
-        largest = area & largest_area(joined)
+        largest = _largest(area)
         box = fit_rectangle(largest)
         if box is not None:
             narrow = (box[1] - box[0]) * spacing[0] < NARROWEST * (box[3] - box[2]) * spacing[1]
-            if narrow or has_bent_ends(largest, box) or (sides_cut_off and not has_level_far_end(largest)):
+            if narrow or has_bent_ends(largest, box):
                 return None
+            if (sides_cut_off or is_cut_off(largest)) and not has_level_end(_with_ringing(area)):
+                continue
             if boxes and _overlap(box, boxes[-1]) > SAME:
                 return _upright(box)
             boxes.append(box)
             continue
-        fit = fit_sector(largest, spacing)
-        if fit is None:
-            # Ringing at the probe's face may stand apart; so does a trace that runs below the image
-            fit = fit_sector(area & large_areas(joined, RINGING_PART), spacing)
-            fit = fit if fit is not None and fit.far_end_seen else None
-        if fit is not None:
-            fits.append(fit)
-        if _nearest_two(fits, spacing)[0] < SURE_ENOUGH:
+        evidence = evidence or standing_out(change, brightest)
+        shown = (_surest_sector(_changed_area(out, level), spacing) for out in evidence)
+        fits += next(([sector] for sector in shown if sector), [])
+        pair = min(combinations(fits, 2), key=lambda two: _doubt(two[0], two[1], spacing), default=None)
+        if pair is not None and _doubt(*pair, spacing) < SURE_ENOUGH:
             break
-    apart, fit = _nearest_two(fits, spacing)
-    return None if fit is None or apart > LARGEST_CHANGE else _as_imaging(fit, change.shape, spacing)
+    if pair is None or _doubt(*pair, spacing) > max(LARGEST_DOUBT, LARGEST_DOUBT_PX * max(spacing)):
+        return None
+    return _as_imaging(*pair, change.shape, spacing)
 
 
-def _nearest_two(fits: list[SectorFit], spacing: tuple[float, float]) -> tuple[float, SectorFit | None]:
-    """Of fits at several levels the two that differ least: how far their apexes are apart, mm, and the surer of them.
+def _largest(area: Mask) -> Mask:
+    return _without_trace(area & largest_area(closed(area, JOINED_PX)))
+
+
+def _with_ringing(area: Mask) -> Mask:
+    """Without specks; ringing at the probe's face may stand apart from the rest."""
+    return _without_trace(area & large_areas(closed(area, JOINED_PX), RINGING_PART))
+
+
+def _surest_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
+    """The sector of an area, or of its largest part alone; None where it is none."""
+    if area.sum() < SMALLEST_PART * area.size:
+        return None
+    largest, more = _largest(area), _with_ringing(area)
+    both = [fit_sector(largest, spacing), fit_sector(more, spacing) if more.sum() > largest.sum() else None]
+    # What stands apart and is no ringing does not end as a sector does
+    return min((fit for n, fit in enumerate(both) if fit and (n == 0 or fit.far_end_seen)), key=lambda fit: fit.apex_error, default=None)
+
+
+def _without_trace(area: Mask) -> Mask:
+    """An area without a narrow band below that runs from border to border, as a trace of the heart's beat."""
+    last = int(np.flatnonzero(area.any(axis=1))[-1])
+    across = area[last::-1, :BORDER_PX].any(axis=1) & area[last::-1, -BORDER_PX:].any(axis=1)
+    height = int(across.argmin())
+    return area if height > TALLEST_TRACE * len(area) else np.where(np.arange(len(area))[:, None] > last - height, False, area)
+
+
+def _doubt(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> float:
+    """How far the apexes of two levels are apart and may be off, mm; and the far ends, where apexes rest on them.
 
     What noise or compression does to an outline depends on the level; what the probe does, does not.
     """
-    pairs = [(_apart(a, b, spacing), a, b) for a, b in combinations(fits, 2)]
-    if not pairs:
-        return math.inf, None
-    apart, one, other = min(pairs, key=lambda pair: pair[0])
-    return apart, min(one, other, key=lambda fit: fit.apex_error)
-
-
-def _apart(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> float:
-    """How far two apexes are apart, mm; and the far ends, where apexes rest on them."""
-    apexes = float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
-    return max(apexes, abs(one.radii[1] - other.radii[1])) if one.dark_side or other.dark_side else apexes
+    apart = float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
+    if one.dark_side or other.dark_side:
+        apart = max(apart, abs(one.radii[1] - other.radii[1]))
+    return math.hypot(apart, one.apex_error, other.apex_error)
 
 
 def _overlap(one: Box, other: Box) -> float:
@@ -256,11 +277,13 @@ def _upright(box: Box) -> DetectedImaging:
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
-def _as_imaging(fit: SectorFit, shape: tuple[int, ...], spacing: tuple[float, float]) -> DetectedImaging:
+def _as_imaging(one: SectorFit, other: SectorFit, shape: tuple[int, ...], spacing: tuple[float, float]) -> DetectedImaging:
+    fit = min(one, other, key=lambda fit: fit.apex_error)
     clip = None
     if fit.flat_top is not None:
         clip = ClipRectangle((0.0, math.ceil(fit.flat_top)), (float(shape[1] - 1), float(shape[0] - 1 - math.ceil(fit.flat_top))))
-    fan = Fan(fit.apex_px, fit.angles_deg, fit.radii, spacing)
+    # At a higher level less of the far field changes
+    fan = Fan(fit.apex_px, fit.angles_deg, (min(one.radii[0], other.radii[0]), max(one.radii[1], other.radii[1])), spacing)
     dark = "" if fit.dark_side is None else f"; its {fit.dark_side} side is dark and taken to be as wide as the other"
     words = f"{_sector_words(fit.apex_px, fit.angles_deg)}, by what changes between frames{dark}"
     return DetectedImaging(ProbeGeometry(SECTOR, fit.apex_px), ImageRegion(clip, fan), words)
@@ -268,11 +291,6 @@ def _as_imaging(fit: SectorFit, shape: tuple[int, ...], spacing: tuple[float, fl
 
 def _sector_words(apex: tuple[float, float], angles: tuple[float, float]) -> str:
     return f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
-
-
-def _without_gaps(image: Numbers) -> Numbers:
-    """An image in which what is no finite number is black; the same one where all are finite, as whole numbers are."""
-    return image if image.dtype.kind in "bui" else np.nan_to_num(image.astype(np.float32), posinf=0.0, neginf=0.0)
 
 
 def _straight_sides(box: Mask) -> Sides | None:
@@ -285,7 +303,7 @@ def _straight_sides(box: Mask) -> Sides | None:
     for edge, outermost in ((left, left.min()), (right, right.max())):
         # Below its widest row a sector is bounded by its arc, not by its side
         widest = int(np.flatnonzero(np.abs(edge - outermost) <= 1)[0])
-        last = height if widest < 0.2 * height else widest + 1
+        last = height if widest < WIDEST_AT_TOP * height else widest + 1
         line = _robust_line(row[:last], edge[:last])
         if line is None:
             return None
@@ -293,25 +311,25 @@ def _straight_sides(box: Mask) -> Sides | None:
     return sides[0], sides[1]
 
 
-def _robust_line(columns: Integers, rows: Integers) -> tuple[float, float] | None:
-    """Offset and slope of the line that most points are on; None when fewer than 3 in 4 are."""
-    if columns.size < 10:
+def _robust_line(rows: Integers, columns: Integers) -> tuple[float, float] | None:
+    """Column at row 0 and columns per row of the line that most points are on; None when fewer than `ON_LINE` are."""
+    if rows.size < FEWEST_POINTS:
         return None
-    x, y = columns.astype(np.float64), rows.astype(np.float64)
-    step = max(x.size // 3, 1)
-    slope = float(np.median((y[step:] - y[:-step]) / (x[step:] - x[:-step])))
-    offset = float(np.median(y - slope * x))
+    y, x = rows.astype(np.float64), columns.astype(np.float64)
+    step = max(y.size // 3, 1)
+    slope = float(np.median((x[step:] - x[:-step]) / (y[step:] - y[:-step])))
+    offset = float(np.median(x - slope * y))
     before: Mask | None = None
-    for _ in range(5):
-        near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
-        if near.sum() < 10:
+    for _ in range(MOST_ROUNDS):
+        near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
+        if near.sum() < FEWEST_POINTS:
             return None
         if before is not None and np.array_equal(near, before):
             break
         before = near
-        slope, offset = (float(v) for v in np.polyfit(x[near], y[near], 1))
-    near = np.abs(y - offset - slope * x) <= LINE_TOLERANCE_PX
-    return (offset, slope) if near.mean() >= 0.75 else None
+        slope, offset = (float(v) for v in np.polyfit(y[near], x[near], 1))
+    near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
+    return (offset, slope) if near.mean() >= ON_LINE else None
 
 
 def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
@@ -322,9 +340,9 @@ def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int
         ends = [[offset + slope * row for row in (0, height - 1)] for offset, slope in sides]
         left, right = max(round(min(ends[0])), left), min(round(max(ends[1])), right)
     within = box[:, left : right + 1]
-    if right <= left or within.mean() < 0.7 or within.sum() < 0.9 * box.sum():
+    if right <= left or within.mean() < FILLED or within.sum() < EXPLAINED_BOX * box.sum():
         raise _unrecognized("its outline is neither a rectangle nor a sector")
-    if is_bent(within.argmax(axis=0)) or is_bent(-within[::-1].argmax(axis=0), lower=True):
+    if is_bent(within.argmax(axis=0), SMOOTH_UPPER, only_down=False) or is_bent(-within[::-1].argmax(axis=0), SMOOTH_LOWER):
         raise _SidesCutOff(
             "The probe cannot be told from the images: its sides are upright and its upper or lower edge is bent, as of a sector whose "
             "sides were cut off.",
@@ -351,13 +369,13 @@ def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[flo
     y, x = np.nonzero(lit)
     radius = np.hypot((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1])
     angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
-    middle = radius[np.abs(angle - np.mean(angles)) < 0.25 * (angles[1] - angles[0])]
+    middle = radius[np.abs(angle - np.mean(angles)) < MIDDLE * (angles[1] - angles[0])]
     if not middle.size:
         raise _unrecognized("its sides do not enclose it")
     first, last = float(middle.min()), _outer_radius(radius, (angle - angles[0]) / (angles[1] - angles[0]))
     fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
     inside = fan.mask(lit.shape[1], lit.shape[0])
-    if (lit & inside).sum() < 0.95 * lit.sum() or (lit & inside).sum() < 0.7 * inside.sum():
+    if (lit & inside).sum() < EXPLAINED_SECTOR * lit.sum() or (lit & inside).sum() < FILLED * inside.sum():
         raise _unrecognized("its outline is not that of a sector")
     return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), _sector_words(apex, angles))
 

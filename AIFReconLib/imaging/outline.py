@@ -1,7 +1,7 @@
 """The outline of an area of an image, and the sector that it is the lit part of, where only parts of that can be seen.
 
 A side may be dark, covered, or cut by the border. Beams start at the apex, so sides lie on rays through it and the near and the far end on
-arcs about it: any two of these tell it. What cannot be told to a part of a millimeter is refused.
+arcs about it: any two of these tell it. One side leans as much as the other. What cannot be told to a part of a millimeter is refused.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .region import Fan
 BORDER_PX = 4
 """Outlines that end closer to the image's border than this are cut off there."""
 
-TOLERANCES_PX = (4.0, 2.5, 1.5, 1.5, 1.5, 1.5)
+TOLERANCES_PX = (4.0, 2.5, 1.5, 1.0, 0.75, 0.75)
 """How far a point of an outline may be from the fit, in each round."""
 
 STEEPEST_DEG, UPRIGHT_DEG = 75.0, 1.7
@@ -27,14 +27,35 @@ STEEPEST_DEG, UPRIGHT_DEG = 75.0, 1.7
 SHORTEST_SIDE, SHORTEST_ARC = 0.2, 0.2
 """Parts of a side's height and of an arc's width that must be seen for it to count."""
 
+FEWEST_ROWS, MOST_BETWEEN, STEP_PX = 8, 0.5, 6.0
+"""Rows of a dark side that the ringing at the probe's face must show, and how many as many may lie near that side and not on it."""
+
 MOST_OUTSIDE = 0.02
 """Part of the area that may lie outside what was fitted."""
+
+SPECKS = 0.003
+"""Part of the area that may lie beyond a side that is seen."""
 
 LARGEST_APEX_ERROR, LARGEST_ONE_SIDED = 1.0, 0.7
 """mm. Estimated error of the apex, on the large side, beyond which a fit is refused, and one of which only one side is seen."""
 
 CRISP_PX2, RAGGED_LENGTH = 0.1, 8.0
 """Mean squared distance of a crisp outline from its side, due to whole pixels; length over which points of a ragged one err alike."""
+
+RAGGED_PX = 6.0
+"""Points of the outline nearer than this belong to a side or an end, and are off it if they do not lie on it."""
+
+MOST_LOPSIDED_DEG, MORE_RAGGED = 1.5, 3.0
+"""Degrees by which one side may lean more than the other, and how many times as ragged the edge of a shadow is then."""
+
+LEAST_FILLED, CUT_OFF = 0.3, 0.2
+"""Part of an arc about the apex that is lit where the image still goes on, and of a width that must end inside the image to be its end."""
+
+FARTHEST_STEP = 400.0
+"""Steps of rows that the apex may move in one round."""
+
+LEFT, RIGHT, NEAR, FAR = range(4)
+"""The parts of an outline."""
 
 
 @dataclass(frozen=True)
@@ -59,8 +80,10 @@ class Outline:
     top: Floats
     bottom: Floats
 
-    def __len__(self) -> int:
-        return sum(len(each) for each in (self.left, self.right, self.top, self.bottom))
+    @property
+    def parts(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """All four, in the order of LEFT, RIGHT, NEAR and FAR."""
+        return self.left, self.right, self.top, self.bottom
 
 
 def outline_of(area: Mask, aspect: float) -> Outline:
@@ -104,46 +127,80 @@ def straightest(points: Floats, sign: int) -> tuple[float, float, int] | None:
     return offset, slope, int(near.sum())
 
 
+def most_at(values: Floats, tolerance: float) -> tuple[float, int]:
+    """The radius, or row, or column, near which most points are, and how many."""
+    if not len(values):
+        return 0.0, 0
+    ordered = np.sort(values)
+    counts = np.searchsorted(ordered, ordered + 2 * tolerance, "right") - np.arange(len(ordered))
+    first = int(counts.argmax())
+    return float(np.median(ordered[first : first + counts[first]])), int(counts[first])
+
+
 def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
     """The sector that an area (rows, columns) is part of; None where that cannot be told. `spacing` is (x, y) in mm."""
     aspect = spacing[0] / spacing[1]
     outline = outline_of(area, aspect)
-    if len(outline) < 100:
+    if sum(map(len, outline.parts)) < 100:
         return None
-    fits = (_refined(outline, start, area, spacing) for start in _starts(outline))
-    return next((fit for fit in fits if fit is not None), None)
+    # One pixel in four is enough
+    rows, columns = 2 * np.array(np.nonzero(area[::2, ::2]))
+    pixels = np.stack([columns * aspect, rows], axis=1).astype(np.float64)
+    for start, mirrored in _starts(outline):
+        seen, apex = mirrored, start
+        if seen is None:
+            free = _fitted(outline, start)
+            if free is None:
+                continue
+            seen, apex = _sides_seen(free, outline, pixels), free.apex
+        fit = _fitted(outline, apex, seen) if any(seen) else None
+        # That a side mirrors the other is only taken where its ringing shows: the sector may have been steered
+        if fit is None or (mirrored is not None and not all(fit.used[:NEAR])):
+            continue
+        found = _checked(fit, seen, outline, pixels, spacing)
+        if found is not None:
+            return found
+    return None
 
 
 def has_ragged_narrow_side(area: Mask, fan: Fan) -> bool:
     """Whether the side of a sector that leans less is the edge of a shadow: the outline of an area is much more ragged there."""
     aspect = fan.pixel_size[0] / fan.pixel_size[1]
-    outline, apex = outline_of(area, aspect), np.array([fan.apex_px[0] * aspect, fan.apex_px[1]])
-    return _is_ragged(outline, apex, [math.radians(angle) for angle in fan.angles_deg])
+    apex, angles = np.array([fan.apex_px[0] * aspect, fan.apex_px[1]]), [math.radians(angle) for angle in fan.angles_deg]
+    return _is_ragged(outline_of(area, aspect), apex, angles)
 
 
 def _is_ragged(outline: Outline, apex: Floats, angles: list[float]) -> bool:
-    narrow = int(angles[0] + angles[1] < 0)
-    spreads = [_spread(_distances((outline.left, outline.right)[side], apex, angles, [], side)) for side in (narrow, 1 - narrow)]
+    narrow = RIGHT if angles[LEFT] + angles[RIGHT] < 0 else LEFT
+    spreads = [_spread(_off(outline.parts[side], side, apex, angles[side])) for side in (narrow, 1 - narrow)]
     return spreads[0] >= MORE_RAGGED * spreads[1]
 
 
-def _starts(outline: Outline) -> Iterator[tuple[float, float]]:
-    """Where the apex may be: where two straight sides meet, or where arcs about a point of one side fit best."""
+def _starts(outline: Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
+    """Where the apex may be, and which sides are seen then, or None where that is not known.
+
+    It may be where two straight sides meet, where one meets the outermost line that leans as much to the other side, or where arcs about
+    a point of one fit best.
+    """
     steep = math.tan(math.radians(UPRIGHT_DEG))
     lines = [straightest(outline.left, -1), straightest(outline.right, 1)]
     if lines[0] is not None and lines[1] is not None and lines[1][1] - lines[0][1] > 2 * steep:
         y = (lines[0][0] - lines[1][0]) / (lines[1][1] - lines[0][1])
-        yield lines[0][0] + lines[0][1] * y, y
-    for line, sign in zip(lines, (-1, 1), strict=True):
+        yield np.array([lines[0][0] + lines[0][1] * y, y]), None
+    top = float(min(outline.left[:, 1].min(initial=np.inf), outline.right[:, 1].min(initial=np.inf)))
+    for side, sign in ((LEFT, -1), (RIGHT, 1)):
+        line, others = lines[side], outline.parts[1 - side]
         if line is None or sign * line[1] < steep:
             continue
         offset, slope, _ = line
-        top = float(min(outline.left[:, 1].min(initial=np.inf), outline.right[:, 1].min(initial=np.inf)))
+        if len(others) >= FEWEST_ROWS:
+            outermost = -sign * float(np.sort(-sign * (others[:, 0] + slope * others[:, 1]))[-FEWEST_ROWS // 2])
+            y = (outermost - offset) / (2 * slope)
+            yield np.array([offset + slope * y, y]), [side == LEFT, side == RIGHT]
         rows = top + 10 - np.geomspace(1, 4000, 120)
-        apexes = np.stack([offset + slope * rows, rows], axis=1)[:, None]
-        seen = [_most_together(np.linalg.norm(points - apexes, axis=-1), 3.0) for points in (outline.top, outline.bottom)]
-        best = int(np.argmax(np.add(*seen)))
-        yield offset + slope * float(rows[best]), float(rows[best])
+        apexes = np.stack([offset + slope * rows, rows], axis=1)
+        seen = [_most_together(np.linalg.norm(points - apexes[:, None], axis=-1), 3.0) for points in (outline.top, outline.bottom)]
+        yield apexes[int(np.argmax(np.add(*seen)))], None
 
 
 def _most_together(values: Floats, width: float) -> Floats:
@@ -153,101 +210,107 @@ def _most_together(values: Floats, width: float) -> Floats:
     return np.array([(last - np.arange(last.size)).max(initial=0) for last in upto], dtype=np.float64)
 
 
-def most_at(radii: Floats, tolerance: float) -> tuple[float, int]:
-    """The radius, or row, or column, near which most points are, and how many."""
-    if not len(radii):
-        return 0.0, 0
-    ordered = np.sort(radii)
-    counts = np.searchsorted(ordered, ordered + 2 * tolerance, "right") - np.arange(len(ordered))
-    first = int(counts.argmax())
-    return float(np.median(ordered[first : first + counts[first]])), int(counts[first])
+@dataclass(frozen=True)
+class _Fit:
+    """What fits an outline best, in its steps."""
+
+    apex: Floats
+    values: list[float]  #: Angles of left and right side, rad, radii of near and far end
+    used: list[bool]  #: Which of these were seen well enough to count
+    flat: float | None  #: The row of a straight face
+    error: float  #: Of the apex, estimated
 
 
-def _refined(
-    outline: Outline, start: tuple[float, float], area: Mask, spacing: tuple[float, float], dark: int | None = None
-) -> SectorFit | None:
-    """The sector about an apex near `start` that fits best; None where it does not fit, or is not sure enough."""
-    apex = np.array(start)
-    sides, arcs = (outline.left, outline.right), (outline.top, outline.bottom)
-    angles: list[float] = []
-    error = np.inf
+def _fitted(outline: Outline, apex: Floats, seen: list[bool] | None = None) -> _Fit | None:
+    """What fits best about an apex near this one; None where too little fits.
+
+    Where it is told which sides are `seen`, one leans as much as the other, and of one that is not only what the ringing shows counts.
+    """
+    parts = outline.parts
+    dark = None if seen is None or all(seen) else seen.index(False)
     for tolerance in TOLERANCES_PX:
-        equations, counted, angles, radii = [], [], [], []
-        for points in sides:
-            x, y = (points - apex).T
-            angle, radius = np.arctan2(x, y), np.hypot(x, y)
-            middle = _crowded(angle, radius, tolerance)
-            near = np.abs(radius * (angle - middle)) <= tolerance
-            angles.append(middle)
-            counted.append(points[near])
-            # d(distance from the ray) by apex x, apex y, and the ray's angle
-            by_x, by_y = np.full(near.sum(), -math.cos(middle)), np.full(near.sum(), math.sin(middle))
-            equations.append((by_x, by_y, -radius[near], radius[near] * (angle[near] - middle)))
-        for points in arcs:
-            x, y = (points - apex).T
-            radius = np.hypot(x, y)
-            middle = most_at(radius, tolerance)[0]
-            near = np.abs(radius - middle) <= tolerance
-            radii.append(middle)
-            counted.append(points[near])
-            equations.append((-x[near] / radius[near], -y[near] / radius[near], np.full(near.sum(), -1.0), radius[near] - middle))
-        used = _enough(outline, counted, angles, radii, apex)
+        values = [_crowded(points, part, apex, tolerance) for part, points in enumerate(parts)]
+        if seen is not None:
+            half = (values[RIGHT] - values[LEFT]) / 2 if dark is None else abs(values[1 - dark])
+            values[LEFT], values[RIGHT] = -half, half
+        near = [points[np.abs(_off(points, part, apex, values[part])) <= tolerance] for part, points in enumerate(parts)]
+        used = _enough(outline, near, values, apex)
         if dark is not None:
-            used[dark] = False
-        flat = _flat_top(outline.top, counted[2])
+            used[dark] = _ringing_shows(_off(parts[dark], dark, apex, values[dark]) * (1, -1)[dark])
+        flat = _flat_top(outline.top, near[NEAR])
         if flat is not None:
-            used[2] = False
-        if sum(used) < 2 or not (used[0] or used[1]):
+            used[NEAR] = False
+        if sum(used) < 2 or not any(used[:NEAR]):
             return None
-        chosen = [number for number in range(4) if used[number]]
-        matrix = np.zeros((sum(len(equations[n][3]) for n in chosen), 2 + len(chosen)))
-        at = 0
-        for own, number in enumerate(chosen):
-            by_x, by_y, by_own, _ = equations[number]
-            rows = slice(at, at + len(by_x))
-            matrix[rows, 0], matrix[rows, 1], matrix[rows, 2 + own] = by_x, by_y, by_own
-            at += len(by_x)
-        rest = np.concatenate([equations[n][3] for n in chosen])
+        equations = []
+        for part in (part for part in range(4) if used[part]):
+            # A ragged part tells less; of a dark side only what rings belongs to it
+            spread = _typical(_off(near[part] if part == dark else parts[part], part, apex, values[part]))
+            error = math.sqrt(3 * CRISP_PX2 + RAGGED_LENGTH * (spread - CRISP_PX2))
+            equations.append(_equations(near[part], part, apex, values[part]) / error)
+        matrix, rest = np.hsplit(np.concatenate(equations), [6])
+        if seen is not None:
+            matrix[:, 2 + LEFT] -= matrix[:, 2 + RIGHT]
+            matrix[:, 2 + RIGHT] = 0.0
+        # What nothing tells keeps its value
         scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-9)
-        step = np.linalg.lstsq(matrix / scale, -rest, rcond=None)[0] / scale
-        if not np.isfinite(step).all() or np.hypot(*step[:2]) > 400:
+        step = np.linalg.lstsq(matrix / scale, -rest[:, 0], rcond=None)[0] / scale
+        if seen is not None:
+            step[2 + RIGHT] = -step[2 + LEFT]
+        if not np.isfinite(step).all() or np.hypot(*step[:2]) > FARTHEST_STEP:
             return None
-        apex = apex + step[:2]
         covariance = np.linalg.pinv((matrix / scale).T @ (matrix / scale)) / np.outer(scale, scale)
-        error = math.sqrt(covariance[0, 0] + covariance[1, 1])
-        for own, number in enumerate(chosen):
-            if number < 2:
-                angles[number] += step[2 + own]
-            else:
-                radii[number - 2] += step[2 + own]
-    return _checked(outline, area, spacing, apex, angles, radii, used, flat, error)
+        apex, values = apex + step[:2], list(values + step[2:])
+    return _Fit(apex, values, used, flat, math.sqrt(covariance[0, 0] + covariance[1, 1]))
 
 
-def _crowded(angle: Floats, radius: Floats, tolerance: float) -> float:
-    """The direction near which most points of a side are."""
-    if not len(angle):
-        return 0.0
-    width = 2 * tolerance / max(float(np.median(radius)), 1.0)
-    ordered = np.sort(angle)
-    counts = np.searchsorted(ordered, ordered + width, "right") - np.arange(len(ordered))
-    first = int(counts.argmax())
-    return float(np.median(ordered[first : first + counts[first]]))
+def _crowded(points: Floats, part: int, apex: Floats, tolerance: float) -> float:
+    """The angle or radius near which most points of a part are."""
+    x, y = (points - apex).T
+    radius = np.hypot(x, y)
+    if part >= NEAR or not len(points):
+        return most_at(radius, tolerance)[0]
+    return most_at(np.arctan2(x, y), tolerance / max(float(np.median(radius)), 1.0))[0]
 
 
-def _enough(outline: Outline, counted: list[Floats], angles: list[float], radii: list[float], apex: Floats) -> list[bool]:
+def _equations(points: Floats, part: int, apex: Floats, value: float) -> Floats:
+    """How `_off` of each point changes with the apex' x and y and the four values, and what it is, (n, 7)."""
+    x, y = (points - apex).T
+    radius = np.hypot(x, y)
+    equations = np.zeros((len(points), 7))
+    if part < NEAR:
+        equations[:, 0], equations[:, 1], equations[:, 2 + part] = -math.cos(value), math.sin(value), -radius
+    else:
+        equations[:, 0], equations[:, 1], equations[:, 2 + part] = -x / radius, -y / radius, -1.0
+    equations[:, 6] = _off(points, part, apex, value)
+    return equations
+
+
+def _off(points: Floats, part: int, apex: Floats, value: float) -> Floats:
+    """How far points lie from a ray of this angle, to its right, or outside an arc of this radius."""
+    x, y = (points - apex).T
+    radius = np.hypot(x, y)
+    off: Floats = radius * (np.arctan2(x, y) - value) if part < NEAR else radius - value
+    return off
+
+
+def _enough(outline: Outline, near: list[Floats], values: list[float], apex: Floats) -> list[bool]:
     """Which of left side, right side, near end and far end are seen along enough of their length to count."""
-    width, height = np.ptp(np.concatenate([outline.left, outline.right, outline.top, outline.bottom]), axis=0)
+    width, height = np.ptp(np.concatenate(outline.parts), axis=0)
     upright = math.radians(UPRIGHT_DEG)
-    used = [
-        len(points) >= max(SHORTEST_SIDE * height, 20) and sign * angle > upright
-        for points, angle, sign in zip(counted, angles, (-1, 1), strict=False)
-    ]
-    for points, radius, all_points, sign in zip(counted[2:], radii, (outline.top, outline.bottom), (-1, 1), strict=True):
-        beyond = sign * (np.hypot(*(all_points - apex).T) - radius) > 4.0
+    used = [len(near[side]) >= max(SHORTEST_SIDE * height, 20) and sign * values[side] > upright for side, sign in ((LEFT, -1), (RIGHT, 1))]
+    for part, sign in ((NEAR, -1), (FAR, 1)):
+        beyond = sign * _off(outline.parts[part], part, apex, values[part]) > 4.0
         # The near end is as much shorter than the far one as it is nearer
-        longest = width * (radii[0] / max(radii[1], 1.0) if sign < 0 else 1.0)
-        used.append(len(points) >= max(SHORTEST_ARC * longest, 20) and beyond.sum() <= 0.1 * len(beyond))
+        longest = width * (values[NEAR] / max(values[FAR], 1.0) if part == NEAR else 1.0)
+        used.append(len(near[part]) >= max(SHORTEST_ARC * longest, 20) and beyond.sum() <= 0.1 * len(beyond))
     return used
+
+
+def _ringing_shows(inward: Floats) -> bool:
+    """Whether a dark side shows where the probe's face rings: some rows end on it and below they end far inward, not little by little."""
+    on, between = (np.abs(inward) <= TOLERANCES_PX[-1]).sum(), ((inward > TOLERANCES_PX[-1]) & (inward <= STEP_PX)).sum()
+    return bool(on >= FEWEST_ROWS and between <= MOST_BETWEEN * on)
 
 
 def _flat_top(top: Floats, on_arc: Floats) -> float | None:
@@ -256,62 +319,57 @@ def _flat_top(top: Floats, on_arc: Floats) -> float | None:
     return row if count > 1.1 * len(on_arc) and count > 0.3 * len(top) else None
 
 
-def _checked(
-    outline: Outline,
-    area: Mask,
-    spacing: tuple[float, float],
-    apex: Floats,
-    angles: list[float],
-    radii: list[float],
-    used: list[bool],
-    flat: float | None,
-    error: float,
-) -> SectorFit | None:
-    """The fit if it explains the area and is sure enough."""
-    # One pixel in four is enough
-    rows, columns = 2 * np.array(np.nonzero(area[::2, ::2]))
-    x, y = columns * (spacing[0] / spacing[1]) - apex[0], rows - apex[1]
+def _beyond(fit: _Fit, pixels: Floats, side: int) -> float:
+    """The part of an area's pixels that lies beyond a side."""
+    x, y = (pixels - fit.apex).T
+    return float(np.mean((-1, 1)[side] * (np.arctan2(x, y) - fit.values[side]) > _margin(np.hypot(x, y))))
+
+
+def _margin(radius: Floats) -> Floats:
+    margin: Floats = np.maximum(2.0 / np.maximum(radius, 1.0), math.radians(0.3))
+    return margin
+
+
+def _sides_seen(fit: _Fit, outline: Outline, pixels: Floats) -> list[bool]:
+    """Whether left and right side are seen, as nothing lies beyond them; the edge of a shadow is none."""
+    seen = [fit.used[side] and _beyond(fit, pixels, side) < SPECKS for side in (LEFT, RIGHT)]
+    angles = fit.values[:NEAR]
+    if all(seen) and abs(sum(angles)) > math.radians(MOST_LOPSIDED_DEG):
+        if not _is_ragged(outline, fit.apex, angles):
+            return [False, False]  # a sector that was steered
+        seen[RIGHT if sum(angles) < 0 else LEFT] = False
+    return seen
+
+
+def _checked(fit: _Fit, seen: list[bool], outline: Outline, pixels: Floats, spacing: tuple[float, float]) -> SectorFit | None:
+    """The fit, in pixels of the image, if it explains the area and is sure enough."""
+    x, y = (pixels - fit.apex).T
     angle, radius = np.arctan2(x, y), np.hypot(x, y)
-    margin = np.maximum(2.0 / np.maximum(radius, 1.0), math.radians(0.3))
-    seen = []
-    for side, sign in enumerate((-1, 1)):
-        beyond = sign * (angle - angles[side]) > margin
-        seen.append(used[side] and beyond.mean() < SPECKS)
-    if not any(seen) or y.min() < -2:
+    left, right, first, last = fit.values
+    if y.min() < -2 or max(_beyond(fit, pixels, side) for side in (LEFT, RIGHT)) > SPECKS:
         return None
-    dark = None
-    if all(seen) and abs(angles[0] + angles[1]) > math.radians(MOST_LOPSIDED_DEG):
-        # The edge of a shadow, which is ragged, or a sector that was steered
-        if not _is_ragged(outline, apex, angles):
-            return None
-        seen[int(angles[0] + angles[1] < 0)] = False
-    if not all(seen):
-        if used[seen.index(False)]:
-            # Its straight edge is that of a shadow, which only about follows a beam
-            return _refined(outline, (float(apex[0]), float(apex[1])), area, spacing, seen.index(False))
-        dark = "left" if seen[1] else "right"
-        angles[seen.index(False)] = -angles[seen.index(True)]
-    first = radii[0] if used[2] else max(flat - apex[1], 0.0) if flat is not None else float(np.quantile(radius, 0.001))
-    last = radii[1] if used[3] else _last_filled(radius, angle, angles)
-    inside = (angle > angles[0] - margin) & (angle < angles[1] + margin) & (radius > first - 2.0) & (radius < last + 2.0)
-    parts = (outline.left, outline.right, outline.top, outline.bottom)
-    off = np.concatenate([_distances(each, apex, angles, radii, number) for number, each in enumerate(parts) if used[number]])
-    spread = _spread(off)
-    error *= spacing[1] * math.sqrt(3 * CRISP_PX2 + RAGGED_LENGTH * (spread - CRISP_PX2))
-    if 1 - inside.mean() > MOST_OUTSIDE or error > (LARGEST_APEX_ERROR if dark is None else LARGEST_ONE_SIDED):
+    if not fit.used[NEAR]:
+        first = max(fit.flat - fit.apex[1], 0.0) if fit.flat is not None else float(np.quantile(radius, 0.001))
+    cut_off = len(outline.bottom) < CUT_OFF * np.ptp(pixels[:, 0])
+    if not fit.used[FAR]:
+        last = float(radius.max()) if cut_off else _last_filled(radius, angle, (left, right))
+    margin = _margin(radius)
+    inside = (angle > left - margin) & (angle < right + margin) & (radius > first - 2.0) & (radius < last + 2.0)
+    error = fit.error * spacing[1]
+    if 1 - inside.mean() > MOST_OUTSIDE or error > (LARGEST_APEX_ERROR if all(seen) else LARGEST_ONE_SIDED):
         return None
     return SectorFit(
-        (float(apex[0] * spacing[1] / spacing[0]), float(apex[1])),
-        (math.degrees(angles[0]), math.degrees(angles[1])),
-        (first * spacing[1], last * spacing[1]),
-        flat,
-        dark,
-        bool(used[3] or len(outline.bottom) < 0.2 * np.count_nonzero(area.any(axis=0))),
+        (float(fit.apex[0] * spacing[1] / spacing[0]), float(fit.apex[1])),
+        (math.degrees(left), math.degrees(right)),
+        (float(first * spacing[1]), float(last * spacing[1])),
+        fit.flat,
+        None if all(seen) else ("left", "right")[seen.index(False)],
+        bool(fit.used[FAR] or cut_off),
         error,
     )
 
 
-def _last_filled(radius: Floats, angle: Floats, angles: list[float]) -> float:
+def _last_filled(radius: Floats, angle: Floats, angles: tuple[float, float]) -> float:
     """The radius up to which the arcs about the apex are lit along a good part; of an area's pixels, one in four."""
     within = (angle > angles[0]) & (angle < angles[1])
     counts = np.bincount(radius[within].astype(int)) / (0.25 * (angles[1] - angles[0]))
@@ -319,29 +377,13 @@ def _last_filled(radius: Floats, angle: Floats, angles: list[float]) -> float:
     return float(np.flatnonzero(filled)[-1]) if filled.any() else 0.0
 
 
-LEAST_FILLED = 0.3
-"""Part of an arc about the apex."""
-
-
-def _distances(points: Floats, apex: Floats, angles: list[float], radii: list[float], part: int) -> Floats:
-    """How far points lie from a ray (parts 0 and 1) or an arc (2 and 3)."""
-    x, y = (points - apex).T
-    radius = np.hypot(x, y)
-    off: Floats = radius * np.abs(np.arctan2(x, y) - angles[part]) if part < 2 else np.abs(radius - radii[part - 2])
-    return off
+def _typical(off: Floats) -> float:
+    """The same where some notches do not count, as of text, or of a bright echo beside a side: that of as many evenly spread ones."""
+    near = off[np.abs(off) <= RAGGED_PX]
+    return max(4 / 3 * float(np.median(near**2)), CRISP_PX2) if near.size else np.inf
 
 
 def _spread(off: Floats) -> float:
     """Mean squared distance of what belongs to a side or an end, px^2."""
-    near = off[off <= RAGGED_PX]
+    near = off[np.abs(off) <= RAGGED_PX]
     return max(float(np.mean(near**2)), CRISP_PX2) if near.size else np.inf
-
-
-RAGGED_PX = 6.0
-"""Points of the outline nearer than this belong to a side or an end, and are off it if they do not lie on it."""
-
-MOST_LOPSIDED_DEG, MORE_RAGGED = 1.5, 3.0
-"""Degrees by which one side may lean more than the other, and how many times as ragged the edge of a shadow is then."""
-
-SPECKS = 0.003
-"""Part of the area that may lie beyond a side that is seen."""

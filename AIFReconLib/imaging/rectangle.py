@@ -7,25 +7,27 @@ import math
 import numpy as np
 
 from ..arrays import Integers, Mask
-from .outline import BORDER_PX, MOST_OUTSIDE, UPRIGHT_DEG, most_at, outline_of, straightest
+from .outline import BORDER_PX, CUT_OFF, MOST_OUTSIDE, UPRIGHT_DEG, most_at, outline_of, straightest
 
 EDGE_PARTS, FEWEST_PARTS = 16, 5
 """Parts of an upper or lower edge, whose median rows are looked at."""
 
-SMALLEST_BEND_PX, SMOOTH_PX, SMOOTH_UPPER, SMOOTH_LOWER = 1.2, 0.4, 0.5, 0.06
-"""How far the middle of an edge must be from its ends to be bent, and how near, in pixels or as a part of that, the edge to its arc."""
+SMALLEST_BEND_PX, SMOOTH_PX = 1.2, 0.4
+"""How far the middle of an edge must be from its ends to be bent, and how near the edge to its arc, or that as a part of its depth:"""
+
+SMOOTH_UPPER, SMOOTH_NEAR, SMOOTH_LOWER = 0.5, 0.1, 0.06
+"""An upper edge on black, one of what changes, which may be ragged where the near field is dark, and a lower edge."""
 
 FEWEST_ROWS, CRISP, LEVEL = 5, 0.5, 0.8
 """Rows that a column of a rectangle has at least; part of a side that must lie on one line; part of an end that is surely no arc."""
 
 
-def is_bent(edge: Integers, lower: bool = False) -> bool:
+def is_bent(edge: Integers, smooth: float, only_down: bool = True) -> bool:
     """Whether the rows of an upper or lower edge, one a column, follow an arc or an angle, over their whole width or its middle half.
 
     The upper edge of a linear image is the skin, straight. A lower one may be ragged where the image fades, and shadows pull its middle up;
-    so it is bent only where its middle lies lower, as that of an arc, and along a smooth line.
+    so it is bent `only_down`, where its middle lies lower, as that of an arc, and along a smooth line.
     """
-    smooth = SMOOTH_LOWER if lower else SMOOTH_UPPER
     for columns in (edge, edge[edge.size // 4 : edge.size - edge.size // 4]):
         parts = np.array_split(columns, min(columns.size // 4 + 1, EDGE_PARTS))
         if len(parts) <= FEWEST_PARTS:
@@ -34,7 +36,7 @@ def is_bent(edge: Integers, lower: bool = False) -> bool:
         x = np.linspace(-1.0, 1.0, len(parts))
         parabola = np.polyfit(x, rows, 2)
         rest = np.sqrt(np.mean((rows - np.polyval(parabola, x)) ** 2))
-        depth = -parabola[0] if lower else abs(parabola[0])
+        depth = -parabola[0] if only_down else abs(parabola[0])
         if depth > SMALLEST_BEND_PX and rest < max(SMOOTH_PX, smooth * depth):
             return True
     return False
@@ -73,10 +75,16 @@ def has_bent_ends(area: Mask, box: tuple[int, int, int, int]) -> bool:
     left, right, top, bottom = (max(bound, 0) for bound in box)
     shown = area[top : bottom + 1, left : right + 1]
     shown = shown[:, shown.any(axis=0)]
-    return is_bent(shown.argmax(axis=0), lower=True) or is_bent(-shown[::-1].argmax(axis=0), lower=True)
+    return is_bent(shown.argmax(axis=0), SMOOTH_NEAR) or is_bent(-shown[::-1].argmax(axis=0), SMOOTH_LOWER)
 
 
-def has_level_far_end(area: Mask) -> bool:
-    """Whether an area ends downward along one row nearly everywhere, as no arc does; what the image's border cuts off does not count."""
-    bottom = outline_of(area, 1.0).bottom
-    return bool(most_at(bottom[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
+def is_cut_off(area: Mask) -> bool:
+    """Whether the image's border cuts an area off below."""
+    return bool(len(outline_of(area, 1.0).bottom) < CUT_OFF * np.count_nonzero(area.any(axis=0)))
+
+
+def has_level_end(area: Mask) -> bool:
+    """Whether an area ends downward along one row nearly everywhere, as no arc does; upward, where the image's border cuts it off."""
+    outline = outline_of(area, 1.0)
+    end = outline.top if is_cut_off(area) else outline.bottom
+    return bool(most_at(end[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))

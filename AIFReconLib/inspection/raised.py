@@ -11,28 +11,28 @@ from ..geometry.volume import Volume
 BANDS = (0.1, 0.3, 0.5, 0.7)
 """Where each band of the share of brightness that was added begins; below the first nothing is marked."""
 
-ROUNDING = 4 / 255
-"""Of the brightest voxel. A smaller difference is rounding and the ripple of weights, whatever share of a dark voxel it is."""
+BRIGHT = 0.5
+"""Of the brightest voxel. What is darker does not look like bone: it is raised where frames in a shadow count less, which are no echoes."""
 
 PLANES_AT_ONCE = 16
 """Planes [k], to bound the memory that is needed beside the volumes."""
 
 
-def raised_share(shown: Numbers, plain: Numbers, least: float = 0.0) -> Singles:
+def raised_share(shown: Numbers, plain: Numbers) -> Singles:
     """The share of the brightness that a method added, 0 to 1.
 
-    `shown` and `plain` are gray levels of the method and of the plain mean; differences below `least` count as none.
+    `shown` and `plain` are gray levels of the method and of the plain mean.
     (shown - plain) / shown comes back where that is positive, else 0: a voxel three times as bright as its echoes has 2/3.
     """
     bright = shown.astype(np.float32)
     added = bright - plain.astype(np.float32)
     share = np.zeros(bright.shape, dtype=np.float32)
-    np.divide(added, bright, out=share, where=(added > 0) & (added >= least))
+    np.divide(added, bright, out=share, where=added > 0)
     return share
 
 
 def raised_bands(shown: Volume, plain: Volume) -> Bytes:
-    """For display: 0 where a voxel is as bright as its echoes are on the mean, else 1 to 4, the number of its band in `BANDS`.
+    """For display: of what is as bright as bone 1 to 4, the number of its band in `BANDS`, where it is brighter than its echoes; else 0.
 
     Raises GeometryError when their voxels are not the same.
 
@@ -44,14 +44,14 @@ def raised_bands(shown: Volume, plain: Volume) -> Bytes:
     if shown.array.shape != plain.array.shape or not np.allclose(shown.ijk_to_reference, plain.ijk_to_reference, rtol=0.0, atol=1e-6):
         raise GeometryError("Input plain must lie on the voxels of the reconstruction; got another grid. Reconstruct both anew.")
     bands = np.empty(shown.array.shape, dtype=np.uint8)
-    least = ROUNDING * float(shown.array.max(initial=0))
+    bright = BRIGHT * float(shown.array.max(initial=0))
     eight_bit = shown.array.dtype == plain.array.dtype == np.uint8
     levels = np.arange(256, dtype=np.uint8)
-    known = _bands(*np.meshgrid(levels, levels, indexing="ij"), least).reshape(-1) if eight_bit else None
+    known = _bands(*np.meshgrid(levels, levels, indexing="ij"), bright).reshape(-1) if eight_bit else None
     for first in range(0, len(bands), PLANES_AT_ONCE):
         some = slice(first, first + PLANES_AT_ONCE)
         if known is None:
-            bands[some] = _bands(shown.array[some], plain.array[some], least)
+            bands[some] = _bands(shown.array[some], plain.array[some], bright)
         else:
             # Of 8 bits there are few pairs: looking up is faster
             pairs = shown.array[some].astype(np.intp) * 256
@@ -60,6 +60,7 @@ def raised_bands(shown: Volume, plain: Volume) -> Bytes:
     return bands
 
 
-def _bands(shown: Numbers, plain: Numbers, least: float) -> Bytes:
-    bands: Bytes = np.digitize(raised_share(shown, plain, least), BANDS).astype(np.uint8)
+def _bands(shown: Numbers, plain: Numbers, bright: float) -> Bytes:
+    bands: Bytes = np.digitize(raised_share(shown, plain), BANDS).astype(np.uint8)
+    bands[shown < bright] = 0
     return bands

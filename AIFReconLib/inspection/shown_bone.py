@@ -8,11 +8,11 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
+from ..bone.field import BoneField
 from ..compounding.state import Reconstruction
 from ..errors import SettingsError
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
-from ..registration.bone_field import BoneField
 
 CELL = 1.0
 """mm, about: voxels are averaged to this before anything else, for a view shows no more."""

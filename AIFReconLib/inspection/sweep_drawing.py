@@ -1,8 +1,9 @@
-"""A drawing of a sweep for a check by eye: the frames' outlines and axes, seen along two axes of Reference, as SVG."""
+"""A drawing of a sweep for a check by eye: the frames' outlines and axes, seen along two axes of Reference; as SVG, or to be painted."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from xml.sax.saxutils import escape
 
 import numpy as np
@@ -20,6 +21,61 @@ PANEL = 420.0
 MARGIN = 48.0
 _AXES = "xyz"
 _COLUMN_COLOR, _ROW_COLOR, _AXIS_COLOR, _SHOWN_COLOR = "#c0392b", "#1e8449", "#6c3483", "#2471a3"
+DOT = 3.0
+"""Points. Radius of the end of an axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stroke:
+    """A line through points (n, 2) of the page; `closed` ends where it begins, `tinted` inside, `dotted` at its end."""
+
+    points: Floats
+    color: str  #: #rrggbb
+    width: float = 1.0
+    closed: bool = False
+    tinted: bool = False
+    dashed: bool = False
+    dotted: bool = False
+
+
+@dataclass(frozen=True)
+class Words:
+    """A text that begins at a point of the page, on its line."""
+
+    x: float
+    y: float
+    text: str
+    color: str = "#000000"
+    size: int = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What is drawn, in points from the upper left corner of a white page."""
+
+    width: float
+    height: float
+    strokes: tuple[Stroke, ...]
+    words: tuple[Words, ...]
+
+    def to_svg(self) -> str:
+        """The text of an SVG file."""
+        page = f'width="{self.width:.0f}" height="{self.height:.0f}"'
+        box = f'viewBox="0 0 {self.width:.0f} {self.height:.0f}" font-family="sans-serif"'
+        lines = [f'<svg xmlns="http://www.w3.org/2000/svg" {page} {box}>']
+        lines += [f'<rect {page} fill="white"/>', *map(_svg_of, self.strokes)]
+        lines += [f'<text x="{w.x:.1f}" y="{w.y:.1f}" font-size="{w.size}" fill="{w.color}">{escape(w.text)}</text>' for w in self.words]
+        return "\n".join([*lines, "</svg>\n"])
+
+
+def _svg_of(stroke: Stroke) -> str:
+    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in stroke.points)
+    fill = f'fill="{stroke.color}" fill-opacity="0.2"' if stroke.tinted else 'fill="none"'
+    dashes = ' stroke-dasharray="6 4"' if stroke.dashed else ""
+    end = f'<circle cx="{stroke.points[-1, 0]:.1f}" cy="{stroke.points[-1, 1]:.1f}" r="{DOT:g}" fill="{stroke.color}"/>'
+    look = f'{fill} stroke="{stroke.color}" stroke-width="{stroke.width:g}"{dashes}'
+    line = f'<poly{"gon" if stroke.closed else "line"} points="{points}" {look}/>'
+    return line + (end if stroke.dotted else "")
 
 
 def draw_sweep(
@@ -29,8 +85,8 @@ def draw_sweep(
     reference: str = "Reference",
     lines: Sequence[tuple[str, Floats, Floats]] = (),
     region: ImageRegion | None = None,
-) -> str:
-    """The text of an SVG file.
+) -> Drawing:
+    """The drawing of a sweep.
 
     The red line is the image's columns axis (+x, toward the marked side), the green one its rows axis (+y, away from the transducer),
     both of the first frame, in which what is ultrasound is drawn in blue. Both panels have one scale.
@@ -57,13 +113,7 @@ def draw_sweep(
     low, high = shown.min(axis=0), shown.max(axis=0)
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
-    width, height = len(VIEWS) * (PANEL + 2 * MARGIN), PANEL + 2 * MARGIN + 24
-    elements = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}" '
-        'font-family="sans-serif" font-size="12">',
-        f'<rect width="{width:.0f}" height="{height:.0f}" fill="white"/>',
-        f'<text x="{MARGIN:.0f}" y="20" font-size="14">{escape(title)}</text>',
-    ]
+    drawn: list[Stroke | Words] = [Words(MARGIN, 20, title, size=14)]
     for number, axes in enumerate(VIEWS):
         corner = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
         middle = (low + high)[list(axes)] / 2
@@ -72,24 +122,24 @@ def draw_sweep(
             placed: Floats = corner + PANEL / 2 + (points[..., list(axes)] - middle) * scale
             return placed
 
-        elements += _panel(on_page(outlines), corner, axes, scale, reference)
+        drawn += _panel(on_page(outlines), corner, axes, scale, reference)
         if len(area):
-            points = " ".join(f"{x:.1f},{y:.1f}" for x, y in on_page(area))
-            elements.append(f'<polygon points="{points}" fill="{_SHOWN_COLOR}" fill-opacity="0.2" stroke="{_SHOWN_COLOR}"/>')
+            drawn.append(Stroke(on_page(area), _SHOWN_COLOR, closed=True, tinted=True))
         for name, point, direction in lines:
-            elements += _line(name, on_page(np.array([point - extent / 6 * direction, point + extent / 6 * direction])))
-    elements.append("</svg>\n")
-    return "\n".join(elements)
+            ends = on_page(np.array([point - extent / 6 * direction, point + extent / 6 * direction]))
+            drawn += _axis(ends, name, _AXIS_COLOR, dashed=True)
+    return Drawing(
+        len(VIEWS) * (PANEL + 2 * MARGIN),
+        PANEL + 2 * MARGIN + 24,
+        tuple(each for each in drawn if isinstance(each, Stroke)),
+        tuple(each for each in drawn if isinstance(each, Words)),
+    )
 
 
-def _line(name: str, ends: Floats) -> list[str]:
-    """An axis, dashed, from one end to the other on the page."""
-    (x1, y1), (x2, y2) = ends
-    return [
-        f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{_AXIS_COLOR}" stroke-width="2" stroke-dasharray="6 4"/>',
-        f'<circle cx="{x2:.1f}" cy="{y2:.1f}" r="3" fill="{_AXIS_COLOR}"/>',
-        f'<text x="{x2 + 5:.1f}" y="{y2 - 4:.1f}" fill="{_AXIS_COLOR}">{escape(name)}</text>',
-    ]
+def _axis(ends: Floats, name: str, color: str, dashed: bool = False) -> Iterator[Stroke | Words]:
+    """A line from one end to the other, which has a dot and a name."""
+    yield Stroke(ends, color, width=2.0, dashed=dashed, dotted=True)
+    yield Words(float(ends[1, 0]) + 5, float(ends[1, 1]) - 4, name, color)
 
 
 def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
@@ -100,26 +150,16 @@ def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
     return placed
 
 
-def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> list[str]:
+def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> Iterator[Stroke | Words]:
     """One view of the outlines, (frames, 4, 2) on the page."""
     across, down = (_AXES[axis] for axis in axes)
-    elements = [f'<rect x="{corner[0]:.1f}" y="{corner[1]:.1f}" width="{PANEL:.0f}" height="{PANEL:.0f}" fill="none" stroke="#bbb"/>']
+    yield Stroke(corner + PANEL * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), "#bbbbbb", closed=True)
     for number, outline in enumerate(outlines):
         level = round(190 - 170 * number / max(len(outlines) - 1, 1))
-        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in outline)
-        elements.append(f'<polygon points="{points}" fill="none" stroke="rgb({level},{level},{level})"/>')
-    origin, end_of_columns, _, end_of_rows = outlines[0]
-    for end, color, label in ((end_of_columns, _COLUMN_COLOR, "columns"), (end_of_rows, _ROW_COLOR, "rows")):
-        elements.append(
-            f'<line x1="{origin[0]:.1f}" y1="{origin[1]:.1f}" x2="{end[0]:.1f}" y2="{end[1]:.1f}" stroke="{color}" stroke-width="2"/>'
-        )
-        elements.append(f'<circle cx="{end[0]:.1f}" cy="{end[1]:.1f}" r="3" fill="{color}"/>')
-        elements.append(f'<text x="{end[0] + 5:.1f}" y="{end[1] - 4:.1f}" fill="{color}">{label}</text>')
+        yield Stroke(outline, f"#{level:02x}{level:02x}{level:02x}", closed=True)
+    yield from _axis(outlines[0, [0, 1]], "columns", _COLUMN_COLOR)
+    yield from _axis(outlines[0, [0, 3]], "rows", _ROW_COLOR)
     length = 10.0 ** np.floor(np.log10(PANEL / 2 / scale))
-    y = corner[1] + PANEL + 20
-    elements.append(
-        f'<line x1="{corner[0]:.1f}" y1="{y:.1f}" x2="{corner[0] + length * scale:.1f}" y2="{y:.1f}" stroke="black" stroke-width="2"/>'
-    )
-    words = f"{length:g} mm; {escape(reference)}: +{across} right, +{down} down"
-    elements.append(f'<text x="{corner[0] + length * scale + 8:.1f}" y="{y + 4:.1f}">{words}</text>')
-    return elements
+    left, y = float(corner[0]), float(corner[1]) + PANEL + 20
+    yield Stroke(np.array([(left, y), (left + length * scale, y)]), "#000000", width=2.0)
+    yield Words(left + length * scale + 8, y + 4, f"{length:g} mm; {reference}: +{across} right, +{down} down")

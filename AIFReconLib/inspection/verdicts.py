@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..bone.echoes.found import FEWEST
 from ..message import listed
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
-from ..registration.echoes import FEWEST
 
 if TYPE_CHECKING:
     from .tracking_report import TrackingReport

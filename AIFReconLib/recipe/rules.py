@@ -17,7 +17,8 @@ from ..message import shorten
 LARGEST = 1e300
 """Of a number; larger ones are not finite, or will not be."""
 
-NUMBER, WHOLE, NUMBERS, MATRIX, WORD, FLAG, TEXT, FILE = "number", "whole", "numbers", "matrix", "word", "flag", "text", "file"
+NUMBER, WHOLE, NUMBERS, MATRIX, FLAG = "number", "whole", "numbers", "matrix", "flag"
+WORD, WORDS, TEXT, FILE = "word", "words", "text", "file"
 """Kinds of settings. A file is never kept, for it is given as an input each time."""
 
 
@@ -88,6 +89,7 @@ def expected(rule: Rule) -> str:
         MATRIX: "4 rows of 4 numbers",
         FLAG: "True or False",
         TEXT: "a text",
+        WORDS: "texts",
         FILE: "a file",
     }[rule["kind"]]
 
@@ -113,6 +115,10 @@ def checked(name: str, value: Any, rule: Rule) -> Any:
         rows = [tuple(row) for row in value] if several and all(isinstance(row, Iterable) for row in value) else []
         _check(len(rows) == 4 and all(len(row) == 4 and all(map(_is_number, row)) for row in rows), name, value, rule)
         return tuple(tuple(map(float, row)) for row in rows)
+    if rule["kind"] == WORDS:
+        words = tuple(value) if several else ()
+        _check(bool(words) and all(isinstance(word, str) for word in words), name, value, rule)
+        return words
     _check(_is_one(value, rule), name, value, rule)
     if rule["kind"] in (NUMBER, WHOLE, NUMBERS) and not isinstance(value, str):
         _check_range(name, value, rule)

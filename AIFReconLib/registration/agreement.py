@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -12,24 +13,33 @@ from ..message import listed
 CLOSE = 2.0
 """mm from the surface within which an echo agrees with bone."""
 
-TIGHT = 0.5
-"""mm. Scale of the distances that tell the right place from one that only resembles it."""
+TIGHT = 0.25
+"""mm. Scale of the distances that tell the right place from one that only resembles it: half the echoes lie within 0.2 mm in the right
+place, within 0.4 mm or more a level off or with another patient's CT."""
 
 NEAR = 10.0
 """mm from bone beyond which an echo says nothing about the registration: it is of bone that the labels lack, or of something else."""
 
-ENOUGH, ENOUGH_OF_LABEL, LARGEST_MEDIAN = 0.7, 0.4, 0.45
+ENOUGH, ENOUGH_OF_LABEL, LARGEST_MEDIAN = 0.6, 0.4, 0.45
 """A registration is believed from this share of agreeing echoes, of all and of each bone, and up to this median distance in mm.
 docs/registration.md has right and wrong ones: the median is 0.2 to 0.4 mm in the right place, a real bone's included, and 0.5 mm or more
 5 mm off, a level off, or with another patient's CT. A level off, a bone also stands where no sound came back from, and few of its echoes
 agree."""
 
-WIDTH_PER_MM, LEAST_WIDTH, LARGEST_WIDTH = 3.0, 1.5, 6.0
-"""Width of the bone map for each mm within which three quarters of the echoes lie, and its limits, mm. Three widths of the Gaussian hold
-nearly all of the bone that is that far off: 1.7 mm for the fibula where it is, 2.3 to 3.5 mm with it 1 mm off, 6 mm from 4 mm on."""
+WIDTH_PER_MM, LEAST_WIDTH, MISPLACED = 2.0, 1.0, 1.5
+"""Width of the bone map for each mm within which three quarters of the echoes lie, and its least, mm: 1.3 mm for the fibula where it is,
+2.4 to 2.7 mm with it 1 mm off. Where they lie farther off than the last, the sweep's own echoes tell more of bone than the CT does.
+docs/decisions/0030 has what others gave."""
 
-SURE_WIDTH = 2.0
-"""mm. A bone map that has to be wider than this is believed the less: the CT's surface is one of many that bone may have."""
+SURE = 0.7
+"""mm within which three quarters of the echoes lie when bone is believed in full: the CT's surface is one of many that bone may have."""
+
+BEYOND = 1.0
+"""mm beyond nine tenths of the echoes near a misplaced CT, within which its bone may still be. Membranes lie farther off."""
+
+LITTLE_OFF, ELSEWHERE = 5.0, 0.25
+"""mm within which nine tenths of the echoes near a CT lie, and share of all echoes that lie elsewhere: up to these it is a little off. A
+level off, one of them is more. The membranes about the fibula are a fifth of its echoes."""
 
 LABEL_ECHOES = 0.05
 """Share of all echoes near bone that must be a label's before it is judged alone."""
@@ -58,32 +68,40 @@ class Agreement:
     """0 to 1. Mean over all echoes, wherever they lie, of exp(-d^2 / 2 t^2) for those that their beams could reach, t = `TIGHT`: what
     decides between places that are far apart. A wrong place may explain more echoes than the right one of a CT that shows fewer bones than
     the sweep, but never so closely."""
+    closeness: float = float("nan")
+    """mm. Median distance of the echoes that agree, without sign; NaN without such. `median_distance` is also of echoes of bone beside that
+    the labels lack."""
     upper_quartile: float = float("nan")
     """mm. Three quarters of the echoes near bone whose beams enter it lie nearer, without sign; NaN without such."""
+    upper_tenth: float = float("nan")
+    """mm. As `upper_quartile`, of nine in ten."""
+
+    @property
+    def misplaced(self) -> bool:
+        """Whether the CT lies so far from the echoes that bone is better taken from those."""
+        return not self.upper_quartile <= MISPLACED
+
+    @property
+    def reach(self) -> float:
+        """mm from the CT's bone, misplaced as it is, beyond which an echo is of something else; infinite where it may lie a level off."""
+        is_told = self.upper_tenth <= LITTLE_OFF and self.elsewhere <= ELSEWHERE * (self.echoes + self.elsewhere)
+        return self.upper_tenth + BEYOND if is_told else math.inf
 
     @property
     def bone_width(self) -> float:
         """Width of the bone map that goes with such an agreement, mm: as narrow as the bone lies sure, in steps of 0.1 mm."""
-        if not np.isfinite(self.upper_quartile):
-            return LARGEST_WIDTH
-        return round(float(np.clip(WIDTH_PER_MM * self.upper_quartile, LEAST_WIDTH, LARGEST_WIDTH)), 1)
+        off = MISPLACED if self.misplaced else self.upper_quartile
+        return round(max(WIDTH_PER_MM * off, LEAST_WIDTH), 1)
 
     @property
     def bone_belief(self) -> float:
         """How far that map is to be believed, 0 to 1, in steps of 0.01: it goes on falling where the width has its limit."""
-        if not np.isfinite(self.upper_quartile):
-            return round(SURE_WIDTH / LARGEST_WIDTH, 2)
-        return round(SURE_WIDTH / max(WIDTH_PER_MM * self.upper_quartile, SURE_WIDTH), 2)
+        return round(SURE / max(self.upper_quartile, SURE), 2) if np.isfinite(self.upper_quartile) else 0.0
 
     @property
     def explained(self) -> float:
         """Share of all echoes, wherever they lie, that agree."""
         return self.share * self.echoes / max(self.echoes + self.elsewhere, 1)
-
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """What places are compared by, the better the larger: whether they are to be believed, then how closely echoes lie on bone."""
-        return self.enough, self.tightness
 
     @property
     def enough(self) -> bool:

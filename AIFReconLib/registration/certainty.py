@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats
-from .bone_field import BoneField
-from .echoes import SweepEchoes
-from .refine import MOST_ECHOES, Refined, refine, robust_cost, vector_motion
+from ..bone.echoes.found import SweepEchoes
+from ..bone.field import BoneField
+from .refine import MOST_ECHOES, SCALES, _Cost, refine, robust_cost, vector_motion
 
 LOSS = 0.02
 """A motion is held once it costs this much more: two echoes in a hundred."""
@@ -54,27 +54,32 @@ def _words(axis: Floats) -> str:
     return "the axis ({:.2f}, {:.2f}, {:.2f}) of the CT".format(*(axis + 0.0))
 
 
-def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loose]:
+def not_held(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> list[Loose]:
     """Motions that hardly matter to the agreement, the loosest first.
 
-    The eigenvectors of Gauss-Newton's matrix at the optimum are motions that do not depend on each other; the cost along each of
-    small eigenvalue is followed until it has risen by `LOSS`. One that is mostly a shift is told as a slide, else as a turn.
+    The eigenvectors of Gauss-Newton's matrix at the optimum, `labels_to_reference`, are motions that do not depend on each other; the
+    cost along each of small eigenvalue is followed until it has risen by `LOSS`. One that is mostly a shift is told as a slide, else as a
+    turn.
     """
     chosen = echoes.thinned(MOST_ECHOES)
-    least = robust_cost(chosen, bone, refined.labels_to_reference)
+    least = robust_cost(chosen, bone, labels_to_reference)
+    cost = _Cost(chosen, bone, labels_to_reference)
+    distances, slopes = cost(np.zeros(6))
+    # The mean over the echoes of w g g^T in 1 / mm^2, for motions about their center, turns in mm
+    weights = np.exp(-0.5 * np.minimum((distances / SCALES[-1]) ** 2, 1e3))
     found = []
-    for vector in np.linalg.eigh(refined.normal)[1].T:
+    for vector in np.linalg.eigh((slopes * weights[:, None]).T @ slopes / len(slopes))[1].T:
         slides = np.linalg.norm(vector[:3]) >= np.linalg.norm(vector[3:])
         axis = vector[:3] if slides else vector[3:]
         length = np.linalg.norm(axis)
         # Steps in units of the named motion: mm of the slide, radians of the turn
-        unit = vector / length * (1.0 if slides else refined.lever)
+        unit = vector / length * (1.0 if slides else cost.lever)
         step, farthest = (0.25, FARTHEST_MM) if slides else (math.radians(0.5), math.radians(FARTHEST_DEG))
         amounts = np.arange(step, farthest + step, step)
         amount = farthest
         for size in amounts:
             costs = [
-                robust_cost(chosen, bone, vector_motion(sign * size * unit, refined.center, refined.lever) @ refined.labels_to_reference)
+                robust_cost(chosen, bone, vector_motion(sign * size * unit, cost.center, cost.lever) @ labels_to_reference)
                 for sign in (-1, 1)
             ]
             if min(costs) > least + LOSS:
@@ -84,22 +89,22 @@ def not_held(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> list[Loo
         if amount > (HELD_MM if slides else HELD_DEG):
             axis = axis / length
             axis = axis * np.sign(axis[np.abs(axis).argmax()])
-            found.append(Loose("slide" if slides else "turn", axis, float(amount), axis @ refined.labels_to_reference[:3, :3]))
+            found.append(Loose("slide" if slides else "turn", axis, float(amount), axis @ labels_to_reference[:3, :3]))
     return sorted(found, key=lambda one: -one.amount / (HELD_MM if one.kind == "slide" else HELD_DEG))
 
 
-def restart_spread(echoes: SweepEchoes, bone: BoneField, refined: Refined) -> float:
+def restart_spread(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> float:
     """How far apart places end, as the largest mean motion of the echoes in mm, that are refined anew from starts some mm and degrees
     away.
     """
     rng = np.random.default_rng(0)
-    chosen = echoes.thinned(MOST_ECHOES // 2)
+    chosen, center = echoes.thinned(MOST_ECHOES // 2), echoes.thinned(MOST_ECHOES).points.mean(axis=0)
     spread = 0.0
     for _ in range(RESTARTS):
         move, axis = (vector / np.linalg.norm(vector) for vector in rng.standard_normal((2, 3)))
         vector = np.concatenate([RESTART_MM * move, math.radians(RESTART_DEG) * axis])
-        again = refine(chosen, bone, vector_motion(vector, refined.center) @ refined.labels_to_reference, (4.0, 2.0, 1.0))
-        motion = again.labels_to_reference @ np.linalg.inv(refined.labels_to_reference)
+        again = refine(chosen, bone, vector_motion(vector, center) @ labels_to_reference, (4.0, 2.0, 1.0))
+        motion = again @ np.linalg.inv(labels_to_reference)
         moved = chosen.points @ motion[:3, :3].T + motion[:3, 3] - chosen.points
         spread = max(spread, float(np.linalg.norm(moved, axis=1).mean()))
     return spread

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Mask
+from ..bone.echoes.found import SweepEchoes
+from ..bone.echoes.search import sweep_echoes
+from ..bone.field import BoneField
 from ..errors import AIFReconError, DisagreementWarning, OperationCanceled
 from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
@@ -19,9 +22,6 @@ from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import CLOSE, NEAR, TIGHT, Agreement, Comparison, LabelAgreement
-from .bone_field import BoneField
-from .echo_search import sweep_echoes
-from .echoes import SweepEchoes
 
 ENTERING = 0.1
 """Cosine between beam and surface below which sound would come out of bone, or graze it, and no echo comes back."""
@@ -92,8 +92,10 @@ def agreement_of(fit: EchoFit, owners: Integers) -> Agreement:
     }
     tightness = float((np.exp(-0.5 * (np.minimum(np.abs(fit.distances), NEAR) / TIGHT) ** 2) * fit.reachable).mean()) if len(near) else 0.0
     entered = distances[fit.reachable[near]]
-    quartile = float(np.percentile(entered, 75)) if len(entered) else float("nan")
-    return Agreement(*_share_and_median(agreeing, distances), len(distances), len(near) - len(distances), per_label, tightness, quartile)
+    quartile, tenth = np.percentile(entered, (75, 90)).tolist() if len(entered) else (float("nan"), float("nan"))
+    closeness = float(np.median(distances[agreeing])) if agreeing.any() else float("nan")
+    share, median = _share_and_median(agreeing, distances)
+    return Agreement(share, median, len(distances), len(near) - len(distances), per_label, tightness, closeness, quartile, tenth)
 
 
 def _share_and_median(agreeing: Mask, distances: Floats) -> tuple[float, float]:
@@ -107,6 +109,7 @@ def compared(
     labels_to_reference: Floats,
     recipe: Recipe | None = None,
     progress: Progress | None = None,
+    field: BoneField | None = None,
 ) -> Comparison:
     """How well a sweep and placed labels agree, and what to do where they do not.
 
@@ -119,10 +122,12 @@ def compared(
     labels_to_reference : (4, 4) array, mm
     recipe : Recipe or None
         As in `reconstruct`.
+    field : BoneField or None
+        That of the labels, where it is made already.
     """
     try:
         echoes = sweep_echoes(sequences, recipe, most_frames=COMPARED_FRAMES, progress=progress)
-        bone = BoneField.from_labels(labels)
+        bone = field or BoneField.from_labels(labels)
         report(progress, 1.0, "Looking for bone in the sweep")
         agreement = check(echoes, bone, labels_to_reference)
     except OperationCanceled:

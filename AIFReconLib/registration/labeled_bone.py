@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Matrix
+from ..arrays import Floats, Mask, Matrix
+from ..bone.echoes.surface import bone_from_sweep
+from ..bone.field import BoneField
 from ..bone.map import BoneMap
 from ..bone.widths import SIGMA_VOXELS, UNKNOWN_WIDTH
 from ..compounding.methods.table import method_named
-from ..errors import SettingsError
+from ..errors import GeometryError, SettingsError
 from ..geometry.labels import Labels
-from ..geometry.transforms import LPS_FROM_RAS
+from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
-from ..message import Described
+from ..message import Described, said
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
+from ..sweep.joined import sweeps_of
 from .agreement import Comparison
 from .comparison import compared
 
@@ -37,9 +40,10 @@ class LabeledBone(Described):
     sequence : TrackedSequence, several, or None
         What is reconstructed; None where it is still to come.
     recipe : Recipe or None
-        Its `bone_sigma_voxels` and `bone_sigma_mm` are the width of the map, as in `BoneMap.from_labels`, or "auto": by how well CT and
-        sweep agree. With neither it is "auto" for `weighted`, and the paper's 10 voxels for the paper's methods and one's own. What the
-        probability is multiplied with, `bone_belief`, is 1, and where the width is "auto" it follows from that: see `Agreement`.
+        `bone_sigma_mm` is the width of the map, or "auto": by how well CT and sweep agree, the default of `weighted`. Its map is
+        `BoneMap.from_field`; that of the paper's methods, of one's own, and of `bone_sigma_voxels` is `BoneMap.from_labels`, by default
+        the paper's 10 voxels wide. What the probability is multiplied with, `bone_belief`, is 1, and where the width is "auto" it follows
+        from that: see `Agreement`. Where the CT lies far from the echoes, the map of `weighted` is `bone_from_sweep`.
 
     Raises
     ------
@@ -57,13 +61,14 @@ class LabeledBone(Described):
         self._recipe = recipe = recipe or Recipe()
         if recipe.bone_belief is not None and not 0 < recipe.bone_belief <= 1:
             raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {recipe.bone_belief!r}.")
+        sequence = None if sequence is None else sweeps_of(sequence)
         given = labels if isinstance(labels, Labels) else Labels(labels.array, labels.ijk_to_reference)
         if given.space_is_guessed and sequence is not None:
             given = _told_by_the_sweep(given, labels_to_reference, sequence, recipe)
         self.labels, self.labels_to_reference, self._belief = given, labels_to_reference, recipe.bone_belief
         self._sequence, self._sigma_voxels, self._sigma_mm = sequence, recipe.bone_sigma_voxels, recipe.bone_sigma_mm
         self._comparison: Comparison | None = None
-        self._last: tuple[dict[str, float], BoneMap] | None = None
+        self._last: tuple[dict[str, float | str], BoneMap] | None = None
 
     def _facts(self) -> list[tuple[str, str]]:
         place = "in Reference" if self.labels_to_reference is None else "by its transform"
@@ -83,9 +88,18 @@ class LabeledBone(Described):
             return self._sigma_mm == AUTOMATIC
         return method_named(method).follows_agreement
 
-    def settings(self, method: str, progress: Progress | None = None) -> dict[str, float]:
+    def taken_from_echoes(self, method: str, progress: Progress | None = None) -> bool:
+        """Whether bone is taken from the sweep's own echoes, because the CT does not lie on them."""
+        if not (method_named(method).follows_agreement and self.is_automatic(method)):
+            return False
+        comparison = self.comparison(progress)
+        return comparison is not None and comparison.agreement is not None and comparison.agreement.misplaced
+
+    def settings(self, method: str, progress: Progress | None = None) -> dict[str, float | str]:
         """Width of the map for a method and, where it is not 1, its belief, by the names of the options that repeat it."""
-        belief = {} if self._belief is None else {"bone_belief": self._belief}
+        if self.taken_from_echoes(method, progress):
+            return {"bone_sigma_mm": AUTOMATIC}
+        belief: dict[str, float | str] = {} if self._belief is None else {"bone_belief": self._belief}
         if self.is_automatic(method):
             comparison = self.comparison(progress)
             agreement = None if comparison is None else comparison.agreement
@@ -96,7 +110,7 @@ class LabeledBone(Described):
             return {"bone_sigma_mm": agreement.bone_width, **belief}
         return {**self._given_width(), **belief}
 
-    def _given_width(self) -> dict[str, float]:
+    def _given_width(self) -> dict[str, float | str]:
         if isinstance(self._sigma_mm, int | float):
             return {"bone_sigma_mm": float(self._sigma_mm)}
         return {"bone_sigma_voxels": SIGMA_VOXELS if self._sigma_voxels is None else self._sigma_voxels}
@@ -105,20 +119,44 @@ class LabeledBone(Described):
         """The bone map for a method; the last one is kept."""
         settings = self.settings(method, part(progress, 0.0, 0.5))
         if self._last is None or self._last[0] != settings:
-            voxels, mm = settings.get("bone_sigma_voxels", SIGMA_VOXELS), settings.get("bone_sigma_mm")
             # Gone before the next is made: each may be as large as the CT
             self._last = None
-            made = BoneMap.from_labels(self.labels, voxels, mm, self.labels_to_reference, part(progress, 0.5, 1.0))
+            made = self._made(method, settings, part(progress, 0.5, 1.0))
             if "bone_belief" in settings:
                 np.multiply(made.probability.array, np.float32(settings["bone_belief"]), out=made.probability.array)
             self._last = settings, made
         return self._last[1]
 
+    def _made(self, method: str, settings: dict[str, float | str], progress: Progress | None) -> BoneMap:
+        if self._sequence is not None and self.taken_from_echoes(method):
+            try:
+                return bone_from_sweep(self._sequence, self._recipe, progress, may_be=self._may_be)
+            except GeometryError as none:  # a sweep that shows no bone is not a reason to make no volume
+                nothing = np.zeros(self.labels.array.shape, np.uint8)
+                place = self.in_reference().ijk_to_reference
+                return BoneMap(Volume(nothing.astype(np.float32), place), Volume(nothing, place), (said(none),))
+        voxels, mm = (None if name not in settings else float(settings[name]) for name in ("bone_sigma_voxels", "bone_sigma_mm"))
+        if mm is not None and method_named(method).follows_agreement:
+            return BoneMap.from_field(self._field, mm, self.labels_to_reference)
+        return BoneMap.from_labels(self.labels, SIGMA_VOXELS if voxels is None else voxels, mm, self.labels_to_reference, progress)
+
+    def _may_be(self, points: Floats) -> Mask:
+        """Which points (n, 3) in Reference are as near to the CT's bone, misplaced as it is, as its echoes are."""
+        comparison = self.comparison()
+        reach = np.inf if comparison is None or comparison.agreement is None else comparison.agreement.reach
+        in_labels = points if self.labels_to_reference is None else transform_points(invert(self.labels_to_reference), points)
+        return np.abs(self._field.distances(in_labels)) <= reach
+
+    @cached_property
+    def _field(self) -> BoneField:
+        """Measured once, for the map and for how CT and sweep agree."""
+        return BoneField.from_labels(self.labels)
+
     def comparison(self, progress: Progress | None = None) -> Comparison | None:
         """How CT and sweep agree, looked at once; None without a sweep."""
         if self._comparison is None and self._sequence is not None:
             placed = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
-            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress)
+            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress, self._field)
         return self._comparison
 
     def lines(self, method: str, progress: Progress | None = None) -> list[str]:
@@ -127,6 +165,8 @@ class LabeledBone(Described):
         lines = [] if comparison is None else list(comparison.lines)
         if not self.is_automatic(method):
             return lines
+        if self.taken_from_echoes(method):
+            return [*lines, "Bone is taken from the sweep's own echoes, as the CT does not lie on them."]
         width = self.settings(method)["bone_sigma_mm"]
         if comparison is None or comparison.agreement is None:
             return [*lines, f"Tolerance around the CT's bone: {width:g} mm, as CT and sweep were not compared."]
@@ -142,13 +182,9 @@ def _told_by_the_sweep(
 ) -> Labels:
     """Labels of models that may be in RAS or in LPS, in that of both in which more echoes of the sweep agree."""
     placed = np.eye(4) if labels_to_reference is None else labels_to_reference
-    turned = replace(labels, ijk_to_reference=LPS_FROM_RAS @ labels.ijk_to_reference)
-    agreements = [compared(sequence, each, placed, recipe).agreement for each in (labels, turned)]
+    agreements = [compared(sequence, labels.taken_as(space, "to compare"), placed, recipe).agreement for space in ("LPS", "RAS")]
     as_lps, as_ras = (0.0 if each is None else each.explained for each in agreements)
     if as_lps == as_ras:
         return labels
-    chosen, name, share = (turned, "RAS", as_ras) if as_ras > as_lps else (labels, "LPS", as_lps)
-    note = (
-        f"The model does not say whether it is in RAS or LPS; it is taken to be in {name}, where {share:.0%} of the sweep's echoes agree."
-    )
-    return replace(chosen, notes=(*labels.notes[:-1], note), space_is_guessed=False)
+    space, share = ("RAS", as_ras) if as_ras > as_lps else ("LPS", as_lps)
+    return labels.taken_as(space, f"where {share:.0%} of the sweep's echoes agree")

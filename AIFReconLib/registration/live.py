@@ -7,15 +7,15 @@ from collections import deque
 import numpy as np
 
 from ..arrays import Floats, Integers
-from ..bone.echo_bone import BoneEchoFinder
+from ..bone.echoes.finder import BoneEchoFinder
+from ..bone.echoes.found import FEWEST, SweepEchoes
+from ..bone.echoes.search import echoes_of
+from ..bone.field import BoneField
 from ..geometry.transforms import pixel_spacing
 from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
 from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement
-from .bone_field import BoneField
 from .comparison import EchoFit, agreement_of, judged
-from .echo_search import echoes_of
-from .echoes import FEWEST, SweepEchoes
 
 SECONDS = 5.0
 """s of the scan that are looked back upon."""

@@ -11,17 +11,17 @@ sets, Image and Vision Computing 21:1145-1153: Levenberg-Marquardt on a distance
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any, cast
 
 import numpy as np
 import scipy
 
 from ..arrays import Floats
+from ..bone.echoes.found import SweepEchoes
+from ..bone.field import BoneField
 from ..geometry.transforms import invert, transform_points
-from .bone_field import BoneField
 from .comparison import ENTERING
-from .echoes import SweepEchoes
 
 SCALES = (8.0, 4.0, 2.0, 1.0)
 """mm. Distances much beyond a scale count as far, no matter how far; one after the other."""
@@ -29,21 +29,11 @@ SCALES = (8.0, 4.0, 2.0, 1.0)
 MOST_ECHOES = 1500
 """Echoes that take part, evenly in space."""
 
+STEPS = 15
+"""Steps at each scale, where many places are followed at once."""
+
 FAR = 1e3
 """Stands for the distance, in scales, of an echo whose sound would leave bone there."""
-
-
-@dataclass(frozen=True, eq=False)
-class Refined:
-    """Where a refinement ended."""
-
-    labels_to_reference: Floats  #: (4, 4), mm
-    cost: float  #: 0 to 1. Mean of 1 - exp(-d^2 / 2 s^2) over the echoes, at the last scale.
-    normal: Floats
-    """(6, 6). Gauss-Newton's matrix, the mean over the echoes of w g g^T in 1 / mm^2, for motions of `vector_motion` about `center` in
-    units of mm, turns multiplied by `lever`; w = exp(-d^2 / 2 s^2)."""
-    center: Floats  #: (3,), mm, Reference
-    lever: float  #: mm. Root mean square distance of the echoes from their center: turns in radians times this are mm.
 
 
 def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
@@ -54,6 +44,18 @@ def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
     motion[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / lever).as_matrix()
     motion[:3, 3] = center - motion[:3, :3] @ center + vector[:3]
     return motion
+
+
+def welsch(count: int) -> Callable[[Floats], Floats]:
+    """A loss as `scipy.optimize.least_squares` takes it: 1 - exp(-r^2 / 2) of the first residuals, which are echoes, r^2 of the others."""
+
+    def loss(squared: Floats) -> Floats:
+        decay = np.exp(-0.5 * np.minimum(squared[:count], 1e3))
+        rho = np.stack([squared, np.ones_like(squared), np.zeros_like(squared)])
+        rho[:, :count] = 2 * (1 - decay), decay, -0.5 * decay
+        return rho
+
+    return loss
 
 
 class _Cost:
@@ -101,8 +103,8 @@ def refine(
     start: Floats,
     scales: tuple[float, ...] = SCALES,
     most: int = MOST_ECHOES,
-) -> Refined:
-    """The best place of bone near a start.
+) -> Floats:
+    """The best place of bone near a start, labels_to_reference, (4, 4) in mm.
 
     Minimized is the mean of 1 - exp(-d^2 / 2 s^2) over the echoes, d the signed distance of an echo to bone, for s = 8, 4, 2 and 1 mm.
     An echo far from all bone, or whose sound would leave bone, costs 1 and pulls nowhere: gas, fascia, and bone that the labels lack do
@@ -121,16 +123,12 @@ def refine(
         def slopes_of(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
             return cost(vector)[1] / scale
 
-        def loss(squared: Floats) -> Floats:
-            decay = np.exp(-0.5 * np.minimum(squared, 1e3))
-            return np.stack([2 * (1 - decay), decay, -0.5 * decay])
-
         # Typed in another way from one release of the stubs to the next
         solution = cast("Any", scipy.optimize.least_squares)(
             residuals,
             np.zeros(6),
             jac=slopes_of,
-            loss=loss,
+            loss=welsch(len(chosen)),
             x_scale=1.0,
             xtol=1e-4,
             ftol=1e-5,
@@ -138,7 +136,46 @@ def refine(
             max_nfev=30,
         )
         place = vector_motion(solution.x, cost.center, cost.lever) @ place
-    distances, slopes = _Cost(chosen, bone, place)(np.zeros(6))
-    weights = np.exp(-0.5 * np.minimum((distances / scales[-1]) ** 2, 1e3))
-    normal = (slopes * weights[:, None]).T @ slopes / len(slopes)
-    return Refined(place, float(1 - weights.mean()), normal, cost.center, cost.lever)
+    return place
+
+
+def led(echoes: SweepEchoes, bone: BoneField, starts: Floats) -> Floats:
+    """Roughly where many starts lead to, all at once, (n, 4, 4): what `refine` minimizes, by `STEPS` steps of Levenberg and Marquardt at
+    each scale.
+
+    All `echoes` take part: few are wanted. `starts` are rigid labels_to_reference, (n, 4, 4) in mm.
+    """
+    center = echoes.points.mean(axis=0)
+    arms = echoes.points - center
+    lever = max(math.sqrt((arms**2).sum(axis=1).mean()), 1.0)
+
+    def judged(places: Floats, scale: float) -> tuple[Floats, Floats, Floats]:
+        """Cost (n,), its slope (n, 6) and its curvature (n, 6, 6)."""
+        turns = places[:, :3, :3]
+        points = (echoes.points - places[:, None, :3, 3]) @ turns
+        distances, slopes = bone.sample(points.reshape(-1, 3))
+        distances, slopes = distances.reshape(points.shape[:2]), slopes.reshape(points.shape) @ turns.transpose(0, 2, 1)
+        entering = -(slopes * echoes.beams).sum(axis=2) >= ENTERING * np.linalg.norm(slopes, axis=2)
+        squared = (distances / scale) ** 2
+        weights = np.where(entering, np.exp(-0.5 * squared), 0.0)
+        jacobian = np.concatenate([-slopes, -np.cross(arms, slopes) / lever], axis=2)
+        curved = jacobian * (weights * np.maximum(1 - squared, 0.0))[..., None]
+        return 1 - weights.mean(axis=1), (jacobian * (weights * distances)[..., None]).sum(axis=1), curved.transpose(0, 2, 1) @ jacobian
+
+    places = starts.copy()
+    for scale in SCALES:
+        cost, slope, curvature = judged(places, scale)
+        damping = np.full(len(places), 0.01 * len(echoes))
+        for _ in range(STEPS):
+            steps = -np.linalg.solve(curvature + damping[:, None, None] * np.eye(6), slope[..., None])[..., 0]
+            steps *= np.minimum(scale / np.maximum(np.linalg.norm(steps, axis=1), 1e-9), 1.0)[:, None]
+            moved, tried = scipy.spatial.transform.Rotation.from_rotvec(steps[:, 3:] / lever).as_matrix(), places.copy()
+            tried[:, :3, 3] = (moved @ (places[:, :3, 3] - center)[..., None])[..., 0] + center + steps[:, :3]
+            tried[:, :3, :3] = moved @ places[:, :3, :3]
+            found = judged(tried, scale)
+            better = found[0] < cost
+            places[better] = tried[better]
+            for known, new in zip((cost, slope, curvature), found):
+                known[better] = new[better]
+            damping *= np.where(better, 0.3, 5.0)
+    return places

@@ -8,31 +8,33 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import Floats
+from ..bone.echoes.found import SweepEchoes
+from ..bone.echoes.search import sweep_echoes
+from ..bone.field import BoneField
 from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
-from ..message import Described, Sentence, advised
+from ..message import Judged, Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
-from .bone_field import BoneField
 from .certainty import HELD_MM, Loose, not_held, restart_spread
-from .echo_search import sweep_echoes
-from .echoes import SweepEchoes
-from .search import Place, anywhere, around, distinct, finished, level_shifts, motion_between, search
+from .search import Place, anywhere, around, beside, distinct, finished, level_shifts, mirrored, motion_between, search, shifted
 from .segments import Segments, fields_of_labels, fit_segments
 
-AS_GOOD = 0.9
-"""A second place whose echoes lie this share as closely on bone as the best one's makes the answer ambiguous."""
+AS_GOOD = 0.8
+"""A second place whose echoes lie this share as closely on bone as the best one's makes the answer ambiguous; right places have 0.7 at
+most."""
 
 OUTNUMBERED = 1.8
 """A place that is believed for the few echoes near it is not, where another explains so many times as many of all."""
 
-REFINED_MEDIAN = 0.33
-"""mm. Median distance beyond which a place that was refined is not the right one: a level off it is 0.35 mm or more, in the right place
-0.3 mm or less, a real bone's included. What is only checked need not be refined, so it is judged less strictly."""
+LEAST_CLOSENESS = 0.33
+"""mm. Closeness beyond which a place that was refined is not the right one: a level off or with another patient's CT it is 0.36 mm or
+more, in the right place 0.3 mm or less, a real bone's included. What is only checked need not be refined, so it is judged less
+strictly."""
 
 BENT, NEARLY_AS_GOOD = 3, 0.8
 """Most places in which the bones are let loose, and the share of what the best one explains that makes it worth trying."""
@@ -53,7 +55,7 @@ class Alternative:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Registration(Described):
+class Registration(Judged):
     """Where the CT belongs, and how sure that is."""
 
     transform: Floats  #: (4, 4), mm. labels_to_reference, RAS.
@@ -69,16 +71,6 @@ class Registration(Described):
 
     def _facts(self) -> list[tuple[str, str]]:
         return [("accepted", str(self.accepted)), ("agreement", self.agreement.sentence())]
-
-    @property
-    def accepted(self) -> bool:
-        """Whether the bone agrees and no other place is as good."""
-        return self.said is None
-
-    @property
-    def refusal(self) -> str | None:
-        """Why the answer must not be used unseen, in Python's words."""
-        return None if self.said is None else advised(self.said)
 
     @property
     def uncertain(self) -> list[str]:
@@ -145,20 +137,20 @@ def register_echoes(
     if level and not shifts:
         raise SettingsError(f"Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.")
     places = _places(echoes, bone, start, part(progress, 0.0, 0.6))
-    places = distinct([*places, *(finished(echoes, bone, places[0].labels_to_reference @ _shift(by)) for by in shifts.values())], echoes)
+    places = distinct([*places, *beside(echoes, bone, places[0].labels_to_reference)], echoes)
     fields = fields_of_labels(bone.labels) if per_segment else {}
     segments_of: dict[int, Segments] = {}
     if per_segment:
         # A bent spine fits rigidly a level off nearly as well: the bones decide
         rivals = [place for place in places[:BENT] if place.agreement.explained >= NEARLY_AS_GOOD * places[0].agreement.explained]
         bent = [(place, fit_segments(echoes, fields, place.labels_to_reference)) for place in rivals]
-        bent.sort(key=lambda one: one[1].agreement.rank, reverse=True)
+        bent.sort(key=lambda one: one[1].agreement.tightness, reverse=True)
         segments_of = {id(place): segments for place, segments in bent}
         places = [*(place for place, _ in bent), *places[len(rivals) :]]
     chosen = places[0]
     if level:
         unit = shifts[1] * np.sign(shifts[1][2] or 1.0)
-        chosen = finished(echoes, bone, places[0].labels_to_reference @ _shift(level * unit))
+        chosen = finished(echoes, bone, places[0].labels_to_reference @ shifted(level * unit))
     others = [place for place in places if place is not chosen]
     report(progress, 0.7, "Judging the CT's place")
     segments = segments_of.get(id(chosen))
@@ -175,9 +167,13 @@ def register_echoes(
     )
     loose, restarts = [], 0.0
     if chosen.agreement.share >= WORTH_JUDGING:
-        loose, restarts = not_held(echoes, bone, chosen.refined), restart_spread(echoes, bone, chosen.refined)
+        place = chosen.labels_to_reference
+        loose, restarts = not_held(echoes, bone, place), restart_spread(echoes, bone, place)
     moved = None if start is None else motion_between(start, chosen.labels_to_reference, echoes.thinned(200).points)
     refusal = _disagreement(agreement) or (None if level else _ambiguity(agreement, alternatives))
+    if refusal is None and mirrored(echoes, bone, chosen.labels_to_reference).agreement.tightness > chosen.agreement.tightness:
+        words = "The CT fits more closely mirrored: its left and right, or those of the images, may be swapped."
+        refusal = Sentence(words, Remedy.START_NEARER)
     report(progress, 1.0, "Registered")
     return Registration(chosen.labels_to_reference, agreement, refusal, tuple(loose), restarts, alternatives, moved, segments, echoes)
 
@@ -204,12 +200,6 @@ def _rigid(start: Floats) -> Floats:
     return matrix
 
 
-def _shift(by: Floats) -> Floats:
-    matrix = np.eye(4)
-    matrix[:3, 3] = by
-    return matrix
-
-
 def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, Floats]) -> int | None:
     """How many levels higher the CT lies at a place than at the best one."""
     if not shifts:
@@ -221,7 +211,7 @@ def _levels(place: Place, best: Place, bone: BoneField, shifts: dict[int, Floats
 
 def _disagreement(agreement: Agreement) -> Sentence | None:
     warning = agreement.warning()
-    if warning is None and agreement.median_distance > REFINED_MEDIAN:
+    if warning is None and agreement.closeness > LEAST_CLOSENESS:
         warning = (
             "It fits only roughly even after fine adjustment: the CT may be a level off or of another patient, the spine may have "
             "bent, or the tracking was unsteady."
@@ -240,14 +230,14 @@ def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Sentence | Non
             "roughly.",
             Remedy.START_NEARER,
         )
-    rival = next(iter(others), None)
-    if rival is None or not rival.agreement.enough or rival.agreement.tightness < AS_GOOD * best.tightness:
+    rival = max(others, key=lambda other: other.agreement.tightness, default=None)
+    if rival is None or rival.agreement.tightness < AS_GOOD * best.tightness:
         return None
+    there = f"{rival.agreement.explained:.0%} of all echoes agree there, {best.explained:.0%} here"
+    if rival.levels is None:
+        return Sentence(f"The CT's one bone fits nearly as well elsewhere: {there}. More bones would tell.", Remedy.START_NEARER)
     where = "elsewhere" if not rival.levels else f"{rival.levels:+d} level(s) away (+: toward the head)"
-    return Sentence(
-        f"The CT fits nearly as well {where}: {rival.agreement.explained:.0%} of all echoes agree there, {best.explained:.0%} here.",
-        Remedy.CHOOSE_A_PLACE,
-    )
+    return Sentence(f"The CT fits nearly as well {where}: {there}.", Remedy.CHOOSE_A_PLACE)
 
 
 def as_report(found: Registration) -> dict[str, object]:

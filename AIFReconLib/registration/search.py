@@ -13,13 +13,13 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats
+from ..bone.echoes.found import SweepEchoes
+from ..bone.field import BoneField
 from ..geometry.transforms import invert, transform_points
 from ..progress import Progress, report
 from .agreement import Agreement
-from .bone_field import BoneField
 from .comparison import ENTERING, check
-from .echoes import SweepEchoes
-from .refine import Refined, refine
+from .refine import MOST_ECHOES, led, refine
 
 AROUND_MM, AROUND_DEG = 30.0, 25.0
 """How far from a start places are tried when the way down from it leads nowhere good."""
@@ -27,7 +27,7 @@ AROUND_MM, AROUND_DEG = 30.0, 25.0
 TRIED_AROUND, TRIED_ANYWHERE = 3000, 9000
 """Places that are scored, of which `FOLLOWED` are refined coarsely and `FINISHED` fully."""
 
-FOLLOWED, FINISHED = 40, 6
+FOLLOWED, FINISHED = 120, 6
 
 SCORE_SCALE, SCORE_ECHOES = 4.0, 150
 """mm, and echoes that take part, when places are scored."""
@@ -37,6 +37,9 @@ COARSE_ECHOES = 300
 APART = 4.0
 """mm that the echoes' center or the mean echo must move from one place to the next for these to be two."""
 
+LEVELS_MM = (24.0, 30.0, 36.0, 42.0)
+"""Heights of a lumbar vertebra with its disc, which a CT of one vertebra does not tell."""
+
 TILT_DEG = 12.0
 """Standard deviation of the turns of a patient on a table against the axes of a CT."""
 
@@ -45,26 +48,21 @@ TILT_DEG = 12.0
 class Place:
     """A place of the bone: where it is, and how well it agrees with all echoes."""
 
-    refined: Refined
+    labels_to_reference: Floats  #: (4, 4) float64, mm
     agreement: Agreement
-
-    @property
-    def labels_to_reference(self) -> Floats:
-        """(4, 4) float64, mm."""
-        return self.refined.labels_to_reference
 
 
 def finished(echoes: SweepEchoes, bone: BoneField, start: Floats) -> Place:
     """The place that a start leads to."""
-    refined = refine(echoes, bone, start)
-    return Place(refined, check(echoes, bone, refined.labels_to_reference))
+    place = refine(echoes, bone, start)
+    return Place(place, check(echoes, bone, place))
 
 
 def distinct(places: Sequence[Place], echoes: SweepEchoes) -> list[Place]:
-    """The places by their agreement's rank, best first, without those that are another one within `APART`."""
+    """The places by their tightness, best first, without those that are another one within `APART`."""
     points = echoes.thinned(COARSE_ECHOES).points
     found: list[Place] = []
-    for place in sorted(places, key=lambda place: place.agreement.rank, reverse=True):
+    for place in sorted(places, key=lambda place: place.agreement.tightness, reverse=True):
         if all(motion_between(place.labels_to_reference, other.labels_to_reference, points) > APART for other in found):
             found.append(place)
     return found
@@ -73,6 +71,28 @@ def distinct(places: Sequence[Place], echoes: SweepEchoes) -> list[Place]:
 def motion_between(one: Floats, other: Floats, points: Floats) -> float:
     """Mean distance in mm by which two places differ, at points (n, 3) of Reference."""
     return float(np.linalg.norm(transform_points(other @ invert(one), points) - points, axis=1).mean())
+
+
+def beside(echoes: SweepEchoes, bone: BoneField, place: Floats) -> list[Place]:
+    """Where the bone comes to lie from a level or two beside a place, labels_to_reference (4, 4); of a single bone the best two."""
+    shifts = list(level_shifts(bone).values())
+    if shifts:
+        return [finished(echoes, bone, place @ shifted(by)) for by in shifts]
+    coarse = echoes.thinned(COARSE_ECHOES)
+    starts = np.array([place @ shifted(np.array([0.0, 0.0, sign * height])) for height in LEVELS_MM for sign in (1, -1)])
+    rough = [Place(end, check(coarse, bone, end)) for end in led(coarse, bone, starts)]
+    return [finished(echoes, bone, one.labels_to_reference) for one in distinct(rough, echoes)[:2]]
+
+
+def mirrored(echoes: SweepEchoes, bone: BoneField, place: Floats) -> Place:
+    """The place of the same bone with left and right swapped, near a place: the echoes are mirrored instead."""
+    to_labels = invert(place)
+    mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
+    mirror[0, 3] = 2 * bone.middle[0]
+    across = place @ mirror @ to_labels
+    swapped = SweepEchoes(transform_points(across, echoes.points), echoes.beams @ across[:3, :3].T, echoes.scores, echoes.frames)
+    other = refine(swapped, bone, place, most=MOST_ECHOES // 2)
+    return Place(other, check(swapped, bone, other))
 
 
 def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: Progress | None = None) -> list[Place]:
@@ -89,11 +109,8 @@ def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: P
             followed.append(candidates[number])
         if len(followed) == FOLLOWED:
             break
-    places = []
-    for done, start in enumerate(followed):
-        report(progress, 0.2 + 0.6 * done / len(followed), "Looking for the CT's place")
-        refined = refine(coarse, bone, start, (8.0, 4.0, 2.0))
-        places.append(Place(refined, check(coarse, bone, refined.labels_to_reference)))
+    report(progress, 0.2, "Looking for the CT's place")
+    places = [Place(place, check(coarse, bone, place)) for place in led(coarse, bone, np.array(followed))]
     best = distinct(places, echoes)[:FINISHED]
     result = []
     for done, place in enumerate(best):
@@ -108,6 +125,13 @@ def around(start: Floats, center: Floats) -> Floats:
     moves, axes = (_directions(rng, count) for _ in range(2))
     turns = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(AROUND_DEG) * rng.random((count, 1)) * axes).as_matrix()
     return _placed(turns, center + AROUND_MM * rng.random((count, 1)) * moves, start, center)
+
+
+def shifted(by: Floats) -> Floats:
+    """A motion by (3,) mm, (4, 4)."""
+    matrix = np.eye(4)
+    matrix[:3, 3] = by
+    return matrix
 
 
 def level_shifts(bone: BoneField) -> dict[int, Floats]:

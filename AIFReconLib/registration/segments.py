@@ -20,13 +20,13 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers, Mask
+from ..bone.echoes.found import SweepEchoes
+from ..bone.field import BoneField
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from .agreement import Agreement
-from .bone_field import BoneField
 from .comparison import EchoFit, agreement_of, fit_echoes
-from .echoes import SweepEchoes
-from .refine import _Cost, vector_motion
+from .refine import _Cost, vector_motion, welsch
 
 SEGMENT_SCALES = (4.0, 2.0, 1.0)
 """mm. As `SCALES`."""
@@ -129,18 +129,12 @@ def _moved_together(
             row += 3 * len(of_a)
         return result
 
-    def loss(squared: Floats) -> Floats:
-        decay = np.exp(-0.5 * np.minimum(squared[:echo_count], 1e3))
-        rho = np.stack([squared, np.ones_like(squared), np.zeros_like(squared)])
-        rho[:, :echo_count] = 2 * (1 - decay), decay, -0.5 * decay
-        return rho
-
     # Typed in another way from one release of the stubs to the next
     solution = cast("Any", scipy.optimize.least_squares)(
         residuals,
         np.zeros(6 * len(numbers)),
         jac=jacobian,
-        loss=loss,
+        loss=welsch(echo_count),
         xtol=1e-4,
         ftol=1e-4,
         gtol=1e-6,

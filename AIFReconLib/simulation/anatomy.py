@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,11 +23,10 @@ from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part, report
 from .computed_tomography import hounsfield_units
+from .morphometry import BODY_LIFT, LAMINA_THICKNESS, TYPICAL, VertebraSizes
+from .sacrum import Sacrum
 from .soft_tissue import SoftTissue, make_texture
-from .vertebra import BODY_LIFT, LAMINA_THICKNESS, VERTEBRA_BOX, Vertebra
-
-DISTANCE_LIMIT = 6.0
-"""mm. Signed distances to bone are cut off here: what is farther is far."""
+from .vertebra import DISTANCE_LIMIT, VERTEBRA_BOX, Vertebra, flexed, turned_about
 
 FACET_GAP = 1.6
 """mm of joint space between the facets of neighbors. Within the 1 to 2 mm of cartilage and fluid in CT."""
@@ -47,28 +47,33 @@ class LumbarAnatomy:
     seed : int
         Decides what the sizes leave open: small tilts and shifts of each vertebra, tissue texture and CT noise.
     vertebrae : int
-        2 to 4 of L2 to L5: L3-L4, L2-L4, or L2-L5.
-    body_width, body_depth, body_height, canal_width, canal_depth, transverse_width : float
-        Means of L3, rounded [1]_. Depth is antero-posterior.
+        2 to 5: L3-L4, L2-L4, L2-L5, or L2-L5 with the sacrum's top.
+    body_width, body_depth, body_height, canal_width, canal_depth, transverse_width, pedicle_width : float
+        Of L3; the other levels' differ from these as they typically do (`morphometry.TYPICAL`, with its sources and ranges).
+    facet_width, facet_angle_deg : float
+        Of L3: between the middles of the superior articular processes, and of the joints to the sagittal plane. The inferior ones follow.
+    arch_height : float
+        Of L3, from the top of its superior to the bottom of its inferior articular processes.
     disc_height : float
-        About 10 mm in the mid-lumbar spine.
+        3.1 to 11.4 mm [1]_.
     spinous_length : float
-        Spinolaminar junction to tip: about 30 mm [2]_.
+        Of L3, spinolaminar junction to tip: about 30 mm [2]_.
+    spinous_slope_deg : float
+        By how much the middle of the spinous processes slopes down.
     interspinous_gap : float
-        Between neighboring spinous processes. 12 mm on the mean at L2-L3, 6 to 22 mm, less with age [3]_. It leaves processes of
-        20 to 25 mm height here, as in [4]_.
+        Between neighboring spinous processes, where they are nearest; larger above L5, whose process is low. 12 mm on the mean at L2-L3,
+        6 to 22 mm, less with age [3]_. It leaves processes of 20 to 25 mm height at L2 to L4, as in [4]_.
     skin_to_lamina : float
         35 to 55 mm; ultrasound finds the epidural space, a few mm deeper, at 47 mm on the mean in parturients (standard deviation
         7 mm) [5]_.
     lordosis_deg : float
         Between neighboring vertebrae, at most half of the standing posture's.
     irregularity : float
-        Scales all that is drawn per vertebra; 0 makes every vertebra and gap the same.
+        Scales all that is drawn per vertebra; 0 leaves what is typical of each level.
 
     References
     ----------
-    .. [1] Panjabi et al. (1992), Human lumbar vertebrae: quantitative three-dimensional anatomy, Spine 17:299-306,
-       doi:10.1097/00007632-199203000-00010.
+    .. [1] Clouthier et al. (2023), J Biomech 146:111421, doi:10.1016/j.jbiomech.2022.111421 (see `morphometry`).
     .. [2] Kaya Ayvaz et al. (2021), A radiological evaluation of lumbar spinous processes and interspinous spaces, Cureus,
        doi:10.7759/cureus.19454.
     .. [3] Interspinous distance and size of lumbar spinous processes on radiographs of 60 Koreans (2013), PubMed 22120390.
@@ -80,22 +85,27 @@ class LumbarAnatomy:
 
     seed: int = 0
     vertebrae: int = 3
-    body_width: float = _size(45.0, 2.5, 38.0, 54.0)
-    body_depth: float = _size(33.0, 2.0, 28.0, 40.0)
-    body_height: float = _size(27.0, 1.2, 23.0, 31.0)
-    disc_height: float = _size(10.0, 1.2, 7.0, 14.0)
-    canal_width: float = _size(24.0, 1.2, 20.0, 28.0)
-    canal_depth: float = _size(17.0, 1.2, 13.0, 21.0)
-    transverse_width: float = _size(84.0, 4.0, 70.0, 96.0)
-    spinous_length: float = _size(30.0, 1.5, 25.0, 35.0)
-    interspinous_gap: float = _size(8.5, 1.3, 5.0, 12.0)
+    body_width: float = _size(51.5, 2.5, 42.0, 59.0)
+    body_depth: float = _size(35.0, 2.0, 29.5, 42.0)
+    body_height: float = _size(29.5, 1.2, 25.0, 32.5)
+    disc_height: float = _size(8.0, 1.2, 5.0, 11.5)
+    canal_width: float = _size(23.0, 1.2, 20.0, 28.0)
+    canal_depth: float = _size(15.0, 1.0, 13.0, 20.0)
+    transverse_width: float = _size(88.0, 4.0, 74.0, 100.0)
+    spinous_length: float = _size(32.0, 1.5, 26.0, 37.0)
+    interspinous_gap: float = _size(10.0, 1.3, 6.0, 14.0)
     skin_to_lamina: float = _size(45.0, 4.0, 35.0, 55.0)
     lordosis_deg: float = _size(6.0, 1.3, 1.0, 10.0)
+    pedicle_width: float = _size(9.0, 1.0, 6.0, 12.5)
+    facet_width: float = _size(37.0, 1.5, 32.0, 42.0)
+    facet_angle_deg: float = _size(24.0, 6.0, 5.0, 45.0)
+    arch_height: float = _size(49.0, 1.8, 43.0, 55.0)
+    spinous_slope_deg: float = _size(19.0, 3.0, 10.0, 28.0)
     irregularity: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.vertebrae not in (2, 3, 4):
-            raise SettingsError(f"Input vertebrae must be 2, 3 or 4; got {self.vertebrae!r}.")
+        if self.vertebrae not in (2, 3, 4, 5):
+            raise SettingsError(f"Input vertebrae must be 2, 3, 4 or 5; got {self.vertebrae!r}.")
         for size in fields(self):
             low, high = size.metadata.get("minimum"), size.metadata.get("maximum")
             value = getattr(self, size.name)
@@ -146,54 +156,65 @@ class LumbarAnatomy:
         rng = np.random.default_rng([self.seed, 2])
         jitter = self.irregularity * np.clip(rng.standard_normal((self.vertebrae, 7)), -2.0, 2.0)
         gaps = self.interspinous_gap + self.irregularity * np.clip(rng.standard_normal(self.vertebrae + 1), -2.0, 2.0) * 0.8
-        gaps = np.clip(gaps, 5.5, 11.5) if self.irregularity else gaps
-        step = math.radians(self.lordosis_deg)
+        gaps = np.clip(gaps, 6.5, 13.5) if self.irregularity else gaps
         first = LEVELS.index("L3" if self.vertebrae == 2 else "L2")
-        lamina_radius = self.arc_radius - self.body_depth_from_lamina
-        spines = []
-        for n in range(self.vertebrae):
-            pose = _pose_on_arc(self, ((self.vertebrae - 1) / 2 - n) * step, jitter[n])
-            pitch = (step * lamina_radius, step)
-            spines.append(
-                Vertebra(
-                    label=n + 1,
-                    name=LEVELS[first + n],
-                    vertebra_to_reference=pose,
-                    scale=1.0 + 0.015 * jitter[n, 5],
-                    body_width=self.body_width,
-                    body_depth=self.body_depth,
-                    body_height=self.body_height,
-                    canal_width=self.canal_width,
-                    canal_depth=self.canal_depth,
-                    transverse_width=self.transverse_width,
-                    spinous_length=self.spinous_length,
-                    spinous_top=(pitch[0] / 2 - gaps[n] / 2, pitch[1] / 2),
-                    spinous_bottom=(-pitch[0] / 2 + gaps[n + 1] / 2, -pitch[1] / 2),
-                    spinous_slope=0.16,
-                    spinous_deviation=1.0 * jitter[n, 6],
-                )
+        names = (*LEVELS, "S1")[first : first + self.vertebrae]
+        sizes = _with_gaps([self.sizes_of(name, 1.0 + 0.015 * jitter[n, 5]) for n, name in enumerate(names)], gaps, self)
+        step = math.radians(self.lordosis_deg)
+        return tuple(
+            (Sacrum if name == "S1" else Vertebra)(
+                n + 1, name, _pose_on_arc(self, ((self.vertebrae - 1) / 2 - n) * step, jitter[n]), sizes[n], jitter[n, 6]
             )
-        return tuple(spines)
+            for n, name in enumerate(names)
+        )
+
+    def sizes_of(self, level: str, scale: float = 1.0) -> VertebraSizes:
+        """Sizes of a vertebra of this person: typical of its level, and as much larger as this L3 is; `scale` is its own."""
+        here, usual = TYPICAL[level], type(self)
+        width, high = self.facet_width / usual.facet_width, self.arch_height / usual.arch_height
+        drop = here.spinous_length * (math.tan(math.radians(self.spinous_slope_deg)) - math.tan(math.radians(usual.spinous_slope_deg)))
+        same = (
+            "body_width",
+            "body_depth",
+            "body_height",
+            "canal_width",
+            "canal_depth",
+            "transverse_width",
+            "pedicle_width",
+            "spinous_length",
+        )
+        changed = {name: getattr(here, name) * getattr(self, name) / getattr(usual, name) for name in same}
+        changed |= {"superior_width": here.superior_width * width, "inferior_width": here.inferior_width * width}
+        changed |= {"superior_height": here.superior_height * high, "inferior_height": here.inferior_height * high}
+        changed |= {"pedicle_height": here.pedicle_height * self.body_height / usual.body_height}
+        grown = {name: value * scale for name, value in changed.items() if name not in ("spinous_length", "canal_depth")}
+        angle = here.facet_angle_deg + self.facet_angle_deg - usual.facet_angle_deg
+        edges = {"spinous_top": here.spinous_top - drop, "spinous_bottom": here.spinous_bottom - drop}
+        return replace(here, **(changed | grown | edges), facet_angle_deg=angle)
+
+
+def _with_gaps(sizes: list[VertebraSizes], gaps: Floats, anatomy: LumbarAnatomy) -> list[VertebraSizes]:
+    """The same with spinous processes made higher or lower, on both sides of a gap alike and by 4 mm at most, toward these gaps."""
+    radius, step = anatomy.arc_radius - anatomy.body_depth_from_lamina, math.radians(anatomy.lordosis_deg)
+    for n, (upper, lower) in enumerate(pairwise(sizes)):
+        pitch = step * (radius - (upper.spinous_length + lower.spinous_length) / 2 + 10.0)
+        taken = float(np.clip(pitch + upper.spinous_bottom - lower.spinous_top - gaps[n + 1], -8.0, 8.0)) / 2
+        sizes[n : n + 2] = (
+            replace(upper, spinous_bottom=upper.spinous_bottom - taken),
+            replace(lower, spinous_top=lower.spinous_top + taken),
+        )
+    return sizes
 
 
 def _pose_on_arc(anatomy: LumbarAnatomy, angle: float, jitter: Floats) -> Matrix:
     """Vertebra to Reference at an angle (radians, superior positive) along the arc, with small tilts and shifts."""
     turn = np.deg2rad(np.array([0.7, 1.2, 1.5]) * jitter[:3])
-    tilt = _rotation(0, angle + turn[0]) @ _rotation(1, turn[1]) @ _rotation(2, turn[2])
+    tilt = turned_about(0, angle + turn[0]) @ turned_about(1, turn[1]) @ turned_about(2, turn[2])
     radius = anatomy.arc_radius - anatomy.body_depth_from_lamina
     pose = np.eye(4)
     pose[:3, :3] = tilt
     pose[:3, 3] = (0.7 * jitter[3], anatomy.arc_center_y + radius * math.cos(angle) + 0.5 * jitter[4], radius * math.sin(angle))
     return pose
-
-
-def _rotation(axis: int, angle: float) -> Floats:
-    """Right-handed rotation (3, 3) by an angle in radians about a coordinate axis."""
-    a, b = (axis + 1) % 3, (axis + 2) % 3
-    matrix = np.eye(3)
-    matrix[a, a] = matrix[b, b] = math.cos(angle)
-    matrix[a, b], matrix[b, a] = -math.sin(angle), math.sin(angle)
-    return matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,7 +312,7 @@ def make_lumbar_phantom(
         ct_grid = VoxelGrid.from_spacing(corners_ct.min(axis=0), size, spacing)
         placed_grid = VoxelGrid(ct_grid.size, placement @ ct_grid.ijk_to_reference)
         distance, owner = _bone_on_grid(ct_vertebrae, placed_grid, part(progress, 0.5, 0.7))
-    soft_tissue = _soft_tissue(anatomy)
+    soft_tissue = soft_tissue_of(anatomy)
     report(progress, 0.7, "Simulating the CT")
     hounsfield = hounsfield_units(soft_tissue, placed_grid, distance, ct_noise, np.random.default_rng([anatomy.seed, 4]))
     ijk_to_ct = invert(placement) @ placed_grid.ijk_to_reference
@@ -302,35 +323,8 @@ def make_lumbar_phantom(
     )
 
 
-def flexed(vertebrae: tuple[Vertebra, ...], angle_deg: float) -> tuple[Vertebra, ...]:
-    """The vertebrae bent forward (backward where negative) by an angle in degrees at every disc, the middle one staying in its place.
-
-    Notes
-    -----
-    Each vertebra turns against the next lower one about an axis to the side through the hind part of the lower one's upper endplate, a
-    sixth of the body's depth behind its middle: about where lumbar vertebrae turn in flexion and extension [1]_.
-
-    References
-    ----------
-    .. [1] Pearcy MJ, Bogduk N (1988), Instantaneous axes of rotation of the lumbar intervertebral joints, Spine 13:1033-1041.
-    """
-    # Superior turns forward: about the patient's right-left axis, z toward y
-    turn = np.eye(4)
-    turn[:3, :3] = _rotation(0, -math.radians(angle_deg))
-    motions = [np.eye(4)]
-    for lower in vertebrae[:0:-1]:
-        x, y, z = lower.body_center
-        pivot = np.eye(4)
-        pivot[:3, 3] = x, y - lower.body_depth / 6, z + lower.body_height / 2
-        about = lower.vertebra_to_reference @ pivot
-        about[:3, :3] = np.eye(3)
-        motions.append(motions[-1] @ about @ turn @ invert(about))
-    motions = motions[::-1]
-    still = invert(motions[len(motions) // 2])
-    return tuple(replace(v, vertebra_to_reference=still @ motion @ v.vertebra_to_reference) for v, motion in zip(vertebrae, motions))
-
-
-def _soft_tissue(anatomy: LumbarAnatomy) -> SoftTissue:
+def soft_tissue_of(anatomy: LumbarAnatomy) -> SoftTissue:
+    """The soft tissue around a spine of these sizes."""
     half_segment = math.radians(anatomy.lordosis_deg) * anatomy.vertebrae / 2
     return SoftTissue(
         arc_center_y=anatomy.arc_center_y,
@@ -346,10 +340,11 @@ def _soft_tissue(anatomy: LumbarAnatomy) -> SoftTissue:
 
 
 def _extent(anatomy: LumbarAnatomy) -> tuple[Floats, Floats]:
-    """Corners of the scanned box in Reference: the labeled vertebrae, a hand's breadth of muscle, and some air behind the back."""
+    """Corners of the scanned box in Reference: the vertebrae (of the sacrum the top), a hand's breadth of muscle, some air behind."""
     half = (anatomy.vertebrae - 1) / 2 * (anatomy.body_height + anatomy.disc_height)
     front = anatomy.skin_to_lamina + anatomy.body_depth_from_lamina + anatomy.body_depth / 2 + 14.0
-    return np.array([-66.0, -20.0, -half - 32.0]), np.array([66.0, front, half + 34.0])
+    below = 12.0 if anatomy.vertebrae > len(LEVELS) else 32.0
+    return np.array([-66.0, -20.0, -half - below]), np.array([66.0, front, half + 34.0])
 
 
 def _bone_on_grid(vertebrae: tuple[Vertebra, ...], grid: VoxelGrid, progress: Progress | None) -> tuple[Singles, Bytes]:

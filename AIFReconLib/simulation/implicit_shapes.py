@@ -10,9 +10,11 @@ Hart (1996), Sphere tracing, The Visual Computer 12:527-545, doi:10.1007/s003710
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ..arrays import Reals
+from ..arrays import Integers, Mask, Reals
 
 Triple = tuple[float, float, float]
 
@@ -37,38 +39,49 @@ def ellipse(u: Reals, v: Reals, radius_u: Reals | float, radius_v: Reals | float
     return distance
 
 
-def swept_ellipsoid(x: Reals, y: Reals, z: Reals, start: Triple, end: Triple, radii_start: Triple, radii_end: Triple) -> Reals:
-    """Distance to an ellipsoid moved along a segment while its radii change: a capsule with a flattened section.
+class Bar(NamedTuple):
+    """A flat strip with round ends, as thick as said, that may taper: what most parts of a vertebra's arch are.
 
     Parameters
     ----------
-    x, y, z : float32 arrays
     start, end : (3,)
-        Centers of the ellipsoid at both ends.
-    radii_start, radii_end : (3,)
-        Its radii along x, y, z there.
+        Middles of the round ends.
+    radii_start, radii_end : (half width, half thickness)
+        There; the edges are rounded by the half thickness.
+    facing : (3,)
+        Across its flat side, of any length; what of it runs along the bar is left out.
     """
-    axis = np.subtract(end, start).astype(np.float32)
-    position = ((x - start[0]) * axis[0] + (y - start[1]) * axis[1] + (z - start[2]) * axis[2]) / float(axis @ axis)
-    position = np.clip(position, 0.0, 1.0)
-    square: Reals | float = 0.0
-    slope: Reals | float = 0.0
-    for coordinate, origin, direction, r0, r1 in zip((x, y, z), start, axis, radii_start, radii_end):
-        radius = np.float32(r0) if r0 == r1 else r0 + (r1 - r0) * position
-        scaled = (coordinate - origin - direction * position) / radius
-        square = square + scaled * scaled
-        slope = slope + (scaled / radius) ** 2
-    length = np.sqrt(np.maximum(square, 1e-8))
-    distance: Reals = length * (length - 1.0) / np.sqrt(np.maximum(slope, 1e-10))
-    return distance
 
+    start: Triple
+    end: Triple
+    radii_start: tuple[float, float]
+    radii_end: tuple[float, float]
+    facing: Triple
 
-def rounded_box(
-    x: Reals, y: Reals, z: Reals, half_x: Reals | float, half_y: Reals | float, half_z: Reals | float, rounding: float
-) -> Reals:
-    """Distance to a box about the origin with rounded edges; half sizes are outer ones and may be arrays."""
-    outside_x, outside_y, outside_z = (np.abs(c) - half + rounding for c, half in ((x, half_x), (y, half_y), (z, half_z)))
-    inside = np.minimum(np.maximum(np.maximum(outside_x, outside_y), outside_z), 0.0)
-    square = np.maximum(outside_x, 0.0) ** 2 + np.maximum(outside_y, 0.0) ** 2 + np.maximum(outside_z, 0.0) ** 2
-    distance: Reals = np.sqrt(square) + inside - rounding
-    return distance
+    def reaches(self, x: Reals, y: Reals, z: Reals, margin: float) -> Integers:
+        """Places in flat arrays of points that may lie within `margin` of the bar."""
+        beyond = max(self.radii_start + self.radii_end) + margin
+        inside: Mask | bool = True
+        for coordinate, ends in zip((x, y, z), zip(self.start, self.end)):
+            inside = inside & (coordinate > min(ends) - beyond) & (coordinate < max(ends) + beyond)
+        return np.flatnonzero(inside)
+
+    def distance(self, x: Reals, y: Reals, z: Reals) -> Reals:
+        """Distance to its surface: exact where it does not taper."""
+        along = np.subtract(self.end, self.start, dtype=np.float64)
+        length = float(np.linalg.norm(along))
+        along /= length
+        across = np.subtract(self.facing, np.dot(self.facing, along) * along)
+        across /= np.linalg.norm(across)
+        offsets = [coordinate - np.float32(start) for coordinate, start in zip((x, y, z), self.start)]
+        way, thick, wide = (
+            sum(offset * np.float32(part) for offset, part in zip(offsets, axis)) for axis in (along, across, np.cross(along, across))
+        )
+        place = np.clip(way / np.float32(length), 0.0, 1.0)
+        half_width, half_thickness = (
+            np.float32(first) + np.float32(last - first) * place for first, last in zip(self.radii_start, self.radii_end)
+        )
+        flat = np.maximum(half_width - half_thickness, 0.0)
+        aside = np.maximum(np.hypot(way - np.float32(length) * place, wide) - flat, 0.0)
+        distance: Reals = np.hypot(aside, thick) - half_thickness
+        return distance

@@ -14,7 +14,7 @@ import numpy as np
 from ..arrays import Matrix, Numbers, NumberType
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from ..geometry.transforms import as_matrix, invert
+from ..geometry.transforms import as_matrix, invert, with_unit_depth
 from ..imaging.images import ImageStack
 from ..remedies import Remedy
 from .frames import CROPPED, FrameRecord, TrackedSequence, records_from
@@ -26,6 +26,7 @@ class ImageView:
     """Some frames, or a part of each, of another `ImageStack`.
 
     `numbers` are frames, in this order; `columns` and `rows` are (first, count). All by default.
+    `mirrored` takes columns from the last to the first.
     """
 
     def __init__(
@@ -34,12 +35,14 @@ class ImageView:
         numbers: Sequence[int] | None = None,
         columns: tuple[int, int] | None = None,
         rows: tuple[int, int] | None = None,
+        mirrored: bool = False,
     ):
         self._images = images
         self._numbers = range(len(images)) if numbers is None else numbers
         first_column, width = columns or (0, images.shape[2])
         first_row, height = rows or (0, images.shape[1])
         self._part = (slice(first_row, first_row + height), slice(first_column, first_column + width))
+        self._step = -1 if mirrored else 1
         self.shape = (len(self._numbers), height, width)
         self.dtype = np.dtype(images.dtype)
 
@@ -47,7 +50,7 @@ class ImageView:
         return self.shape[0]
 
     def __getitem__(self, index: int) -> Numbers:
-        return np.asarray(self._images[self._numbers[operator.index(index)]])[self._part]
+        return np.asarray(self._images[self._numbers[operator.index(index)]])[self._part][:, :: self._step]
 
     def __array__(self, dtype: NumberType | None = None, copy: bool | None = None) -> Numbers:
         if copy is False:
@@ -159,6 +162,62 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
     if others and not was_recorded:
         return sequence  # a second way from the image to the tracker would contradict the first sooner or later
     return replace(sequence, transforms={**sequence.transforms, name: TransformSample(matrix)})
+
+
+def mirrored(sequence: TrackedSequence) -> TrackedSequence:
+    """The recording with its images turned left to right under the same poses: where the marked side was told wrongly."""
+    return replace(sequence, images=ImageView(sequence.images, mirrored=True))
+
+
+def inverted(sequence: TrackedSequence, name: TransformName) -> TrackedSequence:
+    """The recording with the inverse of one transform under its name: where it was recorded the other way round.
+
+    Raises SettingsError when the recording does not hold it.
+    """
+    if name not in sequence.transform_names():
+        there = ", ".join(map(str, sequence.transform_names())) or "none"
+        raise SettingsError(f"Input invert must name a transform of the recording; it has {there}, and no {name}.")
+
+    def changed(transforms: Transforms) -> Transforms:
+        return {other: _turned_round(sample) if other == name else sample for other, sample in transforms.items()}
+
+    return _map_transforms(sequence, changed)
+
+
+def _turned_round(sample: TransformSample) -> TransformSample:
+    # What is no pose is judged later, like any other
+    usable = sample.status is TransformStatus.OK and np.isfinite(sample.matrix).all() and abs(np.linalg.det(sample.matrix)) > 0
+    return replace(sample, matrix=invert(sample.matrix)) if usable else sample
+
+
+def corrected(sequence: TrackedSequence, correction: Matrix, image_frame: str = "Image") -> TrackedSequence:
+    """The recording with a correction of its image plane: M becomes M @ `correction` for every transform M of the image.
+
+    Whatever the third column of M was, it counts as a step of 1 mm out of the image.
+
+    Raises SettingsError when the recording has no transform of the image.
+
+    Parameters
+    ----------
+    correction : (4, 4) array
+        Pixels (and mm out of the image) to the same, as `Calibration.image_correction` has it.
+    """
+    correction = as_matrix(correction, "correction")
+    if not any(image_frame in (name.source, name.target) for name in sequence.transform_names()):
+        raise SettingsError(f"{sequence.name}: it has no transform of {image_frame} to correct.", Remedy.CALIBRATION_FILE)
+
+    def changed(transforms: Transforms) -> Transforms:
+        result = {}
+        with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
+            for name, sample in transforms.items():
+                if name.source == image_frame and name != CROPPED:
+                    sample = replace(sample, matrix=with_unit_depth(sample.matrix) @ correction)
+                elif name.target == image_frame and name != CROPPED.inverse and sample.status is TransformStatus.OK:
+                    sample = replace(sample, matrix=invert(with_unit_depth(invert(sample.matrix)) @ correction))
+                result[name] = sample
+        return result
+
+    return _map_transforms(sequence, changed)
 
 
 def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:

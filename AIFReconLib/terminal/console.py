@@ -131,3 +131,8 @@ class ProgressBar:
             show(self._stream, "\r" + text.ljust(self._width))
             self._width = len(text)
         return True
+
+
+def real_path(path: Path) -> Path:
+    """The path without links; one that leads in a circle stays as it is."""
+    return Path(os.path.realpath(path))

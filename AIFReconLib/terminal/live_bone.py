@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..bone.growing_bone import GrowingBone
-from ..bone.model import OnnxModel
+from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..errors import SettingsError
 from ..live.session.bone_watch import BoneWatch, predictions_beside

@@ -16,8 +16,7 @@ from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import check_writable
 from ..message import one_line
-from .console import plain, show
-from .options import real_path
+from .console import plain, real_path, show
 
 FIRST_WORDS = "AIFRecon log"
 """Of every log. A file that begins otherwise is something else, to which nothing may be appended."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +21,7 @@ from ..io.volume.models import LPS, RAS
 from ..message import Sentence
 from ..progress import Progress
 from ..remedies import Remedy
+from .console import real_path
 from .one_line_parser import FilesAction, OneLineParser
 
 Commands: TypeAlias = "argparse._SubParsersAction[OneLineParser]"
@@ -71,11 +71,6 @@ def _importance_mask(path: Path) -> list[Path]:
     except AIFReconError:
         return []
     return [real_path(mask)] if mask is not None else []
-
-
-def real_path(path: Path) -> Path:
-    """The path without links; one that leads in a circle stays as it is."""
-    return Path(os.path.realpath(path))
 
 
 def as_compared(path: Path) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
 from ..errors import MethodError
 from ..recipe.recipe import RULES, Branch, Recipe
-from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE
+from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule
 from .one_line_parser import NumbersAction, numbers
 from .remedies import in_options
 
@@ -60,9 +60,9 @@ def load_method_here(name: str) -> None:
     load_method(name)
 
 
-def add_setting(group: argparse._ActionsContainer, name: str, default: object = None) -> None:
+def add_setting(group: argparse._ActionsContainer, name: str, default: object = None, rules: Mapping[str, Rule] = RULES) -> None:
     """Declare the option of a setting, unless it has none or is declared already; `default` where the command has one of its own."""
-    rule, option = RULES[name], "--" + name.replace("_", "-")
+    rule, option = rules[name], "--" + name.replace("_", "-")
     if not rule["metavar"] or option in group._option_string_actions:
         return
     shown = rule["default"] if default is None else default
@@ -71,7 +71,9 @@ def add_setting(group: argparse._ActionsContainer, name: str, default: object = 
     words: dict[str, Any] = {"help": rule["help"] + unit + told, "dest": name, "default": default}
     names = rule["metavar"].split()
     if rule["kind"] == FLAG:
-        group.add_argument(option, action="store_true", help=words["help"])
+        group.add_argument(option, action="store_true" if rule["default"] is False else argparse.BooleanOptionalAction, help=words["help"])
+    elif rule["kind"] == WORDS:
+        group.add_argument(option, nargs="+", metavar=names[0], **words)
     elif rule["own"]:
         group.add_argument(option, choices=OwnChoices([*(rule["choices"] or ()), OWN_METHOD]), action=MethodAction, **words)
     elif rule["choices"]:

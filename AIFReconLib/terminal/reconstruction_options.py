@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..arrays import Matrix
-from ..bone.echo_bone import bone_from_sweep
+from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
-from ..bone.model import OnnxModel
+from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import bone_from_frames
 from ..bone.recorded_predictions import RecordedPredictions
 from ..errors import SettingsError

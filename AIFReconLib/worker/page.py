@@ -126,10 +126,10 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
 
 def _agreement(about: PageAbout, words: Mapping[Remedy, str], progress: Progress | None) -> tuple[Section, str]:
     """How CT and sweep agree: a section, and words for the line."""
+    from ..bone.echoes.search import sweep_echoes
+    from ..bone.field import BoneField
     from ..evaluation.report import Section
-    from ..registration.bone_field import BoneField
     from ..registration.comparison import check
-    from ..registration.echo_search import sweep_echoes
 
     title = "CT and sweep"
     if about.labels is None or about.labels_to_reference is None:

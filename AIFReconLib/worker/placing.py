@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Matrix
+from ..bone.echoes.found import SweepEchoes
 from ..geometry.volume import Volume
 from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..registration.agreement import Agreement
-from ..registration.echoes import SweepEchoes
 from ..sweep.frames import TrackedSequence
 
 MOST_DRAWN = 3000
@@ -47,6 +47,7 @@ class Found:
     moved: float | None  #: mm
     uncertain: tuple[str, ...]  #: What the sweep does not hold, in words
     alternatives: tuple[Offered, ...]  #: The best first
+    apart: Volume | None  #: The labels in Reference, each where it came to lie on its own, where that was asked for
 
 
 class Placing:
@@ -59,7 +60,7 @@ class Placing:
     """
 
     def __init__(self, echoes: SweepEchoes, labels: Volume):
-        from ..registration.bone_field import BoneField
+        from ..bone.field import BoneField
 
         self._echoes, self._bone = echoes, BoneField.from_labels(labels)
         self._drawn = echoes.thinned(MOST_DRAWN)
@@ -71,17 +72,19 @@ class Placing:
         distances = np.abs(fit_echoes(self._drawn, self._bone, place).distances)
         return Placed(np.asarray(place), check(self._echoes, self._bone, place), self._drawn.points, distances)
 
-    def find(self, start: Matrix | None, progress: Progress | None = None) -> Found:
-        """Where it belongs, from a place or, without one, from anywhere."""
+    def find(self, start: Matrix | None, per_segment: bool = False, progress: Progress | None = None) -> Found:
+        """Where it belongs, from a place or, without one, from anywhere; and, if asked for, each of its bones on its own."""
         from ..registration.registration import register_echoes
+        from ..registration.segments import placed_labels
 
-        found = register_echoes(self._echoes, self._bone, start, progress=progress)
+        found = register_echoes(self._echoes, self._bone, start, per_segment=per_segment, progress=progress)
         others = tuple(Offered(other.transform, other.agreement, other.levels) for other in found.alternatives)
-        return Found(self.at(found.transform), found.said, found.agreement, found.moved, tuple(found.uncertain), others)
+        apart = placed_labels(self._bone.labels, found.segments.transforms) if found.segments else None
+        return Found(self.at(found.transform), found.said, found.agreement, found.moved, tuple(found.uncertain), others, apart)
 
 
 def echoes_in(sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None) -> SweepEchoes:
     """The bone echoes of a recorded sweep; arguments as of `sweep_echoes`."""
-    from ..registration.echo_search import sweep_echoes
+    from ..bone.echoes.search import sweep_echoes
 
     return sweep_echoes(sequence, recipe, progress=progress)

@@ -20,8 +20,8 @@ from ..arrays import Floats, Matrix
 from ..compounding.methods.average import AVERAGE
 from ..compounding.methods.table import COMPARED_METHODS, is_own_method, method_named
 from ..compounding.state import Reconstruction
-from ..errors import AIFReconError, GeometryError, InsufficientMemoryError, MethodError, OperationCanceled
-from ..geometry.transforms import transform_points
+from ..errors import AIFReconError, BeamGeometryError, GeometryError, InsufficientMemoryError, MethodError, OperationCanceled
+from ..geometry.transforms import pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, extreme_pixels
@@ -178,6 +178,22 @@ def imaging_of(sequence: TrackedSequence, needs_probe: bool, recipe: Recipe) -> 
     return imaging.probe, imaging.region
 
 
+def recognized_clip(sequence: TrackedSequence) -> tuple[float, ...]:
+    """First column and row, width and height, in pixels, of the upright rectangle of ultrasound that is recognized in the images.
+
+    Raises AIFReconError when no frame can be placed, nothing is recognized, or a sector, which needs no rectangle.
+    """
+    from ..imaging.detection import detect_imaging
+
+    poses = sweep_poses(sequence)
+    first = poses.require_usable(sequence.name)[0]
+    seen = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[first]))
+    clip = seen.region.clip
+    if clip is None or seen.region.fan is not None:
+        raise BeamGeometryError(f"{sequence.name}: {seen.description} was recognized, whose pixels are told by it; no rectangle is needed.")
+    return (*clip.origin_px, *clip.size_px)
+
+
 def corners_of_sweep(sequence: TrackedSequence, recipe: Recipe) -> tuple[Floats, Floats]:
     """Least and most coordinates in Reference, (3,) mm each, of the pixels that count."""
     _probe, region = imaging_of(sequence, False, recipe)
@@ -226,8 +242,8 @@ def know_method(name: str | None, search_path: Collection[str] = ()) -> None:
 
 def bone_in_frames(asked: Asked, progress: Progress | None = None) -> BoneMap:
     """Where the frames themselves say that bone is: by a network, or by their own echoes."""
-    from ..bone.echo_bone import bone_from_sweep
-    from ..bone.model import OnnxModel
+    from ..bone.echoes.surface import bone_from_sweep
+    from ..bone.network.model import OnnxModel
     from ..bone.predicted_bone import BoneEstimator, bone_from_frames
     from ..bone.recorded_predictions import RecordedPredictions
     from ..machine.threads import usable_cores
@@ -271,7 +287,7 @@ def _one(
     from ..provenance.record import with_settings
     from ..reconstruction import reconstruct
 
-    of_map: dict[str, float] = {}
+    of_map: dict[str, float | str] = {}
     if labeled is not None:
         method = recipe.method_for(True)
         bone = labeled.map(method, part(progress, 0.0, 0.1))

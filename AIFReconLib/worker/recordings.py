@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Numbers, NumberType
+from ..io.foreign.options import ImportOptions
 from ..io.sequence.files import read_sequence, require_recording_kind
+from ..progress import Progress, report
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
 from ..sweep.time_offset import with_time_offset
 from .channel import shared_array
+
+if TYPE_CHECKING:
+    from ..inspection.imported import Checked, Imported
 
 
 @dataclass(frozen=True)
@@ -60,3 +67,24 @@ def frame_fields(path: str | Path) -> frozenset[str] | None:
     """
     fields = require_recording_kind(Path(path)).frame_fields(Path(path))
     return None if fields is None else frozenset(fields)
+
+
+def read_import(images: Sequence[Path], poses: Path, options: ImportOptions, progress: Progress | None = None) -> Imported:
+    """As `import_files`; to be kept in the worker."""
+    from ..inspection.imported import import_files
+
+    report(progress, 0.0, "Reading images and poses")
+    return import_files(images, poses, options)
+
+
+def seen_of(imported: Imported, name: str, progress: Progress | None = None) -> tuple[tuple[str, ...], Checked]:
+    """How images and poses were understood, and what `check_import` tells."""
+    from ..inspection.imported import check_import
+
+    report(progress, 0.0, "Looking at the sweep")
+    return imported.understood, check_import(imported, name)
+
+
+def sequence_in(imported: Imported) -> TrackedSequence:
+    """The sequence itself."""
+    return imported.sequence

@@ -8,9 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..arrays import Matrix
+from ..bone.echoes.found import FEWEST, SweepEchoes
+from ..bone.field import BoneField
 from ..bone.growing_bone import GrowingBone
 from ..bone.map import BoneMap
-from ..bone.model import OnnxModel
+from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError
@@ -31,8 +33,6 @@ from ..machine.threads import usable_cores
 from ..message import said
 from ..progress import Progress, part, report
 from ..provenance.record import with_settings
-from ..registration.bone_field import BoneField
-from ..registration.echoes import FEWEST, SweepEchoes
 from ..registration.labeled_bone import LabeledBone
 from ..registration.live import SECONDS
 from ..resolve import Imaging

@@ -75,7 +75,6 @@ def results(tmp_path):
 def scene():
     """A new MRML scene as Slicer's application sets it up; it is `slicer.mrmlScene` while the test runs."""
     slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
-    import scene_host  # noqa: F401, puts Testing on the path
     from host.mrml_scene import createScene
 
     before = getattr(slicer, "mrmlScene", None)

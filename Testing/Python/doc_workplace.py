@@ -58,6 +58,7 @@ def make_workplace(folder: Path) -> Path:
     shutil.copy(patient.labels, folder / "lumbar-segmentation.nrrd")
     write_transform(IMAGE_TO_PROBE, folder / "ImageToProbe.tfm")
     write_transform(LABELS_TO_REFERENCE, folder / "CTToReference.tfm")
+    write_transform(np.eye(4), folder / "correction.tfm")
     sequence = read_sequence(patient.sweep, config=patient.config)
     volume = reconstruct(sequence).intensity
     for name in ("volume.nrrd", "average.nrrd", "weighted.nrrd", "planned.nrrd"):

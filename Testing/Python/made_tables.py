@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,6 +12,52 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.remedies import Remedy
+
+NAMES = [
+    *(
+        "Probe",
+        "Reference",
+        "Stylus",
+        "left",
+        "right",
+        "pos",
+        "rot",
+        "pose",
+        "ref",
+        "tip",
+        "tool",
+        "quat",
+        "tool1",
+        "tool2",
+        "body_1",
+        "body_2",
+    ),
+    *(
+        "left/probe",
+        "right/probe",
+        "rx",
+        "qx",
+        "tx",
+        "az",
+        "m0",
+        "q1",
+        "mm",
+        "us",
+        "0",
+        "1",
+        "2",
+        "3",
+        "10",
+        "12",
+        *"LRABCDEOPQSTUVWXYZMNK",
+    ),
+]
+"""Of tools; many are words that mean something of a pose."""
+
+
+def shown(name: str) -> str:
+    """A name as it is asked for: its words."""
+    return " ".join(re.findall("[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+", name))
 
 
 @dataclass
@@ -42,7 +89,7 @@ class Recording:
         return poses, self.times - self.times[0]
 
 
-def recording(random: np.random.Generator, tools: int) -> Recording:
+def recording(random: np.random.Generator, tools: int, names: Sequence[str] = NAMES) -> Recording:
     """A scan of 24 to 40 poses of a hand-held probe and of others that hardly move, 20 to 60 times a second, with some lost."""
     count = int(random.integers(24, 40))
     times = np.cumsum(1.0 / random.uniform(20, 60) * random.uniform(0.9, 1.1, count))
@@ -57,7 +104,7 @@ def recording(random: np.random.Generator, tools: int) -> Recording:
         poses[tool, :, :3, 3] = start + along
         good[tool] = random.uniform(size=count) > random.choice([0.0, 0.1])
         good[tool, :2] = True
-    return Recording(poses, times, good, ["Probe", "Reference", "Stylus"][:tools], random)
+    return Recording(poses, times, good, [str(name) for name in random.choice(names, tools, replace=False)], random)
 
 
 def numbers(values) -> list[str]:
@@ -125,7 +172,7 @@ def motive(r: Recording) -> Made:
             cells += [*quaternion(pose, "xyzw"), *numbers(factor * pose[:3, 3]), "0.0002"] if r.good[tool, n] else [""] * 8
         rows.append(",".join(cells))
     poses, times = r.of(0)
-    return Made(poses, times, "\n".join([*head, *rows]), answers=answers(WHICH_TOOL={"tool": f"{r.names[0]} 17"}))
+    return Made(poses, times, "\n".join([*head, *rows]), answers=answers(WHICH_TOOL={"tool": f"{shown(r.names[0])} 17"}))
 
 
 def vicon(r: Recording) -> Made:
@@ -145,7 +192,7 @@ def vicon(r: Recording) -> Made:
     after = ["", "Trajectories", str(rate), "," + ",Probe:M1,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm", "1,0,1,2,3"]
     poses, times = r.of(0)
     text = "\n".join([*head, *rows, *(after if r.random.uniform() < 0.5 else [])])
-    said = answers(WHICH_TOOL={"tool": f"{r.names[0]} {r.names[0]}"}, EULER_ORDER={"euler_order": "vector"})
+    said = answers(WHICH_TOOL={"tool": shown(f"{r.names[0]} {r.names[0]}")}, EULER_ORDER={"euler_order": "vector"})
     return Made(poses, times, text, answers=said)
 
 
@@ -173,7 +220,8 @@ def qualisys(r: Recording) -> Made:
             cells += numbers([*pose[:3, 3], *angles, 0.1, *pose[:3, :3].T.ravel()]) if r.good[tool, n] else [""] * 16
         rows.append("\t".join(cells))
     poses, times = r.of(0)
-    said = answers(WHICH_TOOL={"tool": "1"}, ROWS_OR_COLUMNS={"column_major": True})
+    columns = ("frame", "time", *"xyz", *"----", *(f"r{k}" for k in range(9)), *["-"] * 16 * (len(r.names) - 1))
+    said = answers(WHICH_TOOL={"tool": shown(r.names[0])}, ROWS_OR_COLUMNS={"column_major": True}, NAME_THE_COLUMNS={"columns": columns})
     return Made(poses, times, "\n".join([*head, *rows]), "poses.tsv", said)
 
 
@@ -220,48 +268,61 @@ def ros(r: Recording) -> Made:
     return Made(poses, times, "\n".join([head, *rows]), answers=answers(UNITS={"length_unit": "m"}, SURE={"length_unit": "m"}))
 
 
+WAYS = [f"{first}{separator}{then}" for separator in ("_", ".", ":", "/", " ", "") for first, then in (("{0}", "{1}"), ("{1}", "{0}"))]
+WAYS += ["arm_{0}_{1}", "{0}.arm.{1}", "{1}_{0}_raw"]
+"""How a tool's name (0) and what a column holds (1) are put together."""
+
+PLACES = (("tx", "ty", "tz"), ("x", "y", "z"), ("pos_x", "pos_y", "pos_z"))
+TURNS: dict[tuple[str, ...], Callable[[np.ndarray], list[str]]] = {
+    ("qw", "qx", "qy", "qz"): quaternion,
+    ("q1", "q2", "q3", "q4"): quaternion,
+    ("rx", "ry", "rz"): lambda pose: numbers(Rotation.from_matrix(pose[:3, :3]).as_euler("xyz", degrees=True)),
+    ("A", "B", "C"): lambda pose: numbers(Rotation.from_matrix(pose[:3, :3]).as_euler("ZYX", degrees=True)),
+    ("rotvec_x", "rotvec_y", "rotvec_z"): lambda pose: numbers(Rotation.from_matrix(pose[:3, :3]).as_rotvec()),
+    tuple(f"r{i}{j}" for i in range(3) for j in range(3)): lambda pose: numbers(pose[:3, :3]),
+}
+
+
 def plain(r: Recording) -> Made:
-    """What people write themselves: prefixes or suffixes for tools, any unit of time, statuses, separators, decimal commas."""
-    tools = range(len(r.names))
-    where = r.random.integers(3)
-    labels = [name if len(r.names) > 1 else "" for name in r.names]
-
-    def named(tool: int, word: str) -> str:
-        return word if not labels[tool] else [f"{labels[tool]}_{word}", f"{word}_{labels[tool]}", f"{labels[tool]}.{word}"][where]
-
-    separator = [",", ";", "\t"][r.random.integers(3)]
-    unit, scale = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)][r.random.integers(4)]
-    said = r.random.uniform() < 0.5
-    start = [0.0, 1_700_000_000.0][r.random.integers(2)] if unit != "ns" else 0.0
-    words = [("OK", "MISSING"), ("True", "False"), ("1", "0"), ("Valid", "Invalid"), ("tracking", "lost"), ("A", "B")][r.random.integers(6)]
-    kind = r.random.integers(4)
-    turn_names = [
-        ("qw", "qx", "qy", "qz"),
-        ("q1", "q2", "q3", "q4"),
-        ("rx", "ry", "rz"),
-        tuple(f"r{i}{j}" for i in range(3) for j in range(3)),
-    ][kind]
-    head = [f"time_{unit}" if said else "timestamp"]
-    for tool in tools:
-        head += [named(tool, word) for word in ("tx", "ty", "tz", *turn_names)] + [named(tool, "status")]
+    """What people write themselves: any name of a tool before or behind, any unit of time, statuses, separators, decimal commas."""
+    random, tools = r.random, range(len(r.names))
+    labels = [*r.names]
+    if random.uniform() < (0.5 if len(labels) == 1 else 0.1):
+        labels[0] = ""
+    way = WAYS[random.integers(len(WAYS))]
+    separator = [",", ";", "\t"][random.integers(3)]
+    unit, scale = [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)][random.integers(4)]
+    said = random.uniform() < 0.5
+    start = [0.0, 1_700_000_000.0][random.integers(2)] if unit != "ns" else 0.0
+    words = [("OK", "MISSING"), ("True", "False"), ("1", "0"), ("Valid", "Invalid"), ("tracking", "lost"), ("A", "B")][random.integers(6)]
+    kinds = [list(TURNS)[kind] for kind in random.integers(len(TURNS), size=len(labels))]
+    if random.uniform() < 0.7:  # most write all tools alike
+        kinds = kinds[:1] * len(labels)
+    places = PLACES[random.integers(len(PLACES))]
+    order = random.permutation(len(labels)).tolist()
+    fields = [(tool, name) for tool in order for name in (*places, *kinds[tool], "status")]
+    if random.uniform() < 0.2 and len(set(kinds)) == 1:  # x of each tool, then y of each
+        fields = [(tool, name) for name in (*places, *kinds[0], "status") for tool in order]
+    head = [f"time_{unit}" if said else "timestamp", *(way.format(labels[t], name) if labels[t] else name for t, name in fields)]
     rows = []
     for n, time in enumerate(r.times):
         cells = [f"{(start + time) * scale:.6f}" if unit in ("s", "ms") else str(round((start + time) * scale))]
+        values: dict[tuple[int, str], str] = {}
         for tool in tools:
-            pose = r.poses[tool, n]
-            turn = [
-                quaternion(pose, "wxyz"),
-                quaternion(pose, "wxyz"),
-                numbers(Rotation.from_matrix(pose[:3, :3]).as_euler("xyz", degrees=True)) if kind == 2 else [],
-                numbers(pose[:3, :3]),
-            ][kind]
-            cells += [*numbers(pose[:3, 3]), *turn, words[0]] if r.good[tool, n] else [*["0"] * (3 + len(turn_names)), words[1]]
-        rows.append(cells)
-    if separator == ";" and r.random.uniform() < 0.5:
+            names, pose = (*places, *kinds[tool]), r.poses[tool, n]
+            seen = [*numbers(pose[:3, 3]), *TURNS[kinds[tool]](pose)] if r.good[tool, n] else ["0"] * len(names)
+            values |= {(tool, name): value for name, value in zip(names, seen)}
+            values[tool, "status"] = words[0] if r.good[tool, n] else words[1]
+        rows.append([*cells, *(values[field] for field in fields)])
+    if separator == ";" and random.uniform() < 0.5:
         rows = [[cell.replace(".", ",") for cell in row] for row in rows]
     poses, times = r.of(0)
+    columns = [head[0], *(name if tool == 0 else "-" for tool, name in fields)]
+    place = str(order.index(0) + 1)
+    unnamed = f"unnamed {place}" if any(place in shown(label).split() for label in labels) else place
     given = answers(
-        WHICH_TOOL={"tool": r.names[0]},
+        WHICH_TOOL={"tool": shown(labels[0]) or unnamed},
+        NAME_THE_COLUMNS={"columns": tuple(columns), "tool": None},
         TIME_UNIT={"time_unit": unit},
         QUATERNION_ORDER={"quaternion_order": "wxyz"},
         EULER_ORDER={"euler_order": "xyz"},
@@ -311,9 +372,7 @@ LAYOUTS: list[Callable[[Recording], Made]] = [
     robot,
     polhemus,
     ros,
-    plain,
-    plain,
-    plain,
+    *[plain] * 5,
     bare,
 ]
 

@@ -2,16 +2,8 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import slicer
-
-REPOSITORY = Path(__file__).resolve().parents[2]
-for folder in (REPOSITORY / "AIFRecon", REPOSITORY / "Testing"):
-    if str(folder) not in sys.path:
-        sys.path.insert(0, str(folder))
 
 
 def transform_node(scene, matrix, name="Transform", parent=None):

@@ -11,6 +11,7 @@ import pytest
 from files import CONFIGURATION, IMAGE_TO_PROBE, tracked_sequence
 from sweeps import rigid, sphere_bone
 
+from AIFReconLib.bone.echoes.search import sweep_echoes
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import BeamGeometryError, GeometryError
@@ -23,7 +24,6 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.registration.echo_search import sweep_echoes
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence

@@ -163,11 +163,12 @@ class AIFReconLifecycleTest(unittest.TestCase):
 
     def test_the_spacing_follows_the_configuration_of_a_recording(self):
         from AIFReconScene.inputs.parameters import takeConfigured
-        from AIFReconScene.sweep.sweepRecord import writeRecord
+        from AIFReconScene.sweep.sweepRecord import ATTRIBUTE, recordText
 
         from AIFReconLib.sweep.configuration import PlusConfiguration
 
         sweep = tinyScene.addSweep()
-        writeRecord(sweep, {"configuration": PlusConfiguration(path=pathlib.Path("Plus.xml"), spacing=(0.7, 0.7, 0.7))})
+        record = {"configuration": PlusConfiguration(path=pathlib.Path("Plus.xml"), spacing=(0.7, 0.7, 0.7))}
+        sweep.SetAttribute(ATTRIBUTE, recordText(record))
         takeConfigured(self.parameters, sweep)
         self.assertAlmostEqual(self.ui.spacingSpinBox.value, 0.7)

@@ -96,7 +96,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.assertReconstructs(self.expected(lambda sweep: RecordedPredictions(sweep, self.said())))
 
     def test_a_network_in_a_file_reconstructs_as_it_does_in_the_library(self):
-        from AIFReconLib.bone.model import OnnxModel
+        from AIFReconLib.bone.network.model import OnnxModel
 
         path = self.model()
         self.parameters.sweep = tinyScene.addSweep()

@@ -110,10 +110,10 @@ class AIFReconPictureTest(unittest.TestCase):
         from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.picture.spineView import keepSpine
 
+        from AIFReconLib.bone.field import BoneField
         from AIFReconLib.geometry.volume import Volume
         from AIFReconLib.inspection.bone_surface import bone_surface
         from AIFReconLib.inspection.shown_bone import ShownBone
-        from AIFReconLib.registration.bone_field import BoneField
 
         self.reconstruct()
         plate = np.zeros((24, 9, 24), np.float32)

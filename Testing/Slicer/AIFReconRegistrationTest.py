@@ -84,6 +84,29 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.ui.placeButton.click()
         self.assertLess(self.error(), 1.0, self.ui.registrationLabel.text + self.ui.statusLabel.text)
 
+    def test_each_vertebra_is_placed_on_its_own_and_undo_brings_the_bone_back(self):
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+        from AIFReconScene.inputs.parameters import RegistrationStart
+
+        self.displace()
+        self.parameters.registrationStart = RegistrationStart.EACH_ON_ITS_OWN
+        self.ui.placeButton.click()
+        self.assertLess(self.error(), 1.0, self.ui.registrationLabel.text + self.ui.statusLabel.text)
+        self.assertIn("CT and sweep agree", self.ui.registrationLabel.text)
+        bent = self.parameters.bone
+        self.assertEqual(bent.GetName(), f"{self.nodes.segmentation.GetName()} as scanned")
+        placed, whole = labelsFromNode(bent), labelsFromNode(self.nodes.segmentation)
+        self.assertEqual(np.unique(placed.array).tolist(), np.unique(whole.array).tolist())
+        for number in np.unique(whole.array)[1:]:
+            middles = [
+                labels.ijk_to_reference @ [*np.argwhere(labels.array == number).mean(axis=0)[::-1], 1.0] for labels in (placed, whole)
+            ]
+            self.assertLess(np.linalg.norm(middles[0] - middles[1]), 2.0)
+        self.ui.undoPlaceButton.click()
+        self.assertIs(self.parameters.bone, self.nodes.segmentation)
+        self.assertIsNone(slicer.mrmlScene.GetFirstNodeByName(bent.GetName()) if bent.GetScene() else None)
+        self.assertGreater(self.error(), 5.0)
+
     def test_a_worker_that_has_died_leaves_a_ct_that_can_be_checked_again(self):
         from AIFReconScene.work import worker
 

@@ -21,9 +21,10 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.bone.field import BoneField
 from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import EchoEstimator
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
@@ -39,7 +40,6 @@ from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence

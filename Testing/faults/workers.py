@@ -85,7 +85,7 @@ def scan(worker: Worker, folder: Path) -> Callable[[], str]:
                     if growing.exists():
                         # One more may be there than was heard of
                         number = len(read_sequence(growing))
-                    kept = worker.keep(begin_scan, replace(request, takes_up=growing.exists()))
+                    kept = worker.keep(begin_scan, replace(request, takes_up=True))
             if not same(record, images):
                 return "another recording"
             volumes.add(digest_of(ended.result.intensity.array))
@@ -121,7 +121,7 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
     if work() != expected:
         raise RuntimeError("two runs give two volumes")
     lasts = time.monotonic() - begun
-    memory = sorted(os.listdir("/dev/shm"))
+    memory = named_memory()
     for _trial in range(trials):
         process = worker.pid
         assert process is not None
@@ -141,7 +141,7 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
                 again = work()
             except WorkerDiedError:
                 outcome = "one sentence, in the next run"
-        left += ["shared memory"] if sorted(os.listdir("/dev/shm")) != memory else []
+        left += ["shared memory"] if named_memory() != memory else []
         if came != expected or again != expected or left:
             entry.lost[f"{'' if came == expected else 'another volume, '}{'' if again == expected else 'another next volume, '}{left}"] += 1
         else:
@@ -150,6 +150,11 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
     worker.close()
     if last is None or not is_gone(last):
         entry.lost["a process after the end"] += 1
+
+
+def named_memory() -> list[str]:
+    """Python's shared memory that has a name, anybody's: the worker's has none. Browsers' names are others."""
+    return sorted(path.name for path in Path("/dev/shm").glob("psm_*"))
 
 
 def is_gone(process: int) -> bool:

@@ -142,7 +142,7 @@ def _write_json(folder: Path, version: int) -> None:
 def _write_drawing(folder: Path, version: int) -> None:
     poses = np.stack([np.eye(4)] * 200)
     poses[:, 2, 3] = np.arange(200) * (version + 1)
-    write_text(folder / "d.svg", draw_sweep(poses, (80, 60), "sweep", "Reference"))
+    write_text(folder / "d.svg", draw_sweep(poses, (80, 60), "sweep", "Reference").to_svg())
 
 
 VOLUMES = tuple(_volume_writer(f"v{suffix}") for suffix in (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz"))

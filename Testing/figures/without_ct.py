@@ -16,7 +16,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy import ndimage
 
-from AIFReconLib.bone.echo_bone import BoneEchoFinder, bone_from_sweep
+from AIFReconLib.bone.echoes.finder import BoneEchoFinder
+from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
@@ -24,7 +25,7 @@ from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging, imaging_fields
 from AIFReconLib.sweep.poses import sweep_poses
@@ -96,7 +97,7 @@ def study(name: str) -> None:
     detected = detect_imaging(sequence.images, pixel)
     imaging = Imaging(detected.region, detected.probe)
     looked = imaging_fields(detected.region, detected.probe)
-    bone = bone_from_sweep(sequence, poses, imaging)
+    bone = bone_from_sweep(sequence, Recipe(**looked))
     settings = [ReconstructionSettings(method=m, spacing=spacing, hole_limit=1.2, bone_direction="surface") for m in COMPARED_METHODS]
     results = {
         method: reconstruct(sequence, replace(s, **looked), bone if method_named(method).needs_bone else None)

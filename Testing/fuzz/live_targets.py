@@ -14,7 +14,7 @@ from AIFReconLib.live.wire.messages import ImageMessage, TransformMessage
 from . import seeds
 from .target import Target
 
-KINDS = tuple(kind.encode() for kind in (*sorted(USED_TYPES), "POLYDATA", "STRING", "POINT", "GET_STATUS", "CAPABILITY"))
+KINDS = tuple(kind.encode() for kind in (*sorted(USED_TYPES), "POLYDATA", "POINT", "GET_STATUS", "CAPABILITY"))
 
 
 def _decode_all(messages) -> None:

@@ -28,6 +28,45 @@ def inputs(module, folder: Path) -> None:
     _write(_panel(module), folder / "step-2-inputs.png")
 
 
+def imported(module, folder: Path) -> None:
+    """step-import.png: the sample's sweep as an array and a table of two tools, after what they leave open was answered."""
+    import tempfile
+
+    import numpy as np
+    from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
+    from scipy.spatial.transform import Rotation
+
+    from AIFReconLib.sweep.poses import sweep_poses
+    from host import view_frames
+
+    sequence, importer = sequenceFromBrowser(module.parameters.sweep), module.widget._recorded.importer
+    poses = sweep_poses(sequence).image_to_reference
+    spacing = np.linalg.norm(poses[0][:3, :2], axis=0)
+    heading = ["time", *(f"{tool}_{word}" for tool in ("Probe", "Patient") for word in ("x", "y", "z", "qx", "qy", "qz", "qw"))]
+    turns = Rotation.from_matrix(poses[:, :3, :3] / np.linalg.norm(poses[:, :3, :3], axis=1, keepdims=True)).as_quat()
+    patient = [12.0, -40.0, 95.0, 0.0, 0.0, 0.0, 1.0]
+    rows = [[50 * number, *pose[:3, 3], *turn, *patient] for number, (pose, turn) in enumerate(zip(poses, turns, strict=True))]
+    with tempfile.TemporaryDirectory() as name:
+        np.save(Path(name) / "sweep.npy", np.asarray(sequence.images))
+        (Path(name) / "tracker.csv").write_text("\n".join(",".join(map(str, row)) for row in [heading, *rows]))
+        module.press(module.widget.ui.importButton)
+        ui = importer._ui
+        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = str(Path(name) / "sweep.npy"), str(Path(name) / "tracker.csv")
+        ui.transformComboBox.currentIndex = 1
+        module.press(ui.importCheckButton)
+        for question, answer in (("tool", "Probe"), ("time_unit", "ms"), ("spacing", f"{spacing[0]:.4g} {spacing[1]:.4g}")):
+            importer._answers[question].currentText = answer
+            module.press(ui.importCheckButton)
+        ui.imagesLineEdit.comboBox().blockSignals(True)
+        ui.posesLineEdit.comboBox().blockSignals(True)
+        ui.imagesLineEdit.currentPath, ui.posesLineEdit.currentPath = "sweep.npy", "tracker.csv"
+        module.host.process_events()
+        window = importer._window._object
+        window.adjustSize()
+        view_frames.write_png(view_frames.titled(window.grab().toImage(), window.windowTitle()), folder / "step-import.png")
+        importer._close()
+
+
 def registration(module, folder: Path) -> None:
     """step-registration.png: a CT that lies 9 mm off is checked, then placed: the section, and the echoes in a slice and in 3D."""
     import numpy as np

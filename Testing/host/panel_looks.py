@@ -105,9 +105,17 @@ class Panel:
         self.native.resize(width, self.native.height())
         self.native.show()
         self.host.process_events()
-        for wide in (width + 1, width, width):  # layouts keep what other letters asked for, until they get another width
-            self.native.resize(wide, self.native.layout().totalHeightForWidth(wide))
-            self.host.process_events()
+        before = None
+        while before != (before := self.places()):  # what shows itself late asks for its room late
+            for wide in (width + 1, width, width):  # layouts keep what other letters asked for, until they get another width
+                self.native.resize(wide, self.native.layout().totalHeightForWidth(wide))
+                self.host.process_events()
+
+    def places(self) -> list[tuple]:
+        """Where all that is shown stands."""
+        from PySide6 import QtWidgets
+
+        return [self.place(each).getRect() for each in self.shown(QtWidgets.QWidget)]
 
     def shown(self, kind) -> list:
         return [each for each in self.native.findChildren(kind) if each.isVisible()]

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 import shiboken6
-from PySide6 import QtCore
+from PySide6 import QtCore, QtWidgets
 
 from .connections import BoundSignal, connect, disconnect, guarded, signals_of
 
@@ -131,7 +131,8 @@ class Wrapper(metaclass=PythonQtMeta):
             native.destroyed.connect(functools.partial(_mark_destroyed, weakref.ref(self)))
 
     def __bool__(self):
-        return not self._destroyed and shiboken6.isValid(self._object)
+        # Slicer 5.13 tells that a layout is false, whatever it holds; so `childWidgetVariables` passes layouts over
+        return not self._destroyed and shiboken6.isValid(self._object) and not isinstance(self._object, QtWidgets.QLayout)
 
     def __repr__(self):
         return f"{type(self).__name__} ({type(self).__name__} at: {id(self._object):#x})"
@@ -224,7 +225,7 @@ def _object(wrapper):
 
 
 def _is_gone(wrapper, native) -> bool:
-    return isinstance(native, QtCore.QObject) and not wrapper
+    return isinstance(native, QtCore.QObject) and (wrapper._destroyed or not shiboken6.isValid(native))
 
 
 def _of_destroyed(wrapper, name):

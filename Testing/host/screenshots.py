@@ -183,11 +183,11 @@ def live(module: Module, folder: Path) -> None:
                 module.check()
                 time.sleep(0.01)
 
-        session = module.widget._live._live.session
-        wait(lambda: session.scouted >= FRAMES_SEEN)
+        scan = module.widget._live._live
+        wait(lambda: scan.seen.scouted >= FRAMES_SEEN)
         wait(lambda: ui.liveUseBoxButton.enabled)
         module.press(ui.liveUseBoxButton)
-        wait(lambda: session.statistics.inserted > FRAMES_SEEN and session.statistics.waiting == 0 and parameters.output is not None)
+        wait(lambda: scan.statistics.inserted > FRAMES_SEEN and scan.statistics.waiting == 0 and parameters.output is not None)
         wait(lambda: ui.liveStateLabel.text == "Probe seen")
         module.host.grab(module.widget.parent, folder / "live-panel.png", width=PANEL_WIDTH)
         size = (330, 330)
@@ -257,7 +257,7 @@ def main(arguments=None) -> int:
         guide = guide_pictures
         guide.empty(module, options.output)
         module.load_sample()
-        first = (guide.inputs, guide.registration, guide.guidance, guide.settings, guide.progress)
+        first = (guide.inputs, guide.imported, guide.registration, guide.guidance, guide.settings, guide.progress)
         for make in (*first, panel, slices, guide.result, guide.report, guide.dark):
             make(module, options.output)
             print(make.__doc__)

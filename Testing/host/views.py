@@ -7,6 +7,8 @@ every such change.
 
 from __future__ import annotations
 
+import types
+
 import slicer
 import vtk
 from PySide6 import QtCore, QtWidgets
@@ -61,7 +63,9 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
 class qMRMLThreeDView(ctkVTKAbstractView):
     """What a 3D view draws into: its node and camera are real, nothing is drawn."""
 
-    api = {"methods": ("mrmlViewNode", "cameraNode", "resetFocalPoint", "resetCamera", "cornerAnnotation", "scheduleRender")}
+    api = {
+        "methods": ("mrmlViewNode", "cameraNode", "resetFocalPoint", "resetCamera", "cornerAnnotation", "scheduleRender", "renderWindow")
+    }
 
     def __init__(self, node):
         super().__init__()
@@ -74,6 +78,20 @@ class qMRMLThreeDView(ctkVTKAbstractView):
 
     def scheduleRender(self):
         """Draws the view soon; here never."""
+
+    def renderWindow(self):
+        renderers = vtk.vtkRendererCollection()
+        renderers.AddItem(self._renderer())
+        return types.SimpleNamespace(GetRenderers=lambda: renderers)
+
+    def _renderer(self):
+        """With the box around all nodes, where the view shows it, and the corner's text, which counts as an actor without any place."""
+        renderer = appearing(self._node.GetScene())
+        renderer.AddViewProp(self._annotation)
+        if self._node.GetBoxVisible():
+            for bounds in _boundsOfNodes(self._node):
+                renderer.AddActor(_boxActor(bounds))
+        return renderer
 
     def mrmlViewNode(self):
         return self._node
@@ -90,11 +108,7 @@ class qMRMLThreeDView(ctkVTKAbstractView):
 
     def resetCamera(self, rotation=True, translation=True, distance=True):
         """Looks at what appears from a main axis, and takes all of it in, its box too where the view shows one."""
-        renderer = appearing(self._node.GetScene())
-        if self._node.GetBoxVisible():
-            for bounds in _boundsOfNodes(self._node):
-                renderer.AddActor(_boxActor(bounds))
-        self.cameraNode().Reset(rotation, translation, distance, renderer)
+        self.cameraNode().Reset(rotation, translation, distance, self._renderer())
 
 
 class qMRMLThreeDWidget(QtWidgets.QWidget):

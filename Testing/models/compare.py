@@ -22,9 +22,9 @@ from AIFReconLib.resolve import imaging_fields
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from AIFReconLib.bone.echo_bone import bone_from_sweep
+from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import EchoEstimator, bone_from_frames
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.compounding.methods.average import AVERAGE
@@ -100,7 +100,7 @@ def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], 
     yield RIGHT, seen(TrueBone(case.labels, imaging))
     if model is not None:
         yield f"{model.name}", seen(OnnxModel(model))
-    yield "echoes", lambda: bone_from_sweep(case.sequence, poses, imaging)
+    yield "echoes", lambda: bone_from_sweep(case.sequence, Recipe(**imaging_fields(probe=case.probe)))
     yield "the same echoes as predictions", seen(EchoEstimator(imaging))
 
 

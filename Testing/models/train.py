@@ -21,7 +21,7 @@ from torch.nn import functional
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import BoneEstimator, EchoEstimator
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.geometry.volume import Volume

@@ -42,7 +42,6 @@ def carry_out(
     row: type[Row],
     write: Callable[[list[Row]], list[Path]],
     counted: str,
-    prepare: Callable[[], None] = lambda: None,
 ) -> int:
     """Run what is missing, then write the results; the answer is the exit status.
 
@@ -56,12 +55,9 @@ def carry_out(
         Writes the results from all rows; returns the files.
     counted : str
         What a row is one of: ``registrations``.
-    prepare : callable
-        Called before anything else; may refuse.
     """
 
     def work_through() -> list[str]:
-        prepare()
         arguments.output.mkdir(parents=True, exist_ok=True)
         with ProgressBar() as progress:
             rows = run_study(work, row, arguments.output, range(arguments.patients), arguments.jobs, progress)

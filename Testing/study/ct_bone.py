@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from AIFReconLib.bone.ct.from_ct import labels_from_ct
+from AIFReconLib.bone.field import BoneField
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.geometry.volume import Volume
@@ -18,7 +19,6 @@ from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.message import columns
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray

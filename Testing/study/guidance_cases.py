@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import GuidedBone, guided_bone
@@ -24,9 +23,9 @@ from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ProbePath, single_angle_sweep
 from AIFReconLib.sweep.edits import select_frames
 
-from .method_cases import HOLE_LIMIT, MULTI_FRAMES, SIGMA, SPACING, Scan, scan_of, simulated_scan
+from .method_cases import HOLE_LIMIT, SPACING, Scan, map_in_place, scan_of, simulated_scan
 
-FEW = 120
+FEW, MANY = 120, 360
 
 EXHAUSTIVE = 2
 """Patients that are scanned by all candidate passes too, for what the best plan could show."""
@@ -60,11 +59,11 @@ def patient_rows(seed: int) -> list[Row]:
     """Every scan of one patient. Some three minutes on one core."""
     case = _Case(seed)
     rows = []
-    for frames in (FEW, MULTI_FRAMES):
+    for frames in (FEW, MANY):
         plan = plan_scan(case.bone, case.probe, "interspinous", frames)
         rows.append(case.planned("plan, with errors", plan, case.missed(plan)))
-    rows += case.followed(MULTI_FRAMES, FEW)
-    worn = plan_scan(case.bone, case.probe, "interspinous", MULTI_FRAMES, WEARABLE)
+    rows += case.followed(MANY, FEW)
+    worn = plan_scan(case.bone, case.probe, "interspinous", MANY, WEARABLE)
     rows.append(case.planned("wearable, exact", worn, np.concatenate([one.image_to_reference for one in worn.passes])))
     if seed < EXHAUSTIVE:
         passes = freehand_passes(case.bone)
@@ -85,7 +84,7 @@ class _Case:
         skin = Skin.through(transform_points(invert(self.bone.patient_to_reference), images.faces(scout)))
         self.probe = ProbeOnBack(images, skin, self.bone.patient_to_reference)
         self._start = scout[len(scout) // 2]
-        self._map = BoneMap.from_labels(self.phantom.labels, sigma_mm=SIGMA)
+        self._map = map_in_place(self.phantom.labels)
 
     def _made(self, planned: Pass, frames: int, number: int) -> np.ndarray:
         """A pass as an operator makes it who misses, image_to_reference of its frames."""

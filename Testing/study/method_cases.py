@@ -1,68 +1,65 @@
-"""The cases of the study: simulated patients, scans, wrong CTs and wrong poses, and what every method makes of them."""
+"""The cases of the study: patients of two kinds, scans, wrong CTs and wrong poses, and what every method makes of them."""
 
 from __future__ import annotations
 
+import contextlib
+import warnings
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.compounding.methods.aif import AIF_COMPENSATED
 from AIFReconLib.compounding.methods.average import AVERAGE
-from AIFReconLib.compounding.methods.table import BONE_METHODS, COMPARED_METHODS, METHODS, method_named
+from AIFReconLib.compounding.methods.table import COMPARED_METHODS, METHODS, method_named
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.compounding.own.method import load_method
-from AIFReconLib.compounding.state import Reconstruction
-from AIFReconLib.evaluation.metrics import evaluate, shown_points
-from AIFReconLib.evaluation.surface import BoneSurface
+from AIFReconLib.errors import DisagreementWarning, GeometryError
+from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
-from AIFReconLib.simulation.scan import ProbePath, TrackingErrors, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
+from AIFReconLib.simulation.scan import (
+    PROBE_TO_TRACKER,
+    ProbePath,
+    multi_angle_sweep,
+    random_rigid,
+    simulate_sweep,
+    single_angle_sweep,
+)
 from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .reference_methods import confidence_weighted_sector, incidence_weighted
+from .free_paths import NeedleLines
+from .lumbar_shapes import LumbarShapes, lumbar_shapes
+from .real_bone_measures import precision
 
-SPACING = 1.0
-HOLE_LIMIT = 2.0
-SIGMA = 4.0
-"""mm; width of the bone map, for every method alike."""
-
+SPACING, HOLE_LIMIT = 1.0, 2.0
 BEAM_THICKNESS = 3.0
-MULTI_FRAMES, SINGLE_FRAMES = 360, 120
-PLAIN, OURS = AVERAGE.name, WEIGHTED.name
-CONTROLLED = (AIF_COMPENSATED.name, OURS)
-"""Methods that are tried with CTs that show what is not there, or lack what is."""
+MULTI_FRAMES, SINGLE_FRAMES, TISSUE_FRAMES = 270, 90, 90
+PLAIN, OURS, PAPER = AVERAGE.name, WEIGHTED.name, "aif-compensated"
+WITHOUT_CT = "weighted, no CT"
+"""`weighted` with the surface that the sweep's own echoes show."""
 
-WITHOUT_BONE = tuple(method for method in METHODS if method not in BONE_METHODS)
-REFERENCES = {"confidence-weighted": confidence_weighted_sector.name, "incidence-weighted": incidence_weighted.name}
-"""Methods of others, by what they are called here, tried with exact poses and CT."""
+PHANTOM, SHAPES = "own phantom", "real shapes"
+KINDS = (PHANTOM, SHAPES)
 
-MISREGISTRATIONS = {
-    "CT 1 mm off": (1.0, 0.0),
-    "CT 2 mm off": (2.0, 0.0),
-    "CT 4 mm off": (4.0, 0.0),
-    "CT 2 deg off": (0.0, 2.0),
-    "CT 5 deg off": (0.0, 5.0),
-}
-"""Length of the shift in a random direction, mm, and angle about a random axis through the middle vertebra, degrees."""
+SHIFTS = {"CT 3 mm off": 3.0, "CT 5 mm off": 5.0}
+"""mm, in a random direction."""
 
-GRAY_SHADOWS = "gray shadows"
-"""The condition in which reverberation and clutter lie behind bone, as in real images; otherwise shadows are black."""
-
-BOTH = "bone that average and weighted show"
-"""The condition in which widths and distances of the lines are compared on the same bone."""
-
-OF_MULTI = "single-angle, of what multi-angle reaches"
-TRACKER_NOISE = TrackingErrors(noise=0.5, noise_deg=1.0)
+LEVEL, OTHER, NOISE, ONE_ANGLE, NO_BONE = "CT one level off", "CT of another patient", "tracker noise", "one angle only", "no bone at all"
+NOISE_MM, NOISE_DEG = 0.5, 1.0
+EFFECTS = UltrasoundEffects(clutter=True)
+"""Shadows are gray, as real ones are."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +67,9 @@ class Row:
     """One reconstruction of the study and its numbers."""
 
     seed: int
-    scan: str
+    kind: str
     condition: str
     method: str
-    direction: str
     metrics: dict[str, float]
 
 
@@ -85,95 +81,114 @@ class Scan:
     truth: BoneTruth
 
 
-def patient_rows(seed: int, own: tuple[str, ...] = ()) -> list[Row]:
-    """All reconstructions of one simulated patient, with methods of one's own by their names. About ten minutes on one core."""
+Back = LumbarPhantom | LumbarShapes
+
+
+@dataclass(frozen=True, eq=False)
+class _Patient:
+    seed: int
+    kind: str
+    back: Back
+    scan: Scan
+    lines: NeedleLines
+
+    def rows(self, condition: str, methods: Iterable[str], labels: Volume, scan: Scan | None = None) -> list[Row]:
+        """Reconstruct with each method, and measure."""
+        scan = scan or self.scan
+        bone = LabeledBone(labels, None, scan.sequence)
+        return [self._row(condition, method, bone, scan) for method in methods]
+
+    def _row(self, condition: str, method: str, bone: LabeledBone, scan: Scan) -> Row:
+        settings = ReconstructionSettings(method=OURS if method == WITHOUT_CT else method, spacing=SPACING, hole_limit=HOLE_LIMIT)
+        with warnings.catch_warnings():
+            # Told of wrong CTs, as it should be
+            warnings.simplefilter("ignore", DisagreementWarning)
+            result = reconstruct(scan.sequence, settings, _bone(method, bone, scan.sequence))
+        metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
+        metrics["precision"] = precision(result.intensity, scan.truth)["precision_180"]
+        metrics["called_free"] = self.lines.called_free(result.intensity)
+        return Row(self.seed, self.kind, condition, method, metrics)
+
+
+def patient_of(kind: str, seed: int) -> Back:
+    """The patient of a kind and a seed."""
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(seed)) if kind == PHANTOM else lumbar_shapes(seed + 1)
+
+
+def patient_rows(given: tuple[str, int], own: tuple[str, ...] = ()) -> list[Row]:
+    """All reconstructions of one patient, (kind, seed), with methods of one's own by their names. Some three minutes on one core."""
+    kind, seed = given
     for method in own:
         load_method(method)
-    bone_methods = (*BONE_METHODS, *(name for name in own if method_named(name).needs_bone))
-    phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
-    probe = PhasedArray()
-    multi = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
-    rows = _exact(seed, "multi-angle", multi, phantom.labels, own)
-    single = simulated_scan(phantom, probe, single_angle_sweep(phantom, SINGLE_FRAMES), seed)
-    rows += _exact(seed, "single-angle", single, phantom.labels, own)
-    against_multi = Scan(single.sequence, multi.truth)
-    rows += [_row(seed, OF_MULTI, "exact", method, against_multi, phantom.labels) for method in (PLAIN, OURS)]
-    about = _middle(phantom)
-    for condition, (translation, rotation_deg) in MISREGISTRATIONS.items():
-        wrong = phantom.labels.placed_by(random_rigid(translation, rotation_deg, np.random.default_rng([seed, 20]), about))
-        rows += [_row(seed, "multi-angle", condition, method, multi, wrong) for method in bone_methods]
-    noisy = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed=seed, errors=TRACKER_NOISE)
-    noisy_scan = Scan(_configured(noisy, probe), multi.truth)
-    rows += [_row(seed, "multi-angle", "tracker noise", method, noisy_scan, phantom.labels) for method in (*COMPARED_METHODS, *own)]
-    gray = simulated_scan(phantom, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed, UltrasoundEffects(clutter=True))
-    rows += [_row(seed, "multi-angle", GRAY_SHADOWS, method, gray, phantom.labels) for method in (*COMPARED_METHODS, *REFERENCES.values())]
-    return rows + _controls(seed, phantom, probe, multi)
+    back, probe = patient_of(kind, seed), PhasedArray()
+    labels = placed_labels(back)
+    scan = simulated_scan(back, probe, multi_angle_sweep(back, MULTI_FRAMES), seed, EFFECTS)
+    patient = _Patient(seed, kind, back, scan, NeedleLines.of(back, labels, back.bone_distance, seed))
+    rows = patient.rows("right CT", (*METHODS, WITHOUT_CT, *own), labels)
+    for condition, wrong in wrong_cts(back, kind, seed).items():
+        rows += patient.rows(condition, (PAPER, OURS), wrong)
+    shaken = Scan(_shaken(scan.sequence, seed), scan.truth)
+    rows += patient.rows(NOISE, (PLAIN, OURS), labels, shaken)
+    single = simulated_scan(back, probe, single_angle_sweep(back, SINGLE_FRAMES), seed, EFFECTS)
+    against_all = Scan(single.sequence, scan.truth)
+    rows += patient.rows(ONE_ANGLE, (PLAIN, OURS), labels, against_all)
+    return rows + _without_bone(patient, labels, probe)
 
 
-def _exact(seed: int, name: str, scan: Scan, labels: Volume, own: tuple[str, ...] = ()) -> list[Row]:
-    methods = (*WITHOUT_BONE, *BONE_METHODS, *REFERENCES.values(), *own)
-    rows = [_row(seed, name, "exact", method, scan, labels) for method in methods]
-    rows += [_row(seed, name, "exact", method, scan, labels, "surface") for method in BONE_METHODS]
-    return rows + _where_both_show(seed, name, scan, labels)
-
-
-def _where_both_show(seed: int, name: str, scan: Scan, labels: Volume) -> list[Row]:
-    """Average and `weighted` on the bone that both show: how wide and how far off their lines are is told of what each shows."""
-    made = {method: _result(method, scan, labels) for method in (PLAIN, OURS)}
-    both = np.logical_and.reduce([shown_points(result.intensity, scan.truth, result.mask) for result in made.values()])
-    truth = restricted(scan.truth, both)
-    return [Row(seed, name, BOTH, method, "", evaluate(result.intensity, truth, result.mask).to_dict()) for method, result in made.items()]
-
-
-def _controls(seed: int, phantom: LumbarPhantom, probe: PhasedArray, multi: Scan) -> list[Row]:
-    """A prior can flatter itself: CTs that show what is not there, or lack what is."""
-    rows = []
-    other = make_lumbar_phantom(LumbarAnatomy.from_seed(seed + 1000)).labels
+def wrong_cts(back: Back, kind: str, seed: int) -> dict[str, Volume]:
+    """Labels where they are not, or of somebody else, in Reference."""
+    labels, tips = placed_labels(back), back.spinous_tips()
+    rng = np.random.default_rng([seed, 20])
+    middle = tips[len(tips) // 2] + (0.0, 30.0, 0.0)
+    wrong = {name: labels.placed_by(random_rigid(mm, 0.0, rng, middle)) for name, mm in SHIFTS.items()}
     level = np.eye(4)
-    level[2, 3] = phantom.anatomy.body_height + phantom.anatomy.disc_height
-    without = without_middle_process(phantom)
-    process = removed_surface(multi.truth.surface, without.bone_distance)
-    for condition, labels in (
-        ("CT of another patient", other),
-        ("CT one level off", phantom.labels.placed_by(level)),
-        ("CT lacks a process", without.labels),
-    ):
-        rows += [_row(seed, "multi-angle", condition, method, multi, labels) for method in CONTROLLED]
-    of_process = Scan(multi.sequence, restricted(multi.truth, process))
-    for condition, labels in (("right CT, that process", phantom.labels), ("CT lacks it, that process", without.labels)):
-        rows += [_row(seed, "multi-angle", condition, method, of_process, labels) for method in (PLAIN, *CONTROLLED)]
-    lacking = simulated_scan(without, probe, multi_angle_sweep(phantom, MULTI_FRAMES), seed)
-    no_process = Scan(lacking.sequence, restricted(multi.truth, process, lacking.truth.shadows))
-    for condition, labels in (("no process, right CT", without.labels), ("no process, CT shows one", phantom.labels)):
-        rows += [_row(seed, "multi-angle", condition, method, no_process, labels) for method in (PLAIN, *CONTROLLED)]
+    level[:3, 3] = tips[0] - tips[1]
+    wrong[LEVEL] = labels.placed_by(level)
+    other = patient_of(kind, seed + 500)
+    there = np.eye(4)
+    there[:3, 3] = middle - (other.spinous_tips()[len(tips) // 2] + (0.0, 30.0, 0.0))
+    wrong[OTHER] = placed_labels(other).placed_by(there)
+    return wrong
+
+
+def _without_bone(patient: _Patient, labels: Volume, probe: PhasedArray) -> list[Row]:
+    """Does a method only draw the CT? Tissue without any bone, and the CT of this patient."""
+    distance = patient.back.bone_distance
+    boneless = replace(patient.back, bone_distance=Volume(np.full_like(distance.array, 6.0), distance.ijk_to_reference))
+    path = multi_angle_sweep(patient.back, TISSUE_FRAMES)
+    scan = scan_of(_configured(simulate_sweep(boneless, probe, path, effects=EFFECTS, seed=patient.seed), probe), patient.back, probe)
+    rows = patient.rows(NO_BONE, (PLAIN, PAPER, OURS), labels, scan)
+    with contextlib.suppress(GeometryError):  # told that there is none: as it should be
+        rows += patient.rows(NO_BONE, [WITHOUT_CT], labels, scan)
     return rows
 
 
-def _row(seed: int, scan_name: str, condition: str, method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Row:
-    """Reconstruct and measure."""
-    result = _result(method, scan, labels, direction)
-    metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
-    return Row(seed, scan_name, condition, method, direction if method_named(method).needs_bone else "", metrics)
+def _bone(method: str, bone: LabeledBone, sequence: TrackedSequence) -> BoneMap | LabeledBone | None:
+    if method == WITHOUT_CT:
+        return bone_from_sweep(sequence)
+    return bone if method_named(method).needs_bone else None
 
 
-def _result(method: str, scan: Scan, labels: Volume, direction: str = "gradient") -> Reconstruction:
-    bone = BoneMap.from_labels(labels, sigma_mm=SIGMA) if method_named(method).needs_bone else None
-    settings = ReconstructionSettings(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT, bone_direction=direction)
-    return reconstruct(scan.sequence, settings, bone)
+def map_in_place(labels: Volume) -> BoneMap:
+    """The map of `weighted` for labels that lie exactly where bone is."""
+    return LabeledBone(labels, recipe=Recipe(bone_sigma_mm=1.0)).map(OURS)
 
 
-def simulated_scan(
-    phantom: LumbarPhantom, probe: PhasedArray, path: ProbePath, seed: int, effects: UltrasoundEffects | None = None
-) -> Scan:
+def placed_labels(back: Back) -> Volume:
+    """The labels in Reference."""
+    return back.labels.placed_by(back.ct_to_reference)
+
+
+def simulated_scan(back: Back, probe: PhasedArray, path: ProbePath, seed: int, effects: UltrasoundEffects | None = None) -> Scan:
     """A simulated sweep along a path, with a configuration as a recording has one, and the bone that its beams could show."""
-    return scan_of(_configured(simulate_sweep(phantom, probe, path, effects=effects, seed=seed), probe), phantom, probe)
+    return scan_of(_configured(simulate_sweep(back, probe, path, effects=effects, seed=seed), probe), back, probe)
 
 
-def scan_of(sequence: TrackedSequence, phantom: LumbarPhantom, probe: PhasedArray) -> Scan:
+def scan_of(sequence: TrackedSequence, back: Back, probe: PhasedArray) -> Scan:
     """A simulated sweep with the bone that its beams could show."""
     poses = sweep_poses(sequence)
     beams = SweepBeams(poses.image_to_reference[poses.usable], sequence.frame_size, probe.geometry, probe.region, BEAM_THICKNESS)
-    return Scan(sequence, bone_truth(phantom.labels.placed_by(phantom.ct_to_reference), beams, distance=phantom.bone_distance))
+    return Scan(sequence, bone_truth(placed_labels(back), beams, distance=back.bone_distance))
 
 
 def _configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequence:
@@ -181,46 +196,17 @@ def _configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequenc
     return replace(sequence, configuration=PlusConfiguration(Path("simulated"), calibration, region=probe.region, probe=probe.geometry))
 
 
-def _middle(phantom: LumbarPhantom) -> np.ndarray:
-    junctions = phantom.spinolaminar_junctions()
-    return junctions[len(junctions) // 2]
+def _shaken(sequence: TrackedSequence, seed: int) -> TrackedSequence:
+    """The same images with a tracker that is off in every frame."""
+    rng = np.random.default_rng([seed, 30])
+    records = []
+    for record in sequence.records:
+        sample = record.transforms[PROBE_TO_TRACKER]
+        shake = random_rigid(0.0, NOISE_DEG * abs(rng.standard_normal()) * np.sqrt(3), rng)
+        shake[:3, 3] += NOISE_MM * rng.standard_normal(3)
+        records.append(replace(record, transforms={**record.transforms, PROBE_TO_TRACKER: replace(sample, matrix=sample.matrix @ shake)}))
+    return replace(sequence, records=records)
 
 
-def without_middle_process(phantom: LumbarPhantom) -> LumbarPhantom:
-    """The phantom after its middle spinous process was taken away: all bone more than 2 mm posterior of its lamina, at that level.
-
-    Notes
-    -----
-    With r the signed distance to the box taken away, bone is where max(d, -r) <= 0.
-    """
-    _, y, z = _middle(phantom)
-    half_level = (phantom.anatomy.body_height + phantom.anatomy.disc_height) / 2
-    distance = phantom.bone_distance
-
-    def taken_away(volume: Volume) -> np.ndarray:
-        i_size, j_size, k_size = volume.grid.size
-        k, j = np.meshgrid(np.arange(k_size), np.arange(j_size), indexing="ij")
-        zeros = np.zeros_like(k)
-        points = np.stack([zeros, j, k], axis=-1) @ volume.ijk_to_reference[:3, :3].T + volume.ijk_to_reference[:3, 3]
-        box = np.maximum(points[..., 1] - (y - 2.0), np.abs(points[..., 2] - z) - half_level)
-        return np.broadcast_to(box[:, :, None], (k_size, j_size, i_size)).astype(np.float32)
-
-    cut = Volume(np.maximum(distance.array, -taken_away(distance)), distance.ijk_to_reference)
-    labels = Volume(np.where(taken_away(phantom.labels) < 0, 0, phantom.labels.array).astype(np.uint8), phantom.labels.ijk_to_reference)
-    return replace(phantom, bone_distance=cut, labels=labels)
-
-
-def removed_surface(surface: BoneSurface, distance_without: Volume) -> np.ndarray:
-    """Which points of a surface are bone no more once something was taken away, (n,) bool."""
-    grid = distance_without.grid
-    ijk = surface.points_reference @ grid.reference_to_ijk[:3, :3].T + grid.reference_to_ijk[:3, 3]
-    i, j, k = np.clip(np.rint(ijk).astype(int), 0, np.array(grid.size) - 1).T
-    return distance_without.array[k, j, i] > 1.0
-
-
-def restricted(truth: BoneTruth, points: np.ndarray, shadows: Volume | None = None) -> BoneTruth:
-    """A truth of some of its surface points only, (n,) bool; `shadows` where another scan is measured at them."""
-    surface = truth.surface
-    part = BoneSurface(surface.points_reference[points], surface.normals_reference[points], surface.areas[points], surface.labels[points])
-    best = None if truth.best_cosine is None else truth.best_cosine[points]
-    return BoneTruth(part, truth.distance, truth.border[points], best, shadows or truth.shadows)
+WITHOUT_BONE = tuple(method for method in METHODS if not method_named(method).needs_bone)
+COMPARED = (*COMPARED_METHODS, WITHOUT_CT)

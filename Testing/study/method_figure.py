@@ -1,29 +1,28 @@
-"""The study in one picture: what every method makes of right and wrong CTs and poses."""
+"""The study in one picture: what every method makes of right and wrong CTs, on both kinds of patients."""
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 
-from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
+from AIFReconLib.compounding.methods.table import COMPARED_METHODS
 from AIFReconLib.io.disk.atomic import atomic_output
 
-from .method_cases import Row
-from .patients import spread_of
+from .method_cases import COMPARED, KINDS, LEVEL, OTHER, PLAIN, SHIFTS, WITHOUT_CT, Row
+from .method_page import RIGHT
+from .patients import Spread, spread_of
 
-CONDITIONS = ("exact", "CT 2 mm off", "CT 4 mm off", "CT 5 deg off", "tracker noise", "CT of another patient", "CT one level off")
+CONDITIONS = (RIGHT, *SHIFTS, LEVEL, OTHER)
 PANELS = (
-    ("bone_cnr", "CNR, reachable bone", 1.0),
-    ("oblique_cnr", "CNR, bone beyond 45 degrees", 1.0),
-    ("bone_coverage", "coverage, %", 100.0),
-    ("interspinous_coverage", "interspinous visibility, %", 100.0),
-    ("bone_thickness", "thickness, mm (less is better)", 1.0),
-    ("speckle_snr", "speckle SNR of soft tissue", 1.0),
+    ("bone_coverage", "bone that is shown, %"),
+    ("oblique_coverage", "oblique bone that is shown, %"),
+    ("called_free", "blocked paths that look free, %"),
 )
-COLORS = dict(zip(COMPARED_METHODS, ("#8a8a8a", "#7fb2e5", "#2f6db3", "#e07b00", "#5b8f4e", "#a05fa8"), strict=False))
+COLORS = {**dict(zip(COMPARED_METHODS, ("#8a8a8a", "#7fb2e5", "#2f6db3", "#e07b00"), strict=True)), WITHOUT_CT: "#5b8f4e"}
 
 
 def study_figure(path: str | Path, rows: list[Row]) -> None:
-    """Draw medians with quartiles of the multi-angle scans, by condition and method.
+    """Draw medians with quartiles, by condition and method.
 
     Raises
     ------
@@ -33,34 +32,32 @@ def study_figure(path: str | Path, rows: list[Row]) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(12, 7.2), layout="constrained", facecolor="white")
+    figure = Figure(figsize=(12, 6.4), layout="constrained", facecolor="white")
     FigureCanvasAgg(figure)
-    for ax, (name, title, scale) in zip(figure.subplots(2, 3).flat, PANELS, strict=True):
-        for number, (method, color) in enumerate(COLORS.items()):
-            for place, condition in enumerate(CONDITIONS):
-                spread = _spread(rows, name, condition, method)
-                if spread is None:
-                    continue
-                x = place + 0.8 / len(COLORS) * (number - (len(COLORS) - 1) / 2)
-                low, median, high = (scale * value for value in (spread.low, spread.median, spread.high))
-                ax.bar(x, median, width=0.72 / len(COLORS), color=color, label=method if place == 0 else None)
-                ax.plot([x, x], [low, high], color="black", linewidth=0.8)
-        ax.set_title(title, fontsize=10, loc="left")
-        ax.set_xticks(range(len(CONDITIONS)), CONDITIONS, fontsize=7, rotation=30, ha="right", rotation_mode="anchor")
-        ax.tick_params(axis="y", labelsize=8)
-        ax.axhline(0, color="black", linewidth=0.6)
-        for side in ("top", "right"):
-            ax.spines[side].set_visible(False)
+    for line, kind in zip(figure.subplots(len(KINDS), len(PANELS)), KINDS, strict=True):
+        for ax, (name, title) in zip(line, PANELS, strict=True):
+            for number, method in enumerate(COMPARED):
+                for place, condition in enumerate(CONDITIONS):
+                    spread = _spread(rows, name, kind, condition, method)
+                    if spread.median != spread.median:
+                        continue
+                    x = place + 0.8 / len(COMPARED) * (number - (len(COMPARED) - 1) / 2)
+                    low, median, high = (100 * value for value in (spread.low, spread.median, spread.high))
+                    ax.bar(x, median, width=0.72 / len(COMPARED), color=COLORS[method], label=method if place == 0 else None)
+                    ax.plot([x, x], [low, high], color="black", linewidth=0.8)
+            ax.set_title(f"{kind}: {title}", fontsize=9, loc="left")
+            ax.set_xticks(range(len(CONDITIONS)), [textwrap.fill(name, 10) for name in CONDITIONS], fontsize=7)
+            ax.set_ylim(0, 100)
+            ax.tick_params(axis="y", labelsize=8)
+            for side in ("top", "right"):
+                ax.spines[side].set_visible(False)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(COLORS), frameon=False, fontsize=10)
     with atomic_output(path) as temporary:
         figure.savefig(temporary, dpi=100)
 
 
-def _spread(rows: list[Row], name: str, condition: str, method: str):
-    """The spread of a number, None where nothing is known; that of a method without bone stands for every wrong CT."""
-    wanted = {"scan": "multi-angle", "condition": condition, "method": method, "direction": "gradient"}
-    if not method_named(method).needs_bone:
-        wanted = {**wanted, "direction": "", "condition": "tracker noise" if condition == "tracker noise" else "exact"}
-    spread = spread_of(rows, name, **wanted)
-    return spread if spread.median == spread.median else None
+def _spread(rows: list[Row], name: str, kind: str, condition: str, method: str) -> Spread:
+    """The spread of a number; that of a method that asks no CT stands for every CT."""
+    asked = RIGHT if method in (PLAIN, WITHOUT_CT) else condition
+    return spread_of(rows, name, kind=kind, condition=asked, method=method)

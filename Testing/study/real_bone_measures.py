@@ -8,12 +8,10 @@ import numpy as np
 from scipy import ndimage
 
 from AIFReconLib.evaluation.metrics import evaluate
-from AIFReconLib.evaluation.surface import nearest
+from AIFReconLib.evaluation.surface import BoneSurface, nearest
 from AIFReconLib.evaluation.visibility import BoneTruth
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
-
-from .method_cases import restricted
 
 THRESHOLDS = tuple(range(80, 251, 10))
 """Gray levels above which a voxel is bright, for the curve of precision against what is shown."""
@@ -118,3 +116,11 @@ def by_incidence(volume: Volume, truth: BoneTruth, mask: Volume) -> dict[str, fl
         found = evaluate(volume, restricted(truth, within), mask).to_dict() if within.any() else {}
         numbers.update({f"{name}_{low}": found.get(name, float("nan")) for name in (*BY_INCIDENCE, "bone_area")})
     return numbers
+
+
+def restricted(truth: BoneTruth, points: np.ndarray, shadows: Volume | None = None) -> BoneTruth:
+    """A truth of some of its surface points only, (n,) bool; `shadows` where another scan is measured at them."""
+    surface = truth.surface
+    part = BoneSurface(surface.points_reference[points], surface.normals_reference[points], surface.areas[points], surface.labels[points])
+    best = None if truth.best_cosine is None else truth.best_cosine[points]
+    return BoneTruth(part, truth.distance, truth.border[points], best, shadows or truth.shadows)

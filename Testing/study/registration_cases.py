@@ -7,18 +7,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.echoes.search import sweep_echoes
+from AIFReconLib.bone.field import BoneField
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
-from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.registration.bone_field import BoneField
-from AIFReconLib.registration.echo_search import sweep_echoes
-from AIFReconLib.registration.echoes import SweepEchoes
+from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.registration.registration import Registration, register_echoes
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
@@ -26,7 +26,7 @@ from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import freehand_sweep, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep
 from AIFReconLib.sweep.frames import TrackedSequence
 
-from .method_cases import HOLE_LIMIT, SIGMA, SPACING, simulated_scan
+from .method_cases import HOLE_LIMIT, SPACING, simulated_scan
 
 FRAMES = 144
 
@@ -63,7 +63,7 @@ def patient_rows(seed: int) -> list[Row]:
             start = random_rigid(move, turn, np.random.default_rng([seed, 50, trial]), about=case.center) @ case.truth
             rows.append(case.row(f"start {name}", register_echoes(case.echoes, case.bone, start)))
     rows.append(case.row("no start", register_echoes(case.echoes, case.bone)))
-    rows += _volumes(case) + _wrong_cts(case) + _postures(case) + _noises(case) + _sparse(case)
+    rows += _volumes(case) + _wrong_cts(case) + _single_and_mirrored(case) + _postures(case) + _noises(case) + _sparse(case)
     return rows
 
 
@@ -109,7 +109,7 @@ def _volumes(case: _Case) -> list[Row]:
     scan = simulated_scan(case.phantom, PhasedArray(), multi_angle_sweep(case.phantom, FRAMES), case.seed)
 
     def shown(labels_to_reference: np.ndarray) -> BoneMetrics:
-        bone = BoneMap.from_labels(case.phantom.labels, sigma_mm=SIGMA, labels_to_reference=labels_to_reference)
+        bone = LabeledBone(case.phantom.labels, labels_to_reference, scan.sequence)
         result = reconstruct(scan.sequence, ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT), bone)
         return evaluate(result.intensity, scan.truth, result.mask)
 
@@ -147,6 +147,24 @@ def _wrong_cts(case: _Case) -> list[Row]:
         off = case.truth.copy()
         off[:3, 3] += own[3 if kept[0] == 1 else 2] - own[2 if kept[0] == 1 else 3]
         rows.append(case.row(f"{name}, start one level off", register_echoes(case.echoes, bone, off)))
+    return rows
+
+
+def _single_and_mirrored(case: _Case) -> list[Row]:
+    """CTs of one vertebra, of one that the sweep does not show, and mirrored ones: what repeats itself along a spine, or across it."""
+    rows, nothing, labels = [], float("nan"), case.phantom.labels
+    numbers = [int(label) for label in np.unique(labels.array) if label]
+    for label in numbers:
+        alone = BoneField.from_labels(_only(labels, label))
+        others = BoneField.from_labels(Volume(np.where(labels.array == label, 0, labels.array), labels.ijk_to_reference))
+        rows.append(case.row("CT of one vertebra, no start", register_echoes(case.echoes, alone)))
+        at = transform_points(invert(case.truth), case.echoes.points)
+        unseen = case.echoes[alone.distances(at) > others.distances(at)]
+        rows.append(case.row("CT of one vertebra that the sweep does not show", register_echoes(unseen, alone), nothing))
+    for kept in (numbers, numbers[:2], numbers[-2:]):
+        mirrored = np.where(np.isin(labels.array, kept), labels.array, 0)[:, :, ::-1]
+        bone = BoneField.from_labels(Volume(np.ascontiguousarray(mirrored), labels.ijk_to_reference))
+        rows.append(case.row("mirrored CT, no start", register_echoes(case.echoes, bone), nothing))
     return rows
 
 

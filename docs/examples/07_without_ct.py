@@ -27,7 +27,7 @@ print(bone)
 # --------
 # The outline is the true bone: this patient has a CT, of which the reconstruction knew nothing.
 
-settings = ReconstructionSettings(method="weighted", spacing=1.0, bone_direction="surface")
+settings = ReconstructionSettings(method="weighted", spacing=1.0)
 result = reconstruct(sequence, settings, bone)
 truth = read_labels(patient / "lumbar-segmentation.nrrd").placed_by(read_transform(patient / "CTToReference.tfm"))
 picture = result.intensity.plot(mask=result.mask, labels=truth)

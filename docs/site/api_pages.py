@@ -8,7 +8,21 @@ from pathlib import Path
 
 ROOMS = (
     *("reconstruction", "recipe", "errors", "message", "remedies", "progress", "arrays", "resolve"),
-    *("sweep", "geometry", "imaging", "bone", "compounding", "holes", "io", "registration", "guidance", "inspection", "evaluation"),
+    *(
+        "sweep",
+        "geometry",
+        "imaging",
+        "bone",
+        "compounding",
+        "holes",
+        "io",
+        "registration",
+        "calibration",
+        "guidance",
+        "paths",
+        "inspection",
+        "evaluation",
+    ),
     *("provenance", "simulation", "live", "batch", "machine", "commands", "worker", "terminal"),
 )
 """In the order in which somebody who writes Python meets them; a test of the site compares with what is there."""

@@ -32,11 +32,13 @@ def updateButtons(ui, logic, parameters, waits: str, report: str) -> None:
 
     `waits` says why everything has to wait, `report` what was done last, which stays to be read where something is missing for the next.
     """
-    cannot = logic.whyNotReconstruct(parameters)
+    sweep = logic.sweepSummary(parameters)
+    cannot = readiness.whyNotReconstruct(parameters, sweep)
     for button, missing, does in (
         (ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
         (ui.applyButton, cannot, _("Reconstruct the volume, and judge tracking, registration and coverage")),
-        (ui.compareButton, logic.whyNotCompare(parameters), _("Reconstruct with each method and show them side by side")),
+        (ui.recognizeButton, readiness.whyNoImages(parameters, sweep), _("Set the rectangle of ultrasound that is recognized")),
+        (ui.compareButton, readiness.whyNotCompare(parameters, sweep), _("Reconstruct with each method and show them side by side")),
     ):
         missing = waits or missing
         button.enabled = not missing

@@ -2,45 +2,33 @@
 
 from html import escape
 
-import qt
 import slicer
 from AIFReconScene.display import threeDViews
 from AIFReconScene.display.boneColors import BoneColors
 from AIFReconScene.display.ghostProbe import GhostProbe
+from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneNodes import boneNames, inNames
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from .layout import say
+from .panelPart import PanelPart, every
 
 SHOWN_EVERY = 150
 """ms between two looks at what the scan has met: colors change five times a second and more."""
 
 
-class GuidancePanel:
-    """Connects the box *Guidance* and what stands below it to the scan under way, or to the chosen sweeps.
+class GuidancePanel(PanelPart):
+    """Connects the box *Guidance* and what stands below it to the scan under way, or to the chosen sweeps."""
 
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    work : LongWork
-    live : LivePanel
-    logic : AIFReconLogic
-        Says what is missing before bone and sweep can be compared.
-    refresh : callable
-        Called without arguments when what can be pressed in the panel has changed.
-    """
-
-    def __init__(self, ui, work, live, logic, refresh):
-        self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
-        self._parameterNode = None
+    def __init__(self, ui, work, refresh, live, logic):
+        super().__init__(ui, work, refresh)
+        self._live, self._logic = live, logic
         self._colors, self._ghost = BoneColors(), GhostProbe()
         self._shown = self._about = None
         self._told = "", ""
         self._isTurned = False
-        self._showing = qt.QTimer()
-        self._showing.setInterval(SHOWN_EVERY)
-        self._showing.connect("timeout()", self._showScan)
+        self._showing = every(SHOWN_EVERY, self._showScan)
         ui.guidanceTableLabel.toolTip = _(
             "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what faces the "
             "back. The next move leads to where most bone is to be gained, which need not be the vertebra of the lowest share."
@@ -49,14 +37,10 @@ class GuidancePanel:
         ui.liveGuidanceCheckBox.connect("clicked(bool)", self.onLiveBox)
         ui.guidanceSweepButton.connect("clicked(bool)", self.onSweep)
 
-    def setParameterNode(self, parameterNode) -> None:
-        """Follow these parameters, or none; what a scan tells goes on being shown."""
-        self._parameterNode = parameterNode
-
     def update(self) -> None:
         """Follow the box and what is chosen."""
         parameters, scanning = self._parameterNode, self._live.isRunning
-        missing = self._live.whyNotNow() or self._logic.whyNotRegister(parameters, False)
+        missing = self._live.whyNotNow() or readiness.whyNotRegister(parameters, self._logic.sweepSummary(parameters))
         button = self._ui.guidanceSweepButton
         button.enabled = parameters.guidance and not missing
         button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")
@@ -103,12 +87,8 @@ class GuidancePanel:
 
     def onSweep(self) -> None:
         """Color the bone by what the chosen sweeps have met."""
-        try:
-            said = self._work.run(_("Guidance"), _("What the sweep has hit could not be told."), self._ofSweep, self._parameterNode)
-            if said:
-                self._say(said)
-        finally:
-            self._refresh()
+        if said := self._do(_("Guidance"), _("What the sweep has hit could not be told."), self._ofSweep):
+            self._say(said)
 
     def _ofSweep(self, parameters, progress) -> str:
         seen = self._logic.verdicts.guide(parameters, progress)

@@ -2,13 +2,13 @@
 
 from html import escape
 
-import qt
 from AIFReconScene.panelWords import inPanelWords
 from AIFReconScene.registration.sweepVerdicts import COVERAGE, NAMES
 from slicer.i18n import tr as _
 
 from ..fields.choosers import Follower
 from .layout import say
+from .panelPart import every
 from .signals import signOf
 
 LOOKED_EVERY = 100
@@ -16,19 +16,11 @@ LOOKED_EVERY = 100
 
 
 class Lights(Follower):
-    """Shows the verdicts of `SweepVerdicts`, and opens and closes what belongs to each.
-
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    verdicts : SweepVerdicts
-    """
+    """Shows the verdicts of `SweepVerdicts`, and opens and closes what belongs to each."""
 
     def __init__(self, ui, verdicts):
         self._ui, self._verdicts = ui, verdicts
-        self._timer = qt.QTimer()
-        self._timer.setInterval(LOOKED_EVERY)
-        self._timer.connect("timeout()", self._look)
+        self._timer = every(LOOKED_EVERY, self._look)
         for name in NAMES:
             button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
             button.connect("toggled(bool)", details.setVisible)

@@ -2,7 +2,6 @@
 
 import time
 
-import qt
 import slicer
 from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.live.liveFiles import recordingPath, sizeOf
@@ -16,6 +15,7 @@ from ..fields.pathField import PathField
 from ..packages import packagesAreThere
 from .layout import reveal, say
 from .liveWords import LiveWords, counts, linesOf
+from .panelPart import PanelPart, every
 from .signals import GRAY, styleOf
 
 LOOK_EVERY, COUNTED_EVERY = 10, 0.5
@@ -35,31 +35,17 @@ LARGE = 26
 """Pixels: letters that are read from two meters."""
 
 
-class LivePanel:
-    """Connects the widgets of the tab to a `LiveReconstruction`.
-
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    work : LongWork
-        Does what takes long, with progress, and shows its errors.
-    refresh : callable
-        Called without arguments when what can be pressed in the panel has changed.
-    """
+class LivePanel(PanelPart):
+    """Connects the widgets of the tab to a `LiveReconstruction`."""
 
     def __init__(self, ui, work, refresh):
-        self._ui = ui
-        self._work = work
-        self._refresh = refresh
-        self._parameterNode = None
+        super().__init__(ui, work, refresh)
         self._live = None
         self._missing = self._advised = ""
         self._record = self._shownID = self._words = None
         self._sized = self._counted = 0.0
         self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
-        self._looking = qt.QTimer()
-        self._looking.setInterval(LOOK_EVERY)
-        self._looking.connect("timeout()", self._look)
+        self._looking = every(LOOK_EVERY, self._look)
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
         ui.livePauseButton.connect("toggled(bool)", self.onPause)
         ui.liveResetButton.connect("clicked(bool)", self.onReset)
@@ -103,7 +89,7 @@ class LivePanel:
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none; a scan that is under way goes on."""
-        self._parameterNode = parameterNode
+        super().setParameterNode(parameterNode)
         for follower in self._followers:
             follower.setParameterNode(parameterNode)
         if parameterNode is not None and not parameterNode.parameterNode.GetAttribute(REMEMBERED_ATTRIBUTE):
@@ -142,7 +128,7 @@ class LivePanel:
         self._ui.tabWidget.currentIndex = 1
         if not packagesAreThere(self._parameterNode, failure, live=True):
             return
-        self._say(self._do(failure, self._start))
+        self._say(self._do(_("Live reconstruction"), failure, self._start))
         if self.isRunning:
             self._show()
             reveal(self._ui.tabWidget)
@@ -175,7 +161,7 @@ class LivePanel:
             parameters.liveHost, parameters.livePort = found
             return _("Found at {host}, port {port}: press Start.").format(host=found[0], port=found[1])
 
-        said = self._do(_("The search for the scanner failed."), work)
+        said = self._do(_("Live reconstruction"), _("The search for the scanner failed."), work)
         self._ui.liveRecordedLabel.text = ""
         if said:
             self._say(said)
@@ -189,7 +175,8 @@ class LivePanel:
 
     def onStop(self) -> None:
         """End the scan and keep its volume."""
-        self._say(self._do(_("The live reconstruction could not be ended as it should."), self._stop))
+        failure = _("The live reconstruction could not be ended as it should.")
+        self._say(self._do(_("Live reconstruction"), failure, self._stop))
 
     def close(self, sceneStays: bool = False) -> None:
         """End the scan without showing anything more: the scene, the panel or the application is being closed."""
@@ -201,13 +188,6 @@ class LivePanel:
                 live.removeFrame()
             self._showState(_("not started"), GRAY)
             self._say("")
-
-    def _do(self, failure: str, work) -> str:
-        """Do long work and return what it said: a cancel too, nothing after an error that was shown."""
-        try:
-            return self._work.run(_("Live reconstruction"), failure, work, self._parameterNode)
-        finally:
-            self._refresh()
 
     def _start(self, parameters, progress) -> str:
         from AIFReconScene.live.liveReconstruction import LiveReconstruction

@@ -13,24 +13,12 @@ from .signals import GREEN, RED
 
 @dataclass(frozen=True)
 class LiveWords:
-    """What is said in large letters.
+    """What is said in large letters."""
 
-    Parameters
-    ----------
-    state : str
-        Whether the probe is seen, or what is wrong.
-    colors : tuple
-        Of `signals`.
-    move : str
-        What the person with the probe is to do now.
-    isScouting : bool
-        Whether the box is still to be found.
-    """
-
-    state: str
-    colors: tuple
-    move: str
-    isScouting: bool
+    state: str  #: Whether the probe is seen, or what is wrong
+    colors: tuple  #: Of `signals`
+    move: str  #: What the person with the probe is to do now
+    isScouting: bool  #: Whether the box is still to be found
 
     @classmethod
     def of(cls, live, advised: str) -> "LiveWords":

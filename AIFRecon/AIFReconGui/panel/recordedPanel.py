@@ -1,13 +1,13 @@
 """The tab Recorded: what is opened, Reconstruct, the lights below it, and the settings."""
 
 import pathlib
-from itertools import pairwise
 
 import qt
 import slicer
 from AIFReconScene.display.boneOutlines import BoneOutlines
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import hasBone
+from AIFReconScene.inputs.clip import clipAsRecognized
 from AIFReconScene.inputs.parameters import fileFrom
 from AIFReconScene.sceneNodes import addedTogether
 from AIFReconScene.sweep.fileKinds import opened
@@ -17,13 +17,15 @@ from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
 
 from ..fields.boneSource import ofRecorded
-from ..fields.choosers import BoxChooser, Follower, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
+from ..fields.choosers import BoxChooser, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
 from ..fields.pathField import PATHS, PathField
 from ..packages import offerSpeed, packagesAreThere
 from ..picture.picturePanel import PicturePanel
 from .dependentWidgets import updateButtons, updateDependentWidgets
+from .importDialog import ImportDialog
 from .layout import say
 from .lights import Lights
+from .panelPart import PanelPart
 from .reportPanel import ReportPanel
 
 FOLDER_SETTING = "AIFRecon/OpenFolder"
@@ -32,15 +34,17 @@ LONGEST_NAMES = 40
 """Letters of the names in the header of what has folded away."""
 
 
-class RecordedPanel(Follower):
-    """Connects the buttons of the tab to the logic, and lets everything follow the parameters; `refresh` is called after work."""
+class RecordedPanel(PanelPart):
+    """Connects the buttons of the tab to the logic, and lets everything follow the parameters."""
 
-    def __init__(self, ui, logic, work, refresh):
-        self._ui, self._logic, self._work, self._refresh = ui, logic, work, refresh
+    def __init__(self, ui, work, refresh, logic):
+        super().__init__(ui, work, refresh)
+        self._logic = logic
         self._report = ""
         self._wasComplete = False
         ui.summaryLabel.visible = False
         self.lights = Lights(ui, logic.verdicts)
+        self.importer = ImportDialog(work, refresh, logic.takeImported)
         self._picture = PicturePanel(ui.picturePlace.layout(), ui.guidanceSweepButton, work, logic.trackingReport)
         self._followers = (
             SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
@@ -57,21 +61,16 @@ class RecordedPanel(Follower):
         )
         for button, slot in (
             (ui.openButton, self.onOpen),
+            (ui.importButton, lambda pressed: self.importer.show()),
             (ui.sampleButton, self.onSample),
             (ui.boneFromCTButton, self.onBoneFromCT),
             (ui.loadButton, self.onLoad),
+            (ui.recognizeButton, self.onRecognize),
             (ui.applyButton, self.onReconstruct),
             (ui.compareButton, self.onCompare),
             (ui.singleViewButton, self.onSingleView),
         ):
             button.connect("clicked(bool)", slot)
-        # The picture's widgets were made after all others, and stand before the settings
-        made = slicer.util.childWidgetVariables(ui.recordedContents)
-        names = ("showMeasuredCheckBox", "showRaisedCheckBox", "showSpineCheckBox", "probeUpCheckBox", "showLevelsCheckBox")
-        names += ("windowComboBox", "copyLineButton", "saveReportButton")
-        order = (ui.guidanceSweepButton, *(getattr(made, name) for name in names))
-        for before, after in pairwise(order):
-            qt.QWidget.setTabOrder(before, after)
         # What is opened shows all that it holds, also what does not count
         ui.volumeGroupBox.connect("toggled(bool)", lambda opened: self._dependents())
         ui.settingsCollapsibleButton.connect("contentsCollapsed(bool)", lambda collapsed: self._dependents())
@@ -79,7 +78,7 @@ class RecordedPanel(Follower):
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
         super().setParameterNode(parameterNode)
-        for follower in self._followers:
+        for follower in (*self._followers, self.importer):
             follower.setParameterNode(parameterNode)
 
     def update(self, waits: str) -> None:
@@ -137,6 +136,10 @@ class RecordedPanel(Follower):
     def onLoad(self) -> None:
         """Read the recording."""
         self._run(_("Load recording"), _("The recording could not be loaded."), self._logic.loadRecording)
+
+    def onRecognize(self) -> None:
+        """Set the clip rectangle to what is recognized."""
+        self._run(_("Looking at the images"), _("The clip rectangle was not set."), clipAsRecognized)
 
     def onReconstruct(self) -> None:
         """Reconstruct."""

@@ -1,13 +1,14 @@
 """What belongs to the light Registration: places the CT on the sweep, says how well the two agree, and draws the echoes on the bone."""
 
 import numpy as np
-import qt
 import slicer
 from AIFReconScene.display.echoPoints import EchoPoints
+from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords, withNames
 from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
+from AIFReconScene.volumes.segments import bentBone
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
@@ -15,10 +16,7 @@ from AIFReconLib.progress import part
 
 from ..errorsShown import errorsShown
 from .layout import say
-
-LANDMARK_MODULES = ("LandmarkRegistration", "FiducialRegistration")
-"""Slicer's own ways to a start, the more comfortable one first; a build may lack either."""
-
+from .panelPart import PanelPart, every
 
 WORTH_OFFERING = 0.5
 """Share of what the best place explains that makes another one worth a line in the choice."""
@@ -27,54 +25,41 @@ LOOKED_EVERY = 100
 """ms between two looks where the CT is: gauge and colors follow it once it rests."""
 
 
-class RegistrationPanel:
+class RegistrationPanel(PanelPart):
     """Connects the widgets below the light to a `CTRegistration` and a `CTPlacement`.
 
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    work : LongWork
-    live : LivePanel
-        While it scans, what the scan has shown so far takes the place of the chosen sweep.
-    logic : AIFReconLogic
-        Says what is missing before the CT can be placed, and keeps the verdict.
-    refresh : callable
-        Called without arguments when what can be pressed in the panel has changed.
-
-    Notes
-    -----
-    Gauge and colors are those of the place where the CT is now, once they were asked for: they follow it when it is moved.
+    Gauge and colors are those of the place where the CT is now, once they were asked for: they follow it when it is moved. While the tab
+    Live scans, what the scan has shown so far takes the place of the chosen sweep.
     """
 
-    def __init__(self, ui, work, live, logic, refresh):
-        self._ui, self._work, self._live, self._logic, self._refresh = ui, work, live, logic, refresh
-        self._parameterNode = None
+    def __init__(self, ui, work, refresh, live, logic):
+        super().__init__(ui, work, refresh)
+        self._live, self._logic = live, logic
         self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
-        self._placed = self._about = self._task = self._seenAt = self._knownAt = None
+        self._placed = self._about = self._task = self._seenAt = self._knownAt = self._unbent = None
         self._saidBefore = ""
         self._places = []
-        self._looking = qt.QTimer()
-        self._looking.setInterval(LOOKED_EVERY)
-        self._looking.connect("timeout()", self._look)
+        self._looking = every(LOOKED_EVERY, self._look)
         ui.checkButton.connect("clicked(bool)", self.onCheck)
         ui.placeButton.connect("clicked(bool)", self.onPlace)
         ui.livePlaceButton.connect("clicked(bool)", self.onPlace)
         ui.undoPlaceButton.connect("clicked(bool)", self.onUndo)
         ui.takePlaceButton.connect("clicked(bool)", self.onTake)
         ui.landmarksButton.connect("clicked(bool)", self.onLandmarks)
-        ui.landmarksButton.visible = bool(_landmarkModule())
+        ui.landmarksButton.visible = hasattr(slicer.modules, "landmarkregistration")
         self._say("")
         self._offer([])
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
-        self._parameterNode = parameterNode
+        super().setParameterNode(parameterNode)
         (self._looking.stop if parameterNode is None else self._looking.start)()
 
     def update(self) -> None:
         """Enable what can be done; follow what is chosen."""
         ui, parameters = self._ui, self._parameterNode
-        missing, waits = self._logic.whyNotRegister(parameters, self._live.isRunning), self._live.whyNotNow()
+        missing = readiness.whyNotRegister(parameters, self._logic.sweepSummary(parameters), self._live.isRunning)
+        waits = self._live.whyNotNow()
         if self._about is not None and self._about != self._subject(parameters):
             self.forget()
         places = _(
@@ -130,6 +115,10 @@ class RegistrationPanel:
     def onUndo(self) -> None:
         """Bring the CT back to where it was before it was moved last."""
         if self._placement.undo():
+            if self._unbent is not None:
+                self._parameterNode.bone, bent = self._unbent
+                slicer.mrmlScene.RemoveNode(bent)
+                self._unbent = None
             self._saidBefore = _("The CT is back where it was.")
             self._offer([])
             self._say(self._saidBefore)
@@ -137,17 +126,13 @@ class RegistrationPanel:
 
     def onLandmarks(self) -> None:
         """Open Slicer's own registration by landmarks."""
-        slicer.util.selectModule(_landmarkModule())
+        slicer.util.selectModule("LandmarkRegistration")
 
     # ---- work
 
     def _run(self, title: str, failure: str, work) -> None:
-        try:
-            said = self._work.run(title, failure, work, self._parameterNode)
-            if said:
-                self._say(said)
-        finally:
-            self._refresh()
+        if said := self._do(title, failure, work):
+            self._say(said)
 
     def _check(self, parameters, progress) -> str:
         self._show(parameters, self._registration.check(parameters, progress))
@@ -159,7 +144,7 @@ class RegistrationPanel:
         transformAbove(bone, ct, sweep)  # what cannot be moved is said before any work
         scan = self._live.isRunning
         echoes = self._live.echoes() if scan else None
-        found = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes)
+        found, self._unbent = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes), None
         if found.said is not None:
             self._show(parameters, self._registration.at(rigidPlace(bone)))
             self._offer(_places(found))
@@ -167,9 +152,15 @@ class RegistrationPanel:
             refused = _("The CT was not moved. About the best place found: {reason}").format(reason=reason)
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
+        names = self._names()
         self._moveTo(parameters, found.placed)
+        if found.apart is not None:
+            parameters.bone, parameters.boneSegments = bentBone(bone, found.apart, names), []
+            self._unbent = bone, parameters.bone
+            self._show(parameters, self._registration.check(parameters, echoes=echoes))
         self._offer([])
-        said = self._words(moved, *_uncertainties(found))
+        loose = _("This sweep does not tell exactly: {motions}.").format(motions="; ".join(found.uncertain)) if found.uncertain else ""
+        said = self._words(moved, loose)
         if not scan:
             return said
         # The CT is moved by now: a cancel would come too late
@@ -280,14 +271,3 @@ def _places(found) -> list:
             places.append((other.labels_to_reference, other.agreement, where))
     words = _("{where}: {share:.0%} of the echoes agree, median {median:.1f} mm")
     return [(place, words.format(where=where, share=own.explained, median=own.median_distance)) for place, own, where in places]
-
-
-def _uncertainties(found) -> list:
-    """What the sweep does not hold, in a sentence."""
-    if not found.uncertain:
-        return []
-    return [_("This sweep does not tell exactly: {motions}.").format(motions="; ".join(found.uncertain))]
-
-
-def _landmarkModule() -> str:
-    return next((name for name in LANDMARK_MODULES if hasattr(slicer.modules, name.lower())), "")

@@ -8,30 +8,20 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
 
+from ..fields.choosers import Follower
 from .layout import say
 
 
-class ReportPanel:
+class ReportPanel(Follower):
     """Shows the report while it is wanted; nothing is computed for one that is not seen.
 
-    Parameters
-    ----------
-    ui : namespace of the widgets in AIFRecon.ui
-    reportOf : callable
-        ``reportOf(parameters) -> (title, TrackingReport)``; an AIFReconError says why there is none.
+    ``reportOf(parameters) -> (title, TrackingReport)``; an AIFReconError says why there is none.
     """
 
     def __init__(self, ui, reportOf):
-        self._ui = ui
-        self._reportOf = reportOf
-        self._parameterNode = None
-        self._shown = None
+        self._ui, self._reportOf, self._shown = ui, reportOf, None
         ui.trackingMoreButton.connect("toggled(bool)", lambda checked: self.update())
         ui.copyReportButton.connect("clicked(bool)", self.onCopy)
-
-    def setParameterNode(self, parameterNode) -> None:
-        """Follow these parameters, or none."""
-        self._parameterNode = parameterNode
 
     def update(self) -> None:
         """Show the report of the chosen sweep, if the section is open."""

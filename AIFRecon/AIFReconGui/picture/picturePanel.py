@@ -17,22 +17,14 @@ from slicer.i18n import tr as _
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
 BOXES = ("showMeasuredCheckBox", "showRaisedCheckBox", "showSpineCheckBox", "probeUpCheckBox", "showLevelsCheckBox")
-IN_ORDER = (*BOXES, "windowComboBox", "copyLineButton", "saveReportButton")
+IN_ORDER = (*BOXES, "boneOutlinesCheckBox", "opacitySliderWidget", "windowComboBox", "copyLineButton", "saveReportButton")
 """Names of the widgets as they stand, from the top."""
 
 
 class PicturePanel:
-    """A widget of its own, and what it does.
+    """A widget of its own, at the end of a layout, which comes `after` another for who goes by keyboard.
 
-    Parameters
-    ----------
-    layout : QLayout
-        Takes the widget at its end.
-    after : QWidget
-        What comes before it for who goes by keyboard.
-    work : LongWork
-    trackingOf : callable
-        ``trackingOf(parameters) -> (title, TrackingReport)``.
+    ``trackingOf(parameters) -> (title, TrackingReport)``.
     """
 
     def __init__(self, layout, after, work, trackingOf):
@@ -70,7 +62,7 @@ class PicturePanel:
         tells = inPanelWords(whyNotTell(parameters))
         for widget, missing, does in (
             (ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels")),
-            (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is brighter than the echoes are on the mean")),
+            (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is as bright as bone and its echoes are not")),
             (ui.showSpineCheckBox, "" if spine else shown, _("Show the bone that was seen as a surface, smoothed for display")),
             (ui.probeUpCheckBox, "" if parameters.sweep else _("Select a tracked sweep."), _("Turn the slice views as the scanner does")),
             (ui.copyLineButton, tells, _("Copy the summary, one line, to the clipboard")),
@@ -78,6 +70,7 @@ class PicturePanel:
         ):
             widget.enabled = not missing
             widget.toolTip = missing or does
+        ui.boneOutlinesCheckBox.visible = ui.opacityLabel.visible = ui.opacitySliderWidget.visible = parameters.output is not None
         for view in self._views:
             view.update(parameters)
 

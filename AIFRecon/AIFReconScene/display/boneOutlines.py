@@ -5,6 +5,8 @@ from .borrowed import Borrowed
 
 UNFILLED = Borrowed("Visibility2DFill", False, "AIFRecon.FilledBefore")
 OUTLINED = Borrowed("Visibility2DOutline", True, "AIFRecon.OutlinedBefore")
+THIN = Borrowed("SliceIntersectionThickness", 1, "AIFRecon.ThicknessBefore")
+HIDDEN = Borrowed("Visibility2D", False, "AIFRecon.HiddenIn2D")
 
 
 class BoneOutlines:
@@ -25,11 +27,13 @@ class BoneOutlines:
             self._follow(None)
 
     def update(self) -> None:
-        """Outline the bone, if a reconstruction is on display."""
+        """Outline the bone, or hide it if that is chosen, while a reconstruction is on display."""
         bone = self._parameterNode.bone
         isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
-        self._follow(bone.GetDisplayNode() if isSegmented and sliceDisplay.showsReconstruction() else None)
+        display = bone.GetDisplayNode() if isSegmented and sliceDisplay.showsReconstruction() else None
+        self._follow(display, None if self._parameterNode.showBoneOutlines else display)
 
-    def _follow(self, display) -> None:
-        UNFILLED.follow(display)
-        OUTLINED.follow(display)
+    def _follow(self, display, hidden=None) -> None:
+        for each in (UNFILLED, OUTLINED, THIN):
+            each.follow(display)
+        HIDDEN.follow(hidden)

@@ -61,7 +61,9 @@ class SceneDisplay:
             threeDViews.center()
 
     def followFrame(self, parameters) -> None:
-        """Draw the probe on the frame that is shown now; an image under a transform takes it along by itself."""
+        """Draw the probe on the frame that is shown now, and let the view that shows it lie in it; an image under a transform takes the
+        probe along by itself."""
+        sliceDisplay.followFrame()
         if self._drawn.get("probe") and parameters.sweep is not None and isPlacedByItself(parameters.sweep, parameters.imageSequence):
             self._draw("probe", self._drawProbe, parameters)
 

@@ -5,7 +5,7 @@ import slicer
 import vtk
 from vtk.util import numpy_support
 
-from ..sceneNodes import removeNodes
+from ..sceneNodes import colorTable, removeNodes
 
 
 class OwnNodes:
@@ -50,15 +50,8 @@ class OwnNodes:
         """A table of colors, each a name and (red, green, blue, opacity)."""
         node = self.get(what)
         if node is None:
-            node = slicer.vtkMRMLColorTableNode()
-            node.SetName(name)
-            node.SetTypeToUser()
+            node = self.add(what, colorTable(name, colors))
             node.SetHideFromEditors(True)
-            colors = list(colors)
-            node.SetNumberOfColors(len(colors))
-            for number, (called, color) in enumerate(colors):
-                node.SetColor(number, called, *color)
-            self.add(what, node)
         return node
 
     def remove(self, *what: str) -> None:

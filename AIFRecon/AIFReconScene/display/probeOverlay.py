@@ -31,13 +31,6 @@ PROBE_COLOR = (0.2, 0.9, 1.0)
 class ProbeOverlay:
     """Model nodes that show where sound goes and where frames were taken.
 
-    Parameters
-    ----------
-    scene : vtkMRMLScene or None
-        Default: Slicer's scene.
-
-    Notes
-    -----
     The sector is in the image's own coordinates and under its parent transform, so it moves with the frame that is replayed. Images that
     carry their pose in their own matrix have no such transform: for them `showProbe` is to be called again with every frame. `hide`
     removes the nodes.
@@ -49,14 +42,7 @@ class ProbeOverlay:
     def showProbe(self, browser, imageSequence, probe: ProbeGeometry, region: ImageRegion):
         """Draw the area that is ultrasound and some beams; the model node, made or brought up to date.
 
-        Parameters
-        ----------
-        browser : vtkMRMLSequenceBrowserNode
-        imageSequence : vtkMRMLSequenceNode or None
-            As for `sequenceFromBrowser`.
-        probe : ProbeGeometry
-        region : ImageRegion
-            In pixels of the image in MF orientation.
+        Nodes are given as to `sequenceFromBrowser`, the region in pixels of the image in MF orientation.
         """
         items = BrowserItems(browser, imageSequence)
         image = items.shownImage()
@@ -84,14 +70,7 @@ class ProbeOverlay:
     def showOutlines(self, browser, sequence: TrackedSequence, region: ImageRegion | None = None):
         """Draw the outlines of all frames with a valid pose, at most some hundred, colored from first to last; the model node.
 
-        Parameters
-        ----------
-        browser : vtkMRMLSequenceBrowserNode
-            Names the node.
-        sequence : TrackedSequence
-            As `sequenceFromBrowser` returns it. Frames without a valid pose have no place to be drawn at.
-        region : ImageRegion or None
-            Default: the whole image.
+        The browser names the node, the region is the whole image by default.
         """
         poses = sweep_poses(sequence)
         usable = poses.require_usable(sequence.name)

@@ -1,13 +1,15 @@
 """Volumes in the slice views: the reconstruction over the CT, several of them side by side, and volume rendering."""
 
+import contextlib
 from collections.abc import Iterator
-from contextlib import contextmanager
 
+import numpy as np
 import slicer
 
-from AIFReconLib.errors import SettingsError
+from AIFReconLib.errors import AIFReconError, SettingsError
 
 from ..sceneNodes import removeNodes
+from ..transforms import ijkToRAS, matrixToWorld
 from ..volumes.volumeNodes import KIND_ATTRIBUTE
 
 MAIN_VIEWS = ("Red", "Yellow", "Green")
@@ -22,6 +24,15 @@ WITH_TABLE = 10
 VIEW_NAME = "AIFRecon{number}"
 TABLE_VIEW_NAME = "AIFReconTable"
 
+FRAME_VIEW = "Red"
+"""The view that lies in a frame before there is a volume, or while one grows."""
+
+MARGIN = 1.1
+"""Of the view around the frame."""
+
+_IN_FRAME = "AIFRecon.InFrame"
+"""Attribute of that view's slice node before there is a volume."""
+
 _PREVIOUS_LAYOUT = "AIFRecon.PreviousLayout"
 """Attribute of the layout node while volumes are side by side."""
 
@@ -31,11 +42,11 @@ def mainViews() -> list:
     return [logic.GetSliceNode() for logic in _sliceLogics(MAIN_VIEWS)]
 
 
-def showOverCT(outputNode, ctNode=None, opacity: float = 0.6, views=MAIN_VIEWS, fit: bool = True) -> None:
+def showOverCT(outputNode, ctNode=None, opacity: float = 1.0, views=MAIN_VIEWS, fit: bool = True) -> None:
     """Show a volume over a CT, or alone; with `fit` the views are brought to it, else they stay where the user has brought them."""
     for sliceLogic in _sliceLogics(views):
         _showIn(sliceLogic, outputNode, ctNode, opacity)
-        if fit:
+        if _leaveFrame(sliceLogic.GetSliceNode()) or fit:
             _fit(sliceLogic, outputNode)
 
 
@@ -46,7 +57,59 @@ def showBackground(volumeNode) -> None:
         if composite.GetBackgroundVolumeID() != volumeNode.GetID():
             with changing(composite):
                 composite.SetBackgroundVolumeID(volumeNode.GetID())
+            _leaveFrame(sliceLogic.GetSliceNode())
             _fit(sliceLogic, volumeNode)
+
+
+def showFrame(imageNode) -> None:
+    """Show the image of a sweep that nothing was made of yet: in its plane, and in its place in 3D."""
+    for sliceLogic in _sliceLogics([FRAME_VIEW] if imageNode is not None and imageNode.GetImageData() is not None else ()):
+        node, composite = sliceLogic.GetSliceNode(), sliceLogic.GetSliceCompositeNode()
+        with changing(composite):
+            composite.SetBackgroundVolumeID(imageNode.GetID())
+        node.SetAttribute(_IN_FRAME, imageNode.GetID())
+        node.SetSliceVisible(True)
+        followFrame()
+
+
+def followFrame() -> None:
+    """Let the view that shows a frame lie in its plane as it is now, unless the user has turned it or chosen something else."""
+    for sliceLogic in _sliceLogics([FRAME_VIEW]):
+        node, shown = sliceLogic.GetSliceNode(), sliceLogic.GetSliceCompositeNode().GetBackgroundVolumeID()
+        image = slicer.mrmlScene.GetNodeByID(shown) if shown and shown == node.GetAttribute(_IN_FRAME) else None
+        if image is not None:
+            with contextlib.suppress(AIFReconError):  # a transform that warps
+                lieIn(node, image)
+
+
+def _leaveFrame(sliceNode) -> bool:
+    """Turn a view that lies in a frame as views are turned; whether it lay in one."""
+    isIn = sliceNode.GetAttribute(_IN_FRAME) is not None
+    if isIn:
+        sliceNode.RemoveAttribute(_IN_FRAME)
+        sliceNode.SetSliceVisible(False)
+        if sliceNode.GetOrientation() == "Reformat":
+            sliceNode.SetOrientationToDefault()
+    return isIn
+
+
+def lieIn(sliceNode, imageNode) -> None:
+    """Let a view lie in the plane of an image, which fills it; a TransformError where a transform above the image warps it."""
+    pose = matrixToWorld(imageNode) @ ijkToRAS(imageNode)
+    columns, rows, _slices = imageNode.GetImageData().GetDimensions()
+    spacing = np.linalg.norm(pose[:3, :2], axis=0)
+    across, down = pose[:3, 0] / spacing[0], pose[:3, 1] / spacing[1]
+    normal = np.cross(across, -down)
+    center = pose @ [(columns - 1) / 2, (rows - 1) / 2, 0.0, 1.0]
+    # Screens have their y axis upward, images have their rows downward
+    sliceToRAS = np.eye(4)
+    sliceToRAS[:3] = np.column_stack([across, -down, normal / np.linalg.norm(normal), center[:3]])
+    width, height, _depth = sliceNode.GetDimensions()
+    shown = MARGIN * max(columns * spacing[0] / max(width, 1), rows * spacing[1] / max(height, 1))
+    with slicer.util.NodeModify(sliceNode):
+        sliceNode.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(sliceToRAS))
+        sliceNode.SetFieldOfView(shown * width, shown * height, sliceNode.GetFieldOfView()[2])
+        sliceNode.UpdateMatrices()
 
 
 def showsReconstruction() -> bool:
@@ -100,25 +163,11 @@ def showLabels(labelNode, overNode) -> None:
 
 
 def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True, progress=None) -> None:
-    """Show volumes beside each other in linked slice views that scroll, pan and zoom together.
+    """Show 1 to 9 volumes, each with its label for the view's bar, in linked slice views that scroll, pan and zoom together.
 
-    Parameters
-    ----------
-    volumes : list of (vtkMRMLScalarVolumeNode, label)
-        1 to 9 of them; the label stands in the view's bar.
-    ctNode : vtkMRMLScalarVolumeNode or None
-        Shown where a volume has nothing, in every view.
-    tableNode : vtkMRMLTableNode or None
-        Shown below them.
-    fit : bool
-        Whether to bring the views to the first volume, as new ones are; else they stay where the user has brought them.
-    progress : callable or None
-        Called after each new view, for which Slicer takes half a second; no more are made when it returns False.
-
-    Raises
-    ------
-    SettingsError
-        When there is no volume, or more than 9.
+    The CT is shown where a volume has nothing, the table below the views. With `fit` the views are brought to the first volume, as new ones
+    are; else they stay where the user has brought them. `progress` is called after each new view, for which Slicer takes half a second; no
+    more are made when it returns False.
     """
     if not 1 <= len(volumes) <= MOST_VIEWS:
         raise SettingsError(f"Input volumes must be 1 to {MOST_VIEWS}; got {len(volumes)}. Choose which to compare.")
@@ -130,11 +179,10 @@ def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True,
         layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
     there = len(_sliceLogics(_viewNames(len(volumes))))
     areThere = there == len(volumes)
-    for count in range(there + 1, len(volumes)) if progress is not None else ():
-        layout.SetViewArrangement(FIRST_LAYOUT + count)
-        if progress(1.0, "") is False:
+    for arrangement in (*range(FIRST_LAYOUT + there + 1, FIRST_LAYOUT + len(volumes)), number):
+        layout.SetViewArrangement(arrangement)
+        if progress is not None and progress(1.0, "") is False:  # views have their size once events were handled
             return
-    layout.SetViewArrangement(number)
     tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
     if tableNode is not None and tableView is not None:
         tableView.SetTableNodeID(tableNode.GetID())
@@ -161,7 +209,7 @@ def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True,
         sliceLogic.GetSliceCompositeNode().SetHotLinkedControl(True)
 
 
-@contextmanager
+@contextlib.contextmanager
 def changing(composite) -> Iterator[None]:
     """Change what a view shows at once, and as no step of *Undo*: the view's own controls save one whenever volumes or opacities change."""
     scene = composite.GetScene()

@@ -4,6 +4,7 @@ import contextlib
 
 import numpy as np
 import slicer
+import vtk
 
 UPPER_LEFT = 2
 """VTK's number of that corner."""
@@ -19,10 +20,20 @@ def center() -> None:
     """Have every 3D view look at the middle of what appears in it, from the side that the user has chosen; they never do by themselves."""
     for view in _views():
         with _withoutBox(view):
-            view.resetFocalPoint()
-            # How far away it is, not how it is turned
-            view.resetCamera(False, False, True)
+            renderer = view.renderWindow().GetRenderers().GetFirstRenderer()
+            isEmpty = not vtk.vtkMath.AreBoundsInitialized(renderer.ComputeVisiblePropBounds())
+            if not isEmpty:
+                _lookAtMiddle(view)
+        if isEmpty:
+            # The box is all that there is to look at
+            _lookAtMiddle(view)
         view.cameraNode().ResetClippingRange()
+
+
+def _lookAtMiddle(view) -> None:
+    view.resetFocalPoint()
+    # How far away it is, not how it is turned
+    view.resetCamera(False, False, True)
 
 
 @contextlib.contextmanager

@@ -50,16 +50,9 @@ def labelsFromNode(
 
     A label per segment, 1, 2, ... in their order, so that metrics can tell vertebrae apart; later ones win where they overlap.
 
-    Parameters
-    ----------
-    segmentIDs : list of str or None
-        Which segments are bone. Default: all of them, shown or not.
-    referenceVolumeNode : vtkMRMLVolumeNode or None
-        Whose voxels segments are brought to that are surfaces only and know no reference geometry; usually the CT.
-    world : bool
-        Placed in RAS world; else in the node's own coordinates, without its parent transforms.
-    reach : function of (3,) spacing in mm to voxels
-        By how many voxels to go around segments without a reference geometry.
+    By default all segments are bone, shown or not. Those that are surfaces only and know no reference geometry are brought to the voxels of
+    the reference volume, usually the CT; `reach` leads from (3,) spacing in mm to the voxels to go around them where there is none. Without
+    `world`, they are in the node's own coordinates, without its parent transforms.
     """
     isSegmented = node.IsA("vtkMRMLSegmentationNode")
     labels = _mergedSegments(node, segmentIDs, referenceVolumeNode, reach, progress) if isSegmented else _volumeOf(node)
@@ -153,7 +146,7 @@ def _mergedSegments(node, segmentIDs: list[str] | None, referenceVolumeNode, rea
     shift = np.eye(4)
     shift[:3, 3] = extent[:, 0]
     with named(node):
-        return Volume(labels, _imageToWorld(geometry) @ shift)
+        return Volume(labels, imageToWorld(geometry) @ shift)
 
 
 def _withLabelmaps(segmentation, chosen: list[str], referenceVolumeNode, node):
@@ -218,7 +211,7 @@ def _paint(labels: np.ndarray, extent: np.ndarray, geometry, image, value: int, 
 
 def _shiftOf(image, geometry) -> np.ndarray | None:
     """What makes of an image's voxel numbers those of `geometry` that mean the same places; None where voxels do not lie on voxels."""
-    own, other = _imageToWorld(image), _imageToWorld(geometry)
+    own, other = imageToWorld(image), imageToWorld(geometry)
     if not np.allclose(own[:3, :3], other[:3, :3], atol=CLOSEST, rtol=0):
         return None
     exact = np.linalg.solve(other[:3, :3], own[:3, 3] - other[:3, 3])
@@ -226,7 +219,8 @@ def _shiftOf(image, geometry) -> np.ndarray | None:
     return shift.astype(int) if np.abs(exact - shift).max() < CLOSEST else None
 
 
-def _imageToWorld(image) -> np.ndarray:
+def imageToWorld(image) -> np.ndarray:
+    """Of a vtkOrientedImageData, (4, 4): its voxels in the segmentation's coordinates."""
     matrix = vtk.vtkMatrix4x4()
     image.GetImageToWorldMatrix(matrix)
     return arrayOf(matrix)

@@ -5,7 +5,7 @@ from functools import partial
 import slicer
 import vtk
 
-from ..sceneNodes import nodesOfClass
+from ..sceneNodes import nodesOfClass, sequencesOf
 from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from .boxes import isEmpty
 
@@ -16,14 +16,13 @@ CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi"
 class InputWatch:
     """Observes the sweep, its image, the bone and the box that the parameters name, and the other sweeps of the scene.
 
-    `onChanged` is called when what is known of them no longer holds, `onMoved` when the sweep merely shows another frame. A node that is
-    about to be deleted is chosen no more, before the panel's lists choose its neighbor instead: a CT that takes the place of a deleted bone
-    would be taken for the probability of bone.
+    `onChanged` is called when what is known of them no longer holds, `onMoved` when the sweep merely shows another frame, and
+    ``onGone(node, scene)`` when any node has gone. A node that is about to be deleted is chosen no more, before the panel's lists choose
+    its neighbor instead: a CT that takes the place of a deleted bone would be taken for the probability of bone.
     """
 
-    def __init__(self, onChanged, onMoved):
-        self._onChanged = onChanged
-        self._onMoved = onMoved
+    def __init__(self, onChanged, onMoved, onGone):
+        self._onChanged, self._onMoved, self._onGone = onChanged, onMoved, onGone
         self._followed = None
         self._observations = []
         self._keys = {}
@@ -36,17 +35,20 @@ class InputWatch:
         browsers = nodesOfClass("vtkMRMLSequenceBrowserNode", slicer.mrmlScene)
         self._keys = {browser.GetID(): sweepKey(browser, images if browser is sweep else None) for browser in browsers}
         self._boxIsEmpty = parameters.roi is not None and isEmpty(parameters.roi)
-        followed = (parameters, sweep, images, bone, parameters.roi, *browsers, None, *replayed.values())
+        sequences = {each: browser for browser in replayed for each in sequencesOf(browser)}
+        followed = (parameters, sweep, images, bone, parameters.roi, *browsers, None, *replayed.values(), *sequences)
         before = self._followed or ()
         if len(followed) == len(before) and all(one is other for one, other in zip(followed, before)):
             return
         self.stop()
         self._followed = followed
         self._observe(slicer.mrmlScene, slicer.vtkMRMLScene.NodeAboutToBeRemovedEvent, self._onNodeGoes)
-        for event in (slicer.vtkMRMLScene.NodeAddedEvent, slicer.vtkMRMLScene.NodeRemovedEvent):
-            self._observe(slicer.mrmlScene, event, self._onNodes)
+        self._observe(slicer.mrmlScene, slicer.vtkMRMLScene.NodeAddedEvent, self._onNodes)
+        self._observe(slicer.mrmlScene, slicer.vtkMRMLScene.NodeRemovedEvent, self._onNodeGone)
         for browser in browsers:
             self._observe(browser, vtk.vtkCommand.ModifiedEvent, self._onBrowser)
+        for sequence, browser in sequences.items():  # renamed, for instance
+            self._observe(sequence, vtk.vtkCommand.ModifiedEvent, partial(self._onImage, browser))
         for browser, image in replayed.items():
             if image is not None:
                 moved = partial(self._onImage, browser)
@@ -83,6 +85,12 @@ class InputWatch:
     def _onNodes(self, caller, event, node) -> None:
         if node.IsA("vtkMRMLSequenceBrowserNode") and not caller.IsBatchProcessing():
             self._onChanged()
+
+    @vtk.calldata_type(vtk.VTK_OBJECT)
+    def _onNodeGone(self, caller, event, node) -> None:
+        if not caller.IsBatchProcessing():
+            self._onGone(node, caller)
+            self._onNodes(caller, event, node)
 
     def _onImage(self, browser, caller, event) -> None:
         self._onBrowser(browser, event)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from AIFReconLib.bone.widths import UNKNOWN_WIDTH
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.progress import part, report
 from AIFReconLib.recipe.recipe import RULES, Recipe
-from AIFReconLib.registration.agreement import LARGEST_WIDTH
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.joined import joined
 from AIFReconLib.worker.reconstructing import Asked, PlacedBone
@@ -117,7 +117,7 @@ class Inputs:
         if self.bone is None or not isLabeled(self.bone):
             return None
         report(progress, 0.0, "Reading the CT's bone")
-        widest = self.recipe.bone_sigma_mm if self._hasWidth else LARGEST_WIDTH
+        widest = self.recipe.bone_sigma_mm if self._hasWidth else UNKNOWN_WIDTH
         chosen = list(self.boneSegments) or None
         reach = reachOfMap(self.recipe.bone_sigma_voxels, widest)
         return labelsFromNode(self.bone, chosen, referenceVolumeNode=self.ct, world=False, reach=reach, progress=progress)

@@ -4,7 +4,7 @@ import slicer
 import vtk
 from slicer.i18n import tr as _
 
-from ..sceneNodes import proxiesOf
+from ..sceneNodes import proxiesOf, sequencesOf
 from ..transforms import parentTransforms
 
 
@@ -58,8 +58,6 @@ def _needed(parameterNode) -> list:
         nodes += [parameterNode.GetNthNodeReference(role, which) for which in range(parameterNode.GetNumberOfNodeReferences(role))]
     nodes = [node for node in nodes if node is not None]
     for browser in [node for node in nodes if node.IsA("vtkMRMLSequenceBrowserNode")]:
-        sequences = vtk.vtkCollection()
-        browser.GetSynchronizedSequenceNodes(sequences, True)
-        nodes += [*proxiesOf(browser), *(sequences.GetItemAsObject(index) for index in range(sequences.GetNumberOfItems()))]
+        nodes += [*proxiesOf(browser), *sequencesOf(browser)]
     placed = [node for node in nodes if node.IsA("vtkMRMLTransformableNode")]
     return nodes + [parent for node in placed for parent in parentTransforms(node)]

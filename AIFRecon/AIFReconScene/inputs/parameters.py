@@ -27,6 +27,14 @@ AUTOMATIC_NUMBER = -0.5
 """Stands in the panel for a number that the library chooses where a word may be given: a step below 0, and shown as a word."""
 
 
+class Choice(enum.Enum):
+    """What can be chosen; saved in the scene by the member's name."""
+
+    def label(self) -> str:
+        """What the panel shows."""
+        return _labels()[self]
+
+
 class SettingChoice(enum.Enum):
     """One word of the library per member, saved in the scene by the member's name; "" leaves the choice to the library."""
 
@@ -84,76 +92,62 @@ class ImageOrientation(SettingChoice):
     UN = "UN"
 
 
-class Region(enum.Enum):
+class Region(Choice):
     """Where to reconstruct."""
 
     AROUND_SWEEP = "around the sweep"
     BOX = "box"
     LIKE_VOLUME = "like a volume"
 
-    def label(self) -> str:
-        """What the panel shows."""
-        return {
-            Region.AROUND_SWEEP: _("Around the whole sweep"),
-            Region.BOX: _("Within a box"),
-            Region.LIKE_VOLUME: _("On the voxels of a volume"),
-        }[self]
 
-
-class ProbeShape(enum.Enum):
+class ProbeShape(Choice):
     """How the beams run."""
 
     AUTOMATIC = ""
     LINEAR = LINEAR
     SECTOR = SECTOR
 
-    def label(self) -> str:
-        """What the panel shows."""
-        return {
-            ProbeShape.AUTOMATIC: _("automatic"),
-            ProbeShape.LINEAR: _("Linear"),
-            ProbeShape.SECTOR: _("Sector, with this apex"),
-        }[self]
 
-
-class LiveSource(enum.Enum):
+class LiveSource(Choice):
     """Where live images come from."""
 
     OPENIGTLINK = "OpenIGTLink"
     SCENE = "scene"
 
-    def label(self) -> str:
-        """What the panel shows."""
-        return {
-            LiveSource.OPENIGTLINK: _("OpenIGTLink server (Plus)"),
-            LiveSource.SCENE: _("Image in the scene"),
-        }[self]
 
-
-class RegistrationStart(enum.Enum):
+class RegistrationStart(Choice):
     """Where the search for the CT's place begins."""
 
     WHERE_IT_IS = "where it is"
     ANYWHERE = "anywhere"
-
-    def label(self) -> str:
-        """What the panel shows."""
-        return {
-            RegistrationStart.WHERE_IT_IS: _("Near where the CT is now"),
-            RegistrationStart.ANYWHERE: _("Anywhere"),
-        }[self]
+    EACH_ON_ITS_OWN = "each on its own"
 
 
-class SigmaUnit(enum.Enum):
+class SigmaUnit(Choice):
     """Unit of the width of the bone map, or that it is chosen by how well CT and sweep agree."""
 
     AUTOMATIC = "automatic"
     VOXELS = "voxels"
     MM = "mm"
 
-    def label(self) -> str:
-        """What the panel shows."""
-        return {SigmaUnit.AUTOMATIC: _("automatic"), SigmaUnit.VOXELS: _("voxels"), SigmaUnit.MM: _("mm")}[self]
+
+def _labels() -> dict:
+    return {
+        Region.AROUND_SWEEP: _("Around the whole sweep"),
+        Region.BOX: _("Within a box"),
+        Region.LIKE_VOLUME: _("On the voxels of a volume"),
+        ProbeShape.AUTOMATIC: _("automatic"),
+        ProbeShape.LINEAR: _("Linear"),
+        ProbeShape.SECTOR: _("Sector, with this apex"),
+        LiveSource.OPENIGTLINK: _("OpenIGTLink server (Plus)"),
+        LiveSource.SCENE: _("Image in the scene"),
+        RegistrationStart.WHERE_IT_IS: _("Near where the CT is now"),
+        RegistrationStart.ANYWHERE: _("Anywhere"),
+        RegistrationStart.EACH_ON_ITS_OWN: _("Near, then each vertebra on its own"),
+        SigmaUnit.AUTOMATIC: _("automatic"),
+        SigmaUnit.VOXELS: _("voxels"),
+        SigmaUnit.MM: _("mm"),
+    }
 
 
 def ownMethods() -> tuple:

@@ -12,9 +12,12 @@ from .boxes import isEmpty
 from .contradictions import comparisonContradiction, contradiction
 from .parameters import LiveSource, Region, fileFrom, methodOf, needsBone
 
+AIR = -500.0
+"""HU."""
+
 
 def chooseDefaults(parameters) -> None:
-    """Choose the only sweep and segmentation there are, and the CT that this was drawn on, where nothing is chosen yet."""
+    """Choose the only sweep and segmentation there are, and the CT that this was drawn on or the only one, where nothing is chosen yet."""
     # The panel follows once
     with slicer.util.NodeModify(parameters):
         for name, className in (("sweep", "vtkMRMLSequenceBrowserNode"), ("bone", "vtkMRMLSegmentationNode")):
@@ -24,6 +27,14 @@ def chooseDefaults(parameters) -> None:
         bone = parameters.bone
         if parameters.ctVolume is None and bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
             parameters.ctVolume = bone.GetNodeReference(slicer.vtkMRMLSegmentationNode.GetReferenceImageGeometryReferenceRole())
+        if parameters.ctVolume is None:
+            found = [node for node in slicer.util.getNodesByClass("vtkMRMLScalarVolumeNode") if _holdsAir(node)]
+            parameters.ctVolume = found[0] if len(found) == 1 else None
+
+
+def _holdsAir(node) -> bool:
+    """Whether gray levels go far below zero, as those of a CT do and those of ultrasound, labels and probabilities do not."""
+    return node.GetImageData() is not None and node.GetImageData().GetScalarRange()[0] <= AIR
 
 
 def whyNotLoad(parameters) -> str:
@@ -38,13 +49,16 @@ def whyNotLoad(parameters) -> str:
     return ""
 
 
-def whyNotReconstruct(parameters, sweep=None) -> str:
-    """What is missing before a volume can be reconstructed; `sweep` is the `SweepSummary` of the chosen one."""
+def whyNoImages(parameters, sweep=None) -> str:
+    """Why there is no tracked sweep to look at; `sweep` is the `SweepSummary` of the chosen one."""
     if parameters.sweep is None:
         return _("Open a recording, or select a tracked sweep.")
-    if sweep is not None and sweep.problem:
-        return inPanelWords(sweep.problem)
-    return _whatIsMissing(parameters)
+    return inPanelWords(sweep.problem) if sweep is not None and sweep.problem else ""
+
+
+def whyNotReconstruct(parameters, sweep=None) -> str:
+    """What is missing before a volume can be reconstructed, of this `SweepSummary`."""
+    return whyNoImages(parameters, sweep) or _whatIsMissing(parameters)
 
 
 def whyNotLive(parameters) -> str:
@@ -96,11 +110,7 @@ def whyNotRegister(parameters, sweep=None, isScanning: bool = False) -> str:
         return _("{name} is a probability, which has no surface: select a segmentation or a labelmap.").format(name=bone.GetName())
     if _holdsNothing(bone):
         return _holdsNoBone(bone)
-    if isScanning:
-        return ""
-    if parameters.sweep is None:
-        return _("Open a recording, or select a tracked sweep.")
-    return inPanelWords(sweep.problem) if sweep is not None and sweep.problem else ""
+    return "" if isScanning else whyNoImages(parameters, sweep)
 
 
 def withoutRepeating(missing: str, sweepText: str) -> str:

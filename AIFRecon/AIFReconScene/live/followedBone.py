@@ -20,14 +20,8 @@ NO_BONE = "Select the bone of the CT, a segmentation or a labelmap: without it n
 class FollowedBone:
     """The chosen bone's labels and place, and what has become of them since they were last told.
 
-    Attributes
-    ----------
-    labels : Volume or None
-        In coordinates of their own.
-    place : (4, 4) array, mm
-        Of those in RAS world.
-    problem : str or None
-        Why nobody can tell what is met of them.
+    `labels`, a Volume or None, are in coordinates of their own, whose place in RAS world is `place`, (4, 4) mm; `problem` says why nobody
+    can tell what is met of them.
     """
 
     def __init__(self, parameters, progress=None):

@@ -49,28 +49,10 @@ class Guided:
 class LiveReconstruction:
     """One scan: the volume that it fills and the frame that is seen now.
 
-    Parameters
-    ----------
-    parameters : AIFReconParameterNode
-    progress : callable or None
-        For what is made before the first frame is received.
-    record : Path or None
-        Where every frame is recorded.
+    `progress` hears of what is made before the first frame is received, and every frame is recorded to the path `record`. An AIFReconError
+    says what is missing or wrong; nothing is left running then, and the scene is as before. `seen` is the last look at it, a `Seen`; `lost`
+    says why the process that scans has died, while another takes up where it was, and is empty else.
 
-    Raises
-    ------
-    AIFReconError
-        With what is missing or wrong; nothing is left running, and the scene is as before.
-
-    Attributes
-    ----------
-    seen : Seen
-        The last look at it.
-    lost : str
-        Why the process that scans has died, while another takes up where it was; else empty.
-
-    Notes
-    -----
     Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
     to a new volume: what was reconstructed before is not lost by pressing Start. But for `stop` and `followBone`, everything here returns
     at once.

@@ -17,22 +17,11 @@ DEVICE = "Image_Reference"
 
 
 class NodeImages:
-    """Observes an image node and gives each new image with its place in RAS world.
+    """Observes an image node and gives each new image with its place in RAS world; `replaced` counts those that nobody took in time.
 
-    Parameters
-    ----------
-    imageNode : vtkMRMLScalarVolumeNode
-        Updated by SlicerOpenIGTLink, or the proxy of a sequence browser that is replayed.
-
-    Attributes
-    ----------
-    replaced : int
-        Images that nobody took in time.
-
-    Notes
-    -----
-    Image and transforms of one moment are set one after the other, in either order. So an image that has come is only marked, and taken
-    with its transforms by `take`, which the panel calls from its timer when Slicer has finished with that moment.
+    The node is updated by SlicerOpenIGTLink, or the proxy of a sequence browser that is replayed. Image and transforms of one moment are
+    set one after the other, in either order. So an image that has come is only marked, and taken with its transforms by `take`, which the
+    panel calls from its timer when Slicer has finished with that moment.
     """
 
     def __init__(self, imageNode):

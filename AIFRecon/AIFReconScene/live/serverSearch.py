@@ -13,15 +13,7 @@ MOST_REMEMBERED = 5
 
 
 def answering(remembered: list, progress=None):
-    """The first server that takes a connection, as (host, port); None where none does.
-
-    Parameters
-    ----------
-    remembered : list of (str, int)
-        Where servers have been.
-    progress : callable or None
-        False cancels, as everywhere.
-    """
+    """The first server that takes a connection, as (host, port), here or among those that are remembered; None where none does."""
     from AIFReconLib.progress import report
 
     servers = list(dict.fromkeys([*((LOCALHOST, port) for port in PORTS), *remembered]))

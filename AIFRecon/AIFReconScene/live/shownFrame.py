@@ -15,17 +15,7 @@ FRAME_NAME = "Live frame"
 
 
 class ShownFrame:
-    """A node for the newest frame, and the red view that lies in it.
-
-    Parameters
-    ----------
-    views : LiveViews
-
-    Attributes
-    ----------
-    frame : SeenFrame or None
-        The one that is seen.
-    """
+    """A node for the newest frame, and the red view that lies in it; `frame` is the `SeenFrame` that is seen, or None."""
 
     def __init__(self, views: LiveViews):
         self._views = views

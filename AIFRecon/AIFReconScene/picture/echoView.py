@@ -8,6 +8,7 @@ from AIFReconLib.inspection.raised import BANDS, raised_bands
 
 from ..display import sliceDisplay
 from ..display.ownNodes import OwnNodes
+from ..sceneNodes import setWindow
 from ..transforms import ijkToRAS
 from ..volumes.volumeNodes import measuredOf, updateVolumeNode
 
@@ -95,5 +96,4 @@ def _sameWindow(one, other) -> None:
     """Let two volumes be told apart by their gray levels alone."""
     before, after = one.GetDisplayNode(), other.GetDisplayNode()
     if before is not None and after is not None:
-        after.SetAutoWindowLevel(False)
-        after.SetWindowLevelMinMax(before.GetWindowLevelMin(), before.GetWindowLevelMax())
+        setWindow(after, before.GetWindowLevelMin(), before.GetWindowLevelMax())

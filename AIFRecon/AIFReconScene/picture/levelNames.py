@@ -12,6 +12,7 @@ from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
 from ..display.ownNodes import OwnNodes
+from ..inputs.boneNodes import imageToWorld
 from ..transforms import matrixToWorld
 
 REACH = 0.6
@@ -104,18 +105,7 @@ def _placingKept():
 
 
 def namesIn(sliceToRAS: np.ndarray, levels: list) -> list:
-    """The names that a slice shows, each with its place on the slice.
-
-    Parameters
-    ----------
-    sliceToRAS : (4, 4) array
-    levels : list of (str, (8, 3) array)
-        Names, and the corners of their boxes in RAS.
-
-    Returns
-    -------
-    names : list of (str, (3,) array)
-    """
+    """The names that a slice (4, 4) shows, each with its place (3,); `levels` are names with the corners (8, 3) of their boxes, RAS."""
     normal = sliceToRAS[:3, 2] / np.linalg.norm(sliceToRAS[:3, 2])
     names = []
     for name, corners in levels:
@@ -163,9 +153,7 @@ def _cornersOf(segment):
     if not len(along[0]):
         return None
     ends = np.array([(each[0] - 0.5, each[-1] + 0.5) for each in along]) + extent[:, :1]
-    imageToWorld = vtk.vtkMatrix4x4()
-    image.GetImageToWorldMatrix(imageToWorld)
-    return transform_points(slicer.util.arrayFromVTKMatrix(imageToWorld), _corners(ends))
+    return transform_points(imageToWorld(image), _corners(ends))
 
 
 def _corners(ends: np.ndarray) -> np.ndarray:

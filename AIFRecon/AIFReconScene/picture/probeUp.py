@@ -75,19 +75,9 @@ def orientationName(sliceNode) -> str:
 
 
 def sweepAxes(browser, imageSequence, head) -> tuple:
-    """The axes of three views, (3, 3) each: right, up and out of the screen as columns, in RAS.
+    """The axes of three views, (3, 3) each: right, up and out of the screen as columns, in RAS; so is `head` (3,), toward the patient's.
 
-    Parameters
-    ----------
-    browser : vtkMRMLSequenceBrowserNode
-    imageSequence : vtkMRMLSequenceNode or None
-    head : (3,) array
-        Toward the patient's head, in RAS.
-
-    Raises
-    ------
-    AIFReconError
-        When no frame of the sweep can be placed.
+    An AIFReconError says that no frame of the sweep can be placed.
     """
     sequence = sequenceFromBrowser(browser, imageSequence)
     poses = sweep_poses(sequence)

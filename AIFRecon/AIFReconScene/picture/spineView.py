@@ -12,11 +12,8 @@ from ..display import threeDViews
 from ..display.borrowed import Borrowed
 from ..sceneNodes import removeNodes
 from ..transforms import matrixToWorld
-from ..volumes.volumeNodes import giveName, hasGivenName, intoFolder
+from ..volumes.volumeNodes import SPINE_ROLE, giveName, hasGivenName, intoFolder
 from .spineSurface import DISTANCE, FARTHEST, distanceColors, surfaceOf
-
-SPINE_ROLE = "AIFRecon.spine"
-"""Of the reference from a volume to the model of the bone that it shows."""
 
 TRANSLUCENT = Borrowed("Opacity3D", 0.3, "AIFRecon.OpacityBefore")
 """Opacity of the CT's bone behind."""

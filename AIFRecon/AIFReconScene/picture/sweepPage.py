@@ -35,21 +35,9 @@ def whyNotTell(parameters) -> str:
 
 
 def tellOf(parameters, tracking, path=None, progress=None) -> str:
-    """One line about the output, the chosen sweep and the chosen CT; where a path is given, a page is written there too.
+    """One line about the output, the chosen sweep, whose `TrackingReport` is given, and the chosen CT; to a path, a page is written too.
 
-    Parameters
-    ----------
-    parameters : AIFReconParameterNode
-        `whyNotTell` of them is empty.
-    tracking : TrackingReport
-        Of the sweep.
-    path : Path or None
-    progress : Progress or None
-
-    Raises
-    ------
-    AIFReconError
-        With what cannot be told and what to do.
+    `whyNotTell` of the parameters is empty. An AIFReconError says what cannot be told.
     """
     output, bone, inputs = parameters.output, parameters.bone, Inputs.fromParameters(parameters)
     version = getattr(slicer.app, "applicationVersion", None)

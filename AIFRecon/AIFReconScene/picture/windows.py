@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from slicer.i18n import tr as _
 
+from ..sceneNodes import setWindow
 from ..volumes.volumeNodes import measuredOf, ultrasoundWindowOf
 
 
@@ -30,8 +31,6 @@ def showIn(preset: WindowPreset, output, ct) -> None:
     for node in (output, measuredOf(output)):
         if node is not None and node.GetImageData() is not None and node.GetDisplayNode() is not None:
             brightest = ultrasoundWindowOf(output)[1]
-            node.GetDisplayNode().SetAutoWindowLevel(False)
-            node.GetDisplayNode().SetWindowLevelMinMax(*(share * brightest for share in preset.ultrasound))
+            setWindow(node.GetDisplayNode(), *(share * brightest for share in preset.ultrasound))
     if ct is not None and ct.GetDisplayNode() is not None:
-        ct.GetDisplayNode().SetAutoWindowLevel(False)
-        ct.GetDisplayNode().SetWindowLevelMinMax(*preset.ct)
+        setWindow(ct.GetDisplayNode(), *preset.ct)

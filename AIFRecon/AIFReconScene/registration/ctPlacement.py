@@ -42,20 +42,9 @@ class CTPlacement:
         return any(slicer.mrmlScene.GetNodeByID(move.moverID) is not None for move in self._moves)
 
     def place(self, bone, ct, browser, labelsToWorld: np.ndarray) -> None:
-        """Move bone, and the CT with it, so that `labelsToWorld` (4, 4) leads from the bone's own coordinates to RAS world.
+        """Move bone, and the CT with it, so that `labelsToWorld` (4, 4), mm, leads from the bone's own coordinates to RAS world.
 
-        Parameters
-        ----------
-        bone : vtkMRMLSegmentationNode or vtkMRMLLabelMapVolumeNode
-        ct : vtkMRMLScalarVolumeNode or None
-        browser : vtkMRMLSequenceBrowserNode or None
-            The sweep, which stays where it is.
-        labelsToWorld : (4, 4) array, mm
-
-        Raises
-        ------
-        TransformError
-            As `transformAbove`; nothing was moved then.
+        The sweep, a sequence browser or None, stays where it is. Errors are those of `transformAbove`; nothing was moved then.
         """
         mover, scene = transformAbove(bone, ct, browser), bone.GetScene()
         below = [node for node in (bone, ct) if node is not None]
@@ -93,10 +82,7 @@ class CTPlacement:
 def transformAbove(bone, ct, browser):
     """The transform that places bone, the CT and nothing of the sweep; None where one is to be made below what is above them.
 
-    Raises
-    ------
-    TransformError
-        When bone and CT do not move together, or what is above them is not linear.
+    A TransformError says that bone and CT do not move together, or that what is above them is not linear.
     """
     mover = bone.GetParentTransformNode()
     if ct is not None and ct.GetParentTransformNode() is not mover:

@@ -28,20 +28,7 @@ class CTRegistration:
         self._key = self._echoes = self._placing = None
 
     def check(self, parameters, progress=None, echoes=None) -> Placed:
-        """How well the CT agrees where it is.
-
-        Parameters
-        ----------
-        parameters : AIFReconParameterNode
-        progress : Progress or None
-        echoes : SweepEchoes or None
-            Default: those of the chosen sweep.
-
-        Raises
-        ------
-        AIFReconError
-            With what cannot be used and what to do.
-        """
+        """How well the CT agrees where it is; `echoes` are those of the chosen sweep by default. An AIFReconError says what cannot be."""
         start = rigidPlace(parameters.bone)
         self._begin(parameters, part(progress, 0.0, 0.9), echoes)
         return inWorker(Placing.at, self._placing, start, progress=part(progress, 0.9, 1.0))
@@ -50,8 +37,9 @@ class CTRegistration:
         """Where the CT belongs, from where it is or from anywhere; arguments and errors as for `check`."""
         place = rigidPlace(parameters.bone)
         self._begin(parameters, part(progress, 0.0, 0.5), echoes)
-        start = None if parameters.registrationStart == RegistrationStart.ANYWHERE else place
-        return inWorker(Placing.find, self._placing, start, progress=part(progress, 0.5, 1.0))
+        begin = parameters.registrationStart
+        start, apart = None if begin == RegistrationStart.ANYWHERE else place, begin == RegistrationStart.EACH_ON_ITS_OWN
+        return inWorker(Placing.find, self._placing, start, apart, progress=part(progress, 0.5, 1.0))
 
     def at(self, place: np.ndarray) -> Placed:
         """The echoes and the bone of the last call, in another place (4, 4)."""
@@ -92,12 +80,7 @@ class CTRegistration:
 def rigidPlace(bone) -> np.ndarray:
     """Where a node's own coordinates lie in RAS world, (4, 4) mm.
 
-    Raises
-    ------
-    TransformError
-        Names the transform that is not linear.
-    GeometryError
-        When the transforms scale, shear or mirror.
+    A TransformError names the transform that is not linear; a GeometryError says that the transforms scale, shear or mirror.
     """
     place = matrixToWorld(bone)
     problem = why_not_rigid(place)

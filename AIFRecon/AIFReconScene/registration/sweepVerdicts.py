@@ -37,16 +37,9 @@ class SweepVerdicts:
         return {name: self._known_or(name, parameters) for name in NAMES}
 
     def judge(self, parameters, comparison, report, asked=None) -> None:
-        """Judge what was reconstructed.
+        """Judge what was reconstructed, by its `TrackingReport` and the `Comparison` of CT and sweep (None without labels).
 
-        Parameters
-        ----------
-        parameters : AIFReconParameterNode
-        comparison : Comparison or None
-            Of CT and sweep; None without labels.
-        report : TrackingReport
-        asked : Asked or None
-            What was reconstructed; kept until the coverage of that is looked at.
+        `asked` is what was reconstructed, an `Asked`; it is kept until the coverage of that is looked at.
         """
         self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
@@ -95,10 +88,7 @@ class SweepVerdicts:
     def guide(self, parameters, progress=None) -> GuidanceSeen:
         """What the chosen sweeps have met, and the next move from where the last one ended; with that, the coverage is known.
 
-        Raises
-        ------
-        AIFReconError
-            With what cannot be used and what to do.
+        An AIFReconError says what cannot be used and what to do.
         """
         inputs = Inputs.fromParameters(parameters)
         for sweep in inputs.sweeps:

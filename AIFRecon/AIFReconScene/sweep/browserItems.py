@@ -4,13 +4,13 @@ from bisect import bisect_left
 from pathlib import Path
 
 import numpy as np
-import vtk
 
-from AIFReconLib.errors import AIFReconError, SequenceFormatError
+from AIFReconLib.errors import AIFReconError, SequenceFormatError, TransformError
+from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.io.sequence.slicer import index_seconds
 from AIFReconLib.sweep.pose_tracks import SLICERS_TIME
 
-from ..sceneNodes import nodesOfClass
+from ..sceneNodes import nodesOfClass, sequencesOf
 from .sequenceNodes import PROBLEM_ATTRIBUTE, SOURCE_ATTRIBUTE
 from .sweepRecord import readRecord
 
@@ -28,7 +28,7 @@ class BrowserItems:
         self.master = browser.GetMasterSequenceNode()
         if self.master is None or not self.master.GetNumberOfDataNodes():
             raise SequenceFormatError(f"{self.path}: this sequence browser has no items. Record or load a sweep first.")
-        self.sequences = [self.master, *_synchronized(browser)]
+        self.sequences = [self.master, *sequencesOf(browser, withMaster=False)]
         self.images = imageSequence or self._findImages()
         if self.images not in self.sequences:
             raise SequenceFormatError(
@@ -81,11 +81,16 @@ class BrowserItems:
         return [node for node in self.sequences if _holds(node, "vtkMRMLTransformNode")]
 
     def nameOf(self, sequenceNode) -> str:
-        """What a sequence is of: the name in the recording (ProbeToTracker), else that of the node it is replayed into."""
+        """What a sequence is of: the first of its names that says from where to where it leads (ProbeToTracker), else the first.
+
+        They are those of the recording, of the node that it is replayed into, of its items, and its own, whatever a user has made of some.
+        """
         proxy = self.proxyOf(sequenceNode)
-        name = sequenceNode.GetAttribute(SOURCE_ATTRIBUTE) or (proxy and proxy.GetAttribute("Sequences.BaseName"))
-        name = name or (proxy and proxy.GetName()) or sequenceNode.GetName() or ""
-        return name.removesuffix("Transform") or name
+        item = sequenceNode.GetNthDataNode(0) if sequenceNode.GetNumberOfDataNodes() else None
+        names = [sequenceNode.GetAttribute(SOURCE_ATTRIBUTE), proxy and proxy.GetAttribute("Sequences.BaseName")]
+        names += [node.GetName() for node in (proxy, item, sequenceNode) if node is not None]
+        names = [name.removesuffix("Transform") or name for name in names if name]
+        return next(filter(isTransformName, names), names[0] if names else "")
 
     def exactPose(self, sequenceNode, number: int) -> np.ndarray | None:
         """The pose of item `number` to the last digit, where `sequenceNode` is the sequence of poses that the record is of."""
@@ -131,10 +136,12 @@ def timesOf(sequenceNode) -> list[float] | None:
     return times if np.isfinite(times).all() and (np.diff(times) > 0).all() else None
 
 
-def _synchronized(browser) -> list:
-    nodes = vtk.vtkCollection()
-    browser.GetSynchronizedSequenceNodes(nodes, False)
-    return [nodes.GetItemAsObject(index) for index in range(nodes.GetNumberOfItems())]
+def isTransformName(name: str) -> bool:
+    """Whether a name says from where to where a transform leads."""
+    try:
+        return bool(TransformName.parse(name))
+    except TransformError:
+        return False
 
 
 def _holds(sequenceNode, className: str) -> bool:

@@ -20,11 +20,15 @@ def openRecording(path, configuration=None, progress: Progress | None = None, **
     """A new sequence browser of a recording; further arguments as for `read_recording`, errors as for `browserFromSequence`."""
     report(progress, 0.0, "Opening the recording")
     file = worker.keep(read_recording, path, configuration, progress=part(progress, 0.0, 0.05), **reading)
+    return browserOf(file, Path(path).name.split(".")[0], part(progress, 0.05, 1.0))
+
+
+def browserOf(file, name: str, progress: Progress | None = None, reference: str | None = None):
+    """A new sequence browser of a sequence that is kept in the worker, which forgets it then; errors as for `browserFromSequence`."""
     try:
-        sequence = inWorker(without_images, file, progress=part(progress, 0.05, 0.1))
-        images = FetchedImages(file, sequence.images, part(progress, 0.1, 0.9))
-        name = Path(path).name.split(".")[0]
-        return browserFromSequence(replace(sequence, images=images), name, part(progress, 0.1, 1.0))
+        sequence = inWorker(without_images, file, progress=part(progress, 0.0, 0.05))
+        images = FetchedImages(file, sequence.images, part(progress, 0.05, 0.9))
+        return browserFromSequence(replace(sequence, images=images), name, part(progress, 0.05, 1.0), reference=reference)
     finally:
         worker.forget(file)
 

@@ -20,7 +20,7 @@ from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
-from ..sceneNodes import freeName, removeNodes
+from ..sceneNodes import freeName, removeNodes, setWindow
 from ..transforms import vtkMatrixOf
 from .sweepRecord import ATTRIBUTE, recordText
 
@@ -50,13 +50,13 @@ CLOSEST_INDEX = 0.002
 """s. Times closer than this cannot number frames: Slicer's files keep times to 1 ms, and it takes values within 1 ms for equal."""
 
 
-def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, scene=None):
+def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, scene=None, reference: str | None = None):
     """A new sequence browser node that replays `sequence`, whose images are read one after the other.
 
     Its master sequence holds the images. Items are numbered by time stamps rounded to 1 ms, unit s; by frame numbers where time stamps are
     missing, repeated, not in order or too close for that. A frame without a valid pose stays where the last valid one was, and says why it
     cannot be used. Where the recording has no chain from image to reference (no calibration), the images are there without a place, and
-    `sequenceFromBrowser` says what is missing.
+    `sequenceFromBrowser` says what is missing. `reference` is the frame that becomes RAS world (default: Reference).
 
     Raises AIFReconError when a frame cannot be read, or there is none; the scene is then as it was, as after a cancel.
     """
@@ -64,7 +64,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     if not len(sequence):
         raise NoUsableFramesError(f"{sequence.name}: it has no frames. Choose another recording.")
     name = freeName(name, scene)
-    poses, poseName = _poses(sequence)
+    poses, poseName = _poses(sequence, reference)
     index, unit = indexValues(sequence.records)
     images = _sequenceNode(f"{name}-{IMAGE}", IMAGE, unit)
     images.SetAttribute(ORIENTATION_ATTRIBUTE, "MFA")
@@ -100,11 +100,11 @@ def indexValues(records: Sequence[FrameRecord]) -> tuple[list[str], str]:
     return [str(number) for number in range(len(records))], ""
 
 
-def _poses(sequence: TrackedSequence) -> tuple[SweepPoses | None, TransformName]:
+def _poses(sequence: TrackedSequence, reference: str | None) -> tuple[SweepPoses | None, TransformName]:
     """Where the frames lie, None where no chain of transforms tells; and what that chain as a whole is called."""
-    name, _ = chain_ends(sequence.configuration, None, None)
+    name, _ = chain_ends(sequence.configuration, None, reference)
     try:
-        return sweep_poses(sequence), name
+        return sweep_poses(sequence, reference=reference), name
     except AIFReconError:
         # Such a sweep can be looked at all the same
         return None, name
@@ -238,8 +238,7 @@ def _display(proxy, imageData) -> None:
     proxy.CreateDefaultDisplayNodes()
     display = proxy.GetScalarVolumeDisplayNode()
     if imageData.GetScalarType() == vtk.VTK_UNSIGNED_CHAR:
-        display.SetAutoWindowLevel(False)
-        display.SetWindowLevelMinMax(0, 255)
+        setWindow(display, 0, 255)
     display.SetInterpolate(True)
 
 

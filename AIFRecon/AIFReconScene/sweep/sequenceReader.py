@@ -43,20 +43,10 @@ def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = Non
     Its records hold ImageToReference, pixels to RAS world in mm, with the tracker's status. A sweep that was loaded from a Plus recording
     brings its times, fields and configuration along; the calibration is in the poses already.
 
-    Parameters
-    ----------
-    imageSequence : vtkMRMLSequenceNode or None
-        Default: the browser's master, else its only sequence of images.
-    reference : str or None
-        The frame to reconstruct in, where no parent transform places the images and transforms are found by their names.
+    The images are in `imageSequence`, by default in the browser's master, else in its only sequence of images. `reference` is the frame to
+    reconstruct in, where no parent transform places the images and transforms are found by their names. An AIFReconError says that the
+    browser has no usable images, or that nothing tells where they are.
 
-    Raises
-    ------
-    AIFReconError
-        When the browser has no usable images, or nothing tells where they are.
-
-    Notes
-    -----
     A frame lies where the image's parent transforms put it, each at the time of the image (see `framePoses`), static ones (such as
     ReferenceToRAS) as they are now. Images without a parent are placed by the names of the browser's transforms (ImageToReference, or
     ImageToProbe and ProbeToReference, ...), else by their own matrices where these differ between frames. Images that somebody else

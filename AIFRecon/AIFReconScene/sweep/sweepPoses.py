@@ -19,7 +19,7 @@ from AIFReconLib.sweep.poses import sweep_poses
 
 from ..sceneNodes import nodesOfClass
 from ..transforms import ijkToRAS, matrixToParent, parentTransforms
-from .browserItems import BrowserItems, timesOf
+from .browserItems import BrowserItems, isTransformName, timesOf
 from .sequenceNodes import STATUS_ATTRIBUTE, statusOf
 
 ROUNDED, TINY = 1e-5, 1e-9
@@ -174,10 +174,8 @@ def _namedTransforms(items: BrowserItems) -> dict[TransformName, object]:
     """The browser's transform sequences whose names say from where to where they lead."""
     found: dict[TransformName, object] = {}
     for sequenceNode in items.transformSequences():
-        try:
-            found.setdefault(TransformName.parse(items.nameOf(sequenceNode)), sequenceNode)
-        except TransformError:
-            continue
+        if isTransformName(name := items.nameOf(sequenceNode)):
+            found.setdefault(TransformName.parse(name), sequenceNode)
     return found
 
 
@@ -223,10 +221,9 @@ def _staticTransforms(items: BrowserItems, named: dict) -> dict[TransformName, T
     """Linear transforms of the scene that no browser replays and whose names say where they lead: calibrations."""
     found = {}
     for node in nodesOfClass("vtkMRMLLinearTransformNode", items.browser.GetScene()):
-        try:
-            name = TransformName.parse(node.GetName() or "")
-        except TransformError:
+        if not isTransformName(node.GetName() or ""):
             continue
+        name = TransformName.parse(node.GetName())
         taken = name in named or name.inverse in named or name in found or name.inverse in found
         if not taken and items.sequenceBehind(node) is None and items.otherBrowserOf(node) is None:
             found[name] = TransformSample(matrixToParent(node))

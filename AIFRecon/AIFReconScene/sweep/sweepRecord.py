@@ -26,18 +26,13 @@ CLASSES = {made.__name__: made for made in _HELD}
 """What a record may hold, by name."""
 
 
-def writeRecord(browserNode, record: dict) -> None:
-    """Keep `record` (of the types that `decode` gives) on a browser node."""
-    browserNode.SetAttribute(ATTRIBUTE, recordText(record))
-
-
 def recordText(record: dict) -> str:
-    """What is kept of `record`."""
+    """What is kept of `record`, of the types that `decode` gives, in the attribute of a browser node."""
     return json.dumps(encode(record), separators=(",", ":"))
 
 
 def readRecord(browserNode) -> dict:
-    """What `writeRecord` kept; an empty dict for a browser node that somebody else made, or whose record is damaged."""
+    """The record that is kept; an empty dict for a browser node that somebody else made, or whose record is damaged."""
     text = browserNode.GetAttribute(ATTRIBUTE)
     try:
         record = decode(json.loads(text)) if text else {}

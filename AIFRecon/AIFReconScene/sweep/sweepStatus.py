@@ -5,7 +5,7 @@ import vtk
 
 from AIFReconLib.message import listed
 
-from ..sceneNodes import nodesOfClass
+from ..sceneNodes import nodesOfClass, sequencesOf
 from ..transforms import parentTransforms
 from .sequenceReader import sweepSummary
 
@@ -50,10 +50,8 @@ def sweepKey(browser, imageSequence=None) -> tuple:
     chosen = browser.GetID(), imageSequence.GetID() if imageSequence is not None else None
     if browser.GetRecordingActive():
         return *chosen, "recording"
-    found = vtk.vtkCollection()
-    browser.GetSynchronizedSequenceNodes(found, True)
-    sequences = [found.GetItemAsObject(index) for index in range(found.GetNumberOfItems())]
-    held = tuple((node.GetID(), node.GetNumberOfDataNodes(), browser.GetPlayback(node)) for node in sequences)
+    sequences = sequencesOf(browser)
+    held = tuple((node.GetID(), node.GetName(), node.GetNumberOfDataNodes(), browser.GetPlayback(node)) for node in sequences)
     proxies = [proxy for proxy in (browser.GetProxyNode(node) for node in sequences) if proxy is not None]
     above = {parent.GetID(): parent for proxy in proxies for parent in parentTransforms(proxy)}
     image = browser.GetProxyNode(imageSequence or browser.GetMasterSequenceNode()) if sequences else None
@@ -61,8 +59,8 @@ def sweepKey(browser, imageSequence=None) -> tuple:
         # Then the way is found by the names of transforms, calibrations of the scene among them
         above.update({node.GetID(): node for node in nodesOfClass("vtkMRMLLinearTransformNode", browser.GetScene())})
     replayed = {proxy.GetID() for proxy in proxies}
-    placed = tuple((node.GetID(), node.GetTransformNodeID()) for node in (*proxies, *above.values()))
-    moved = tuple((node.GetID(), node.GetName(), _matrixOf(node)) for node in above.values() if node.GetID() not in replayed)
+    placed = tuple((node.GetID(), node.GetName(), node.GetTransformNodeID()) for node in (*proxies, *above.values()))
+    moved = tuple((node.GetID(), _matrixOf(node)) for node in above.values() if node.GetID() not in replayed)
     return *chosen, held, placed, moved
 
 

@@ -8,15 +8,15 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.worker.evaluating import simulated_patient
 
-from ..sceneNodes import addedTogether
+from ..sceneNodes import addedTogether, setWindow
 from ..sweep.sequenceNodes import browserFromSequence
 from ..transforms import vtkMatrixOf
 from ..work import inWorker
 from .segments import segmentationNode
 from .volumeNodes import updateVolumeNode
 
-FRAMES = 72
-"""Eight at each of the nine pairs of tilts: enough to show what the methods differ in, and made in some seconds."""
+FRAMES = 180
+"""Twenty at each of the nine pairs of tilts: dense enough to look good, and made in some seconds."""
 
 CT_SPACING = 1.25
 """mm, as CT scans of the spine have between slices."""
@@ -69,7 +69,5 @@ def _ctNode(ct: Volume, scene):
     node = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", scene.GenerateUniqueName("Lumbar CT"))
     updateVolumeNode(node, ct)
     node.CreateDefaultDisplayNodes()
-    display = node.GetScalarVolumeDisplayNode()
-    display.SetAutoWindowLevel(False)
-    display.SetWindowLevelMinMax(*BONE_WINDOW)
+    setWindow(node.GetScalarVolumeDisplayNode(), *BONE_WINDOW)
     return node

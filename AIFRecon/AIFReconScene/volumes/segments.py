@@ -2,6 +2,7 @@
 
 import numpy as np
 import slicer
+from slicer.i18n import tr as _
 
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part, report
@@ -18,28 +19,32 @@ COLORS = ((0.95, 0.84, 0.57), (0.70, 0.82, 0.93), (0.80, 0.90, 0.67), (0.93, 0.7
 
 
 def boneFromCT(parameters, progress=None) -> str:
-    """Find the bone of the chosen CT, select its segmentation, and return what a user should know of it."""
-    parameters.bone, notes = segmentsOfCT(parameters.ctVolume, progress)
-    return "\n".join(notes)
-
-
-def segmentsOfCT(ct, progress=None) -> tuple:
-    """A segmentation of the bone of a CT's node, under the same transform, and what a user should know of it; none after a cancel."""
+    """Find the bone of the chosen CT, select its segmentation below the same transform, and return what a user should know of it."""
+    ct = parameters.ctVolume
     with named(ct):
         volume = Volume(slicer.util.arrayFromVolume(ct), ijkToRAS(ct))
         labels = inWorker(bone_of_ct, volume, progress=part(progress, 0.0, 0.9))
     with addedTogether(ct.GetScene()):
         name = f"{ct.GetName()} bone"
-        return segmentationNode(name, labels, labels.names, ct, ct.GetScene(), part(progress, 0.9, 1.0)), labels.notes
+        parameters.bone = segmentationNode(name, labels, labels.names, ct, ct.GetScene(), part(progress, 0.9, 1.0))
+    return "\n".join(labels.notes)
+
+
+def bentBone(bone, labels: Volume, names: dict[int, str]):
+    """A new segmentation of labels in RAS world, called after the bone that they were before each was moved on its own."""
+    scene, name = bone.GetScene(), _("{bone} as scanned").format(bone=bone.GetName())
+    with addedTogether(scene):
+        return segmentationNode(name, labels, names or {int(n): str(n) for n in np.unique(labels.array[labels.array > 0])}, None, scene)
 
 
 def segmentationNode(name: str, labels: Volume, names: dict[int, str], ct, scene, progress=None):
-    """A new segmentation of labels in a CT's own coordinates, on its voxels and under its transform."""
+    """A new segmentation of labels in a CT's own coordinates, on its voxels and under its transform; without a CT in RAS world."""
     node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName(name))
     node.CreateDefaultDisplayNodes()
-    # First: the voxels are those of the CT as seen from where the segmentation is
-    node.SetAndObserveTransformNodeID(ct.GetTransformNodeID())
-    node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
+    if ct is not None:
+        # First: the voxels are those of the CT as seen from where the segmentation is
+        node.SetAndObserveTransformNodeID(ct.GetTransformNodeID())
+        node.SetReferenceImageGeometryParameterFromVolumeNode(ct)
     addSegments(node, labels, names, progress)
     return node
 

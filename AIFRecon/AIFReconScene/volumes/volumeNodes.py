@@ -13,7 +13,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.worker.evaluating import write_settings
 
-from ..sceneNodes import freeName, nodesOfClass, removeNodes
+from ..sceneNodes import colorTable, freeName, nodesOfClass, removeNodes, setWindow
 from ..transforms import vtkMatrixOf
 from ..work import inWorker
 
@@ -38,6 +38,9 @@ OWN_FIELDS, SETTINGS_ATTRIBUTE = "AIFRecon_", "AIFRecon_settings"
 
 _ROLE = "AIFRecon.{kind}"
 """Of the references from the intensities to the other volumes of the same reconstruction."""
+
+SPINE_ROLE = "AIFRecon.spine"
+"""Of the reference from a volume to the model of the bone that it shows."""
 
 COMPARED_ROLE = "AIFRecon.ComparedSweep"
 """Of the reference from a comparison's volumes and table to the sweep that was compared; a volume that is written to otherwise loses it."""
@@ -87,14 +90,10 @@ def outputNodes(
         Nodes to use again, by kind. Those that were made together with the intensities are used again with them. They lose their parent
         transform, because the result holds world coordinates. A name that was given here follows the method; one of the user's stays.
     inputs : tuple of node
-        What must not be overwritten: CT, bone, volume of the region.
+        What must not be overwritten: CT, bone, volume of the region. A SettingsError names it, or a labelmap for anything but the mask;
+        whatever is raised, the scene is as it was.
     measured : Volume or None
         The plain mean of the same echoes, on the same voxels; one that was kept with earlier intensities goes where there is none now.
-
-    Raises
-    ------
-    SettingsError
-        When a node to use again is an input, or a labelmap for anything but the mask. Whatever is raised, the scene is as it was.
     """
     scene = scene or slicer.mrmlScene
     given = {kind: node for kind, node in (nodes or {}).items() if node is not None and kind in kinds}
@@ -154,10 +153,19 @@ def measuredOf(node):
 
 def _forgetMeasured(node, scene) -> None:
     """What was kept beside the voxels that a volume held before is not of those that it holds now."""
-    kept = node.GetNodeReference(_ROLE.format(kind=MEASURED))
+    _removeHelpers(node, [_ROLE.format(kind=MEASURED)], scene)
     node.SetNodeReferenceID(_ROLE.format(kind=MEASURED), None)
-    if kept is not None and kept.GetAttribute(KIND_ATTRIBUTE) == MEASURED and hasGivenName(kept):
-        removeNodes([kept], scene)
+
+
+def goneWith(node, scene) -> None:
+    """Remove what was kept beside a volume that has left the scene, for the panel alone; what the user has named or asked for stays."""
+    if node.GetAttribute(KIND_ATTRIBUTE) == INTENSITY:
+        _removeHelpers(node, [_ROLE.format(kind=MEASURED), SPINE_ROLE], scene)
+
+
+def _removeHelpers(node, roles, scene) -> None:
+    kept = filter(None, (scene.GetNodeByID(node.GetNodeReferenceID(role) or "") for role in roles))
+    removeNodes([each for each in kept if hasGivenName(each) and each.GetAttribute(KIND_ATTRIBUTE) in (None, MEASURED)], scene)
 
 
 def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
@@ -210,8 +218,7 @@ def _show(node, kind: str, window: tuple[float, float], scene) -> None:
         display.SetAndObserveColorNodeID(_maskColors(scene).GetID())
         return
     if kind in (INTENSITY, MEASURED, COSINE):
-        display.SetAutoWindowLevel(False)
-        display.SetWindowLevelMinMax(*((0.0, 1.0) if kind == COSINE else window))
+        setWindow(display, *((0.0, 1.0) if kind == COSINE else window))
     display.SetInterpolate(False)
     if kind in (INTENSITY, MEASURED):
         isByte = node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR
@@ -242,13 +249,17 @@ def windowOf(node) -> tuple[float, float]:
 def showGrayLevels(node, dtype: np.dtype) -> None:
     """Show the gray levels of images alike in all of them: automatic window and level would flicker."""
     if dtype == np.uint8:
-        node.GetScalarVolumeDisplayNode().SetAutoWindowLevel(False)
-        node.GetScalarVolumeDisplayNode().SetWindowLevelMinMax(0, 255)
+        setWindow(node.GetScalarVolumeDisplayNode(), 0, 255)
 
 
 def hasGivenName(node) -> bool:
     """Whether a node still has the name that it was given here; else the user has named it."""
     return node.GetAttribute(_NAME_ATTRIBUTE) == node.GetName()
+
+
+def isRenamed(node) -> bool:
+    """Whether the user has named what was made here, so that it is theirs."""
+    return node is not None and node.GetAttribute(_NAME_ATTRIBUTE) is not None and not hasGivenName(node)
 
 
 def giveName(node, name: str, scene) -> None:
@@ -262,12 +273,7 @@ def _maskColors(scene):
     for node in nodesOfClass("vtkMRMLColorTableNode", scene):
         if node.GetAttribute(_MASK_ATTRIBUTE):
             return node
-    node = slicer.vtkMRMLColorTableNode()
-    node.SetName("AIFRecon mask")
-    node.SetTypeToUser()
-    node.SetNumberOfColors(len(MASK_NAMES))
-    for number, (name, color) in enumerate(zip(MASK_NAMES, MASK_COLORS)):
-        node.SetColor(number, name, *color)
+    node = colorTable("AIFRecon mask", zip(MASK_NAMES, MASK_COLORS))
     node.SetAttribute(_MASK_ATTRIBUTE, "1")
     node.SetAttribute("Category", "AIFRecon")
     return scene.AddNode(node)

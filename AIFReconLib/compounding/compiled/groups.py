@@ -64,8 +64,8 @@ coordinates : (2, pixels) float64, column and row where they truly are, empty wh
 importance : (pixels,) float32, empty where all count alike.
 """
 
-Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers]
-"""pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged : of `ScanLines`."""
+Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers, Singles]
+"""pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged, behind : of `ScanLines`."""
 
 Lengths = tuple[int, int, int, int, int]
 """taps, depth, crest, pace, paces : of `ScanLines`."""

@@ -96,10 +96,15 @@ def write_reach(bright: Singles, per_reached: np.float32, least: np.float32, mos
 
 
 @inlined
-def hand_on_level(bright: Singles, kept: np.float32, new: np.float32, level: Singles, deeper: Singles, largest: Singles) -> None:
-    """The largest level behind this sample and the deeper ones; `level` becomes that behind the sample before."""
+def hand_on_level(
+    bright: Singles, kept: np.float32, new: np.float32, behind: Singles, level: Singles, deeper: Singles, largest: Singles
+) -> None:
+    """The largest level behind this sample and the deeper ones; `level`, which `behind` makes a mean, becomes that behind the sample
+    before.
+    """
     for line in range(bright.size):
-        largest[line] = level[line] if level[line] > deeper[line] else deeper[line]
+        mean = level[line] * behind[line]
+        largest[line] = mean if mean > deeper[line] else deeper[line]
     for line in range(bright.size):
         level[line] = level[line] * kept + new * bright[line]
 
@@ -224,7 +229,7 @@ def judge(
     One pass up the samples, in rows that lie side by side in memory: an onset is known once a line has been seen whole. The CT is asked
     only where an echo would be the best of its line so far if bone were expected there.
     """
-    pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged = places
+    pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged, behind = places
     taps, depth, crest, pace, paces = lengths
     per_tap, per_line, per_reached, least, kept, new = scales[0], scales[1], scales[2], scales[3], scales[4], scales[5]
     reach, begins, onset = results
@@ -268,7 +273,7 @@ def judge(
         # A line's first sample has nothing behind: its place in the ring was never written to
         turn = sample // pace
         deeper = largest[(turn + 1) % ring, start:stop]
-        hand_on_level(here, kept, new, level[start:stop], deeper, largest[turn % ring, start:stop])
+        hand_on_level(here, kept, new, behind[turn, start:stop], level[start:stop], deeper, largest[turn % ring, start:stop])
         if sample + depth < samples:
             later = largest[(turn + depth // pace) % ring, start:stop]
             worth, before = merit[start:stop], best[start:stop]
@@ -325,7 +330,8 @@ class FrameJudge:
             shape = lines.shape[0], lines.padded
             flat, read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
             room = flat, read, np.empty(shape, np.float32), np.empty(shape, np.float32)
-        places = lines.pixel_of_sample, lines.padded_sample_of_pixel, lines.lit, lines.first_lit, lines.active, lines.judged
+        shown = lines.lit, lines.first_lit, lines.active, lines.judged, lines.behind
+        places = lines.pixel_of_sample, lines.padded_sample_of_pixel, *shown
         lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
         results = self._reach[frame], self._begins[frame], self._onset[frame]
         k, j, i = probability.shape

@@ -102,7 +102,9 @@ def import_sequence(
         raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
     matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=places_image and not rigid)
-    doubts = _doubts(matrices, good, poses, settings)
+    # What the tracker did not see stands somewhere, too, often at zero
+    seen = good & [_status(poses, number) is TransformStatus.OK for number in range(len(matrices))]
+    doubts = _doubts(matrices, seen, poses, settings) if seen.any() else []
     matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
     samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)], settings)
     every = {name: samples}
@@ -236,9 +238,13 @@ def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) 
     return matrix
 
 
+def _status(poses: PoseTable, number: int) -> TransformStatus:
+    return TransformStatus.parse(poses.statuses[number]) if poses.statuses else TransformStatus.OK
+
+
 def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
     """A pose with the status that the file gives it, and MISSING where it has no numbers."""
-    status = TransformStatus.parse(poses.statuses[number]) if poses.statuses else TransformStatus.OK
+    status = _status(poses, number)
     if status is TransformStatus.OK and not np.isfinite(matrix).all():
         status = TransformStatus.MISSING
     return TransformSample(matrix, status)
@@ -276,7 +282,8 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
         return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
         f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
-        "image of each pose in a column 'image', or give times on both."
+        "image of each pose in a column 'image', or give times on both.",
+        Remedy.IMAGE_RATE if poses.times is not None else None,
     )
 
 

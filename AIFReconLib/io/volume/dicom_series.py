@@ -74,7 +74,9 @@ def _series(folder: Path, wanted: str | None) -> Volume:
     if wanted is not None:
         series = [files for files, number in zip(series, numbers) if number.startswith(wanted)] or series
     if not series:
-        raise VolumeFormatError(f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT.")
+        raise VolumeFormatError(
+            f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT; a folder of masks is one of labels."
+        )
     files = max(series, key=len)
     if len(files) < 3:
         raise VolumeFormatError(f"{folder}: its longest series has {len(files)} slices. Give the folder with the slices of the CT.")

@@ -14,11 +14,12 @@ import scipy
 from ...arrays import Floats, Integers, Mask
 from ...errors import GeometryError, VolumeFormatError
 from ...geometry.box import box_around
-from ...geometry.labels import Labels
+from ...geometry.labels import SPACE_UNKNOWN, Labels
 from ...geometry.solid import inside_of_surface
 from ...geometry.transforms import LPS_FROM_RAS, transform_points
 from ...geometry.volume import Volume, VoxelGrid
-from ...message import listed
+from ...message import listed, said
+from ...remedies import Remedy
 from ..metafile.opening import NRRD_SUFFIXES, read_metafile
 from .files import NIFTI_SUFFIXES, READABLE_SUFFIXES, label_volume, suffix_of
 from .label_names import bone_name, is_no_bone, out_of_order, with_known_names
@@ -152,22 +153,29 @@ def _masks(files: list[Path], labels: str | None, space: str | None) -> Labels:
             model, said = _of_model(file, name, space)
             guessed |= not said
             bones.append(model)
-        elif (mask := _of_mask(file, name)) is not None:
+        elif (mask := _of_mask(file, name, notes)) is not None:
             bones.append(mask)
     if not bones:
-        raise VolumeFormatError(f"{files[0].parent}: no mask has voxels above 0. Was the right folder chosen?")
+        others = f"; left out by their names are {listed(names[file] for file in no_bone[:6])}" if no_bone else ""
+        raise VolumeFormatError(f"{files[0].parent}: no mask of a bone has voxels above 0{others}. Give the folder that holds the bones.")
     grid = _common_grid(bones)
     array = np.zeros(grid.shape, np.uint8 if len(bones) < 256 else np.uint16)
     for number, bone in enumerate(bones, 1):
         array[bone.on(grid)] = number
     if guessed:
-        notes.append("The model does not say whether it is in RAS or LPS; it is taken to be in LPS, as Slicer takes it.")
+        notes.append(f"{SPACE_UNKNOWN}LPS, as Slicer takes it.")
     return Labels(array, grid.ijk_to_reference, {}, {n: bone.name for n, bone in enumerate(bones, 1)}, tuple(notes), guessed)
 
 
-def _of_mask(file: Path, name: str) -> _Bone | None:
-    """A mask, any label of which is the bone; None where it is empty, as those of organs outside the CT are."""
-    volume = label_volume(file)
+def _of_mask(file: Path, name: str, notes: list[str]) -> _Bone | None:
+    """A mask, any label of which is the bone; None where it is empty, as those of organs outside the CT are, or the CT itself."""
+    try:
+        volume = label_volume(file)
+    except VolumeFormatError as error:
+        if said(error).remedy is not Remedy.TAKE_AS_CT:
+            raise
+        notes.append(f"{file.name} is no mask and left out: it holds negative values, as a CT does.")
+        return None
     mask = volume.array > 0
     if not mask.any():
         return None

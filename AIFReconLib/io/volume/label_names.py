@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-import scipy
 
 from ...arrays import Floats
 from ...geometry.labels import Labels
@@ -176,12 +175,12 @@ def _program_of(labels: Labels, there: list[int]) -> _Program | None:
 
 def _centers(labels: Labels) -> dict[int, Floats]:
     """Where the middle of each label is, mm, seen coarsely."""
-    k, j, i = (max(n // 160, 1) for n in labels.shape)
-    coarse = labels.array[::k, ::j, ::i].astype(np.int64)
-    numbers = np.unique(coarse)
-    numbers = numbers[numbers > 0]
-    kji = np.array(scipy.ndimage.center_of_mass(coarse > 0, coarse, numbers)).reshape(-1, 3) * (k, j, i)
-    places = transform_points(labels.ijk_to_reference, kji[:, ::-1])
+    steps = [max(n // 160, 1) for n in labels.shape]
+    coarse = labels.array[tuple(slice(None, None, step) for step in steps)]
+    kji = np.nonzero(coarse > 0)
+    numbers, which, counts = np.unique(coarse[kji].astype(np.int64), return_inverse=True, return_counts=True)
+    middle = np.stack([np.bincount(which, along) / counts * step for along, step in zip(kji, steps, strict=True)], axis=-1)
+    places = transform_points(labels.ijk_to_reference, middle[:, ::-1])
     return dict(zip(numbers.tolist(), places, strict=True))
 
 

@@ -174,7 +174,7 @@ class Synchronizer:
                 frames = self._start_over()
         elif isinstance(message, ImageMessage):
             frames = self._take_image(message)
-        else:
+        elif isinstance(message, TransformMessage):
             self._take_transform(message)
         return frames + self.expire(message.received)
 

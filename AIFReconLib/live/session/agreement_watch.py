@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from ...arrays import Floats
+from ...bone.echoes.found import SweepEchoes
+from ...bone.field import BoneField
 from ...registration.agreement import Agreement
-from ...registration.bone_field import BoneField
-from ...registration.echoes import SweepEchoes
 from ...registration.live import LiveAgreement
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession

@@ -16,7 +16,7 @@ from dataclasses import replace
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
 from ...message import said
 from .connection import check_port, open_connection
-from .decoding import codec, decode
+from .decoding import READING_TYPES, codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Framer, RawMessage
 from .messages import EventKind, StreamEvent, StreamMessage
@@ -41,13 +41,15 @@ RESOLVING_TIMEOUT = 10.0
 class OpenIGTLinkClient:
     """Receives from a server, in a thread of its own, until it is stopped.
 
-    Eight parameters: an address, and limits that a test or a slow network may want otherwise.
+    Nine parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
 
     Parameters
     ----------
     host : str
     port : int
         Plus listens on 18944.
+    takes_readings : bool
+        Messages of numbers are taken as well, which a `JointSource` makes poses of.
     queue_size : int
         Messages that wait to be taken; beyond it the oldest are dropped and counted.
     queue_bytes : int
@@ -77,6 +79,7 @@ class OpenIGTLinkClient:
         host: str,
         port: int,
         *,
+        takes_readings: bool = False,
         queue_size: int = 512,
         queue_bytes: int = 256 * 2**20,
         size_limit: int = SIZE_LIMIT,
@@ -90,6 +93,7 @@ class OpenIGTLinkClient:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
         self.host = host.strip()
         self.port = check_port(port)
+        self._takes_readings = takes_readings
         self._size_limit = size_limit
         self._stall_after = stall_after
         self._connect_timeout = connect_timeout
@@ -282,6 +286,8 @@ class _Run:
         with self._lock:
             key = header.device, header.kind
             self._received[key if key in self._received or len(self._received) < DEVICES else (OTHERS, OTHERS)] += 1
+        if header.kind in READING_TYPES and not self._client._takes_readings:
+            return  # who does not ask for them is not told of those that make no sense
         try:
             for content in decode(message, now):
                 self.queue.put(content)

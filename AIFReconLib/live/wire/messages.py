@@ -1,4 +1,4 @@
-"""What a live stream hands on: images and transforms as plain values, and events of the connection itself.
+"""What a live stream hands on: images, transforms and readings as plain values, and events of the connection itself.
 
 Nothing here knows the wire. `decoding` makes messages from bytes, the client hands them out in order of arrival, and whoever takes them
 needs no codec.
@@ -77,6 +77,24 @@ class TransformMessage:
 
 
 @dataclass(frozen=True, eq=False)
+class ReadingsMessage:
+    """Numbers that a device reads, as the joints of an arm, by STRING or SENSOR.
+
+    Parameters
+    ----------
+    device : str
+    timestamp : float, s since 1970 (UTC)
+    values : tuple of float
+    received : float, s of `time.monotonic`
+    """
+
+    device: str
+    timestamp: float
+    values: tuple[float, ...]
+    received: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class StreamEvent:
     """Something that happened to the stream itself.
 
@@ -95,4 +113,4 @@ class StreamEvent:
     received: float = 0.0
 
 
-StreamMessage = ImageMessage | TransformMessage | StreamEvent
+StreamMessage = ImageMessage | TransformMessage | ReadingsMessage | StreamEvent

@@ -8,7 +8,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from .messages import ImageMessage, StreamEvent, StreamMessage
+from .messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 
 CONNECTED = "connected"
 """The state of a source that can give messages."""
@@ -136,7 +136,7 @@ class QueueSource:
             if not self._open:
                 self._count_dropped(message)
                 return
-            if not isinstance(message, StreamEvent) and len(self._devices) < DEVICES:
+            if isinstance(message, ImageMessage | TransformMessage) and len(self._devices) < DEVICES:
                 self._devices.setdefault(message.device, ("IMAGE" if isinstance(message, ImageMessage) else "TRANSFORM",))
             self._messages.append(message)
             self._bytes += _size(message)
@@ -178,7 +178,7 @@ class QueueSource:
 
 def _size(message: StreamMessage) -> int:
     """Bytes of pixels and metadata, which may both be large."""
-    if isinstance(message, StreamEvent):
+    if not isinstance(message, ImageMessage | TransformMessage):
         return 0
     pixels = message.image.nbytes if isinstance(message, ImageMessage) else 0
     return pixels + sum(len(key) + len(value) for key, value in message.metadata.items())

@@ -16,9 +16,9 @@ from onnx import TensorProto, helper
 from onnx_models import echo_score, graph_of, saved, scaling
 from seen_planes import IMAGING, PlaneSweep
 
-from AIFReconLib.bone import onnx_process
-from AIFReconLib.bone.echo_bone import BoneEchoFinder
-from AIFReconLib.bone.model import OnnxModel
+from AIFReconLib.bone.echoes.finder import BoneEchoFinder
+from AIFReconLib.bone.network import onnx_process
+from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import bone_from_frames
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import ModelError

@@ -9,7 +9,11 @@ import pytest
 from files import tracked_sequence, write_patient
 from sweeps import image_pose
 
-from AIFReconLib.bone.echo_bone import SKIN, BoneEchoFinder, bone_from_sweep
+from AIFReconLib.bone.echoes.finder import SKIN, BoneEchoFinder
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.echoes.search import echoes_of
+from AIFReconLib.bone.echoes.surface import bone_from_sweep, surface_of
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
@@ -21,8 +25,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
-from AIFReconLib.sweep.joined import joined
-from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
+from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 APEX = (59.5, -20.0)
@@ -155,10 +158,16 @@ def test_beams_advance_one_millimeter(kind):
 # The map
 
 
+def bone_of(sequence, poses, imaging) -> BoneMap:
+    """The bone of all frames that can be placed."""
+    finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(poses.image_to_reference[poses.usable[0]]), imaging)
+    return surface_of(SweepEchoes.joined([echoes_of(frame, finder) for frame in tracked_frames(sequence, poses, poses.usable)]))
+
+
 @pytest.mark.parametrize("kind", [LINEAR, SECTOR])
 def test_the_map_of_an_oblique_sweep_is_high_on_the_surface(kind):
     sequence, poses, imaging = oblique_sweep(kind)
-    bone = bone_from_sweep(sequence, poses, imaging)
+    bone = bone_of(sequence, poses, imaging)
     columns = np.arange(40, 80)
     assert at(bone.probability, points_in(poses.image_to_reference[6], columns, arc_row(columns))).min() > 0.6
 
@@ -166,7 +175,7 @@ def test_the_map_of_an_oblique_sweep_is_high_on_the_surface(kind):
 @pytest.mark.parametrize("shift", [-8.0, 8.0])
 def test_the_map_is_zero_away_from_the_surface(shift):
     sequence, poses, imaging = oblique_sweep()
-    bone = bone_from_sweep(sequence, poses, imaging)
+    bone = bone_of(sequence, poses, imaging)
     columns = np.arange(20, 100)
     rows = arc_row(columns) + shift / SPACING[1]
     assert at(bone.probability, points_in(poses.image_to_reference[6], columns, rows)).max() < 0.01
@@ -174,7 +183,7 @@ def test_the_map_is_zero_away_from_the_surface(shift):
 
 def test_the_map_peaks_at_the_right_millimeter():
     sequence, poses, imaging = oblique_sweep()
-    bone = bone_from_sweep(sequence, poses, imaging, spacing=0.5)
+    bone = bone_of(sequence, poses, imaging)
     offsets = np.arange(-4, 4.1, 0.25)
     rows = arc_row(60) + offsets / SPACING[1]
     profile = at(bone.probability, points_in(poses.image_to_reference[6], np.full(rows.size, 60), rows)).astype(float)
@@ -186,7 +195,7 @@ def test_the_map_peaks_at_the_right_millimeter():
 @pytest.mark.parametrize(("depth", "expected"), [(-2.5, 0), (2.5, 1)])
 def test_the_inside_of_bone_is_behind_the_surface(depth, expected):
     sequence, poses, imaging = oblique_sweep()
-    bone = bone_from_sweep(sequence, poses, imaging)
+    bone = bone_of(sequence, poses, imaging)
     columns = np.arange(40, 80)
     points = points_in(poses.image_to_reference[6], columns, arc_row(columns) + depth / SPACING[1])
     assert (at(bone.inside, points) == expected).all()
@@ -194,7 +203,7 @@ def test_the_inside_of_bone_is_behind_the_surface(depth, expected):
 
 def test_surface_directions_point_along_the_beam_where_it_meets_the_surface_at_a_right_angle():
     sequence, poses, imaging = oblique_sweep()
-    bone = bone_from_sweep(sequence, poses, imaging)
+    bone = bone_of(sequence, poses, imaging)
     placed = bone.on_grid(bone.probability.grid, "surface")
     pose = poses.image_to_reference[6]
     i, j, k = np.rint(transform_points(bone.probability.grid.reference_to_ijk, points_in(pose, [60.0], arc_row([60]))))[0].astype(int)
@@ -208,8 +217,8 @@ def test_a_frame_that_cannot_be_placed_takes_no_part():
     without = SweepPoses(broken, tuple("OUT_OF_VIEW" if n == 3 else None for n in range(len(sequence))), ())
     sequence.images[3] = 255
     rest = [n for n in range(len(sequence)) if n != 3]
-    expected = bone_from_sweep(*sweep_of(sequence.images[rest], poses.image_to_reference[rest]), imaging)
-    np.testing.assert_array_equal(bone_from_sweep(sequence, without, imaging).probability.array, expected.probability.array)
+    expected = bone_of(*sweep_of(sequence.images[rest], poses.image_to_reference[rest]), imaging)
+    np.testing.assert_array_equal(bone_of(sequence, without, imaging).probability.array, expected.probability.array)
 
 
 # The command line
@@ -229,7 +238,7 @@ def patient(tmp_path):
 def test_the_command_gives_what_the_library_gives(patient, tmp_path):
     assert main([*patient.reconstruct, "--bone-from-sweep", "--method", "weighted", "--output", str(tmp_path / "v.nrrd")]) == 0
     sequence = read_sequence(patient.sweep, config=patient.config)
-    bone = bone_from_sweep(sequence, sweep_poses(sequence), REGIONS[LINEAR])
+    bone = bone_from_sweep(sequence)
     expected = reconstruct(sequence, ReconstructionSettings(method="weighted"), bone)
     np.testing.assert_array_equal(read_volume(tmp_path / "v.nrrd").array, expected.intensity.array)
 
@@ -256,18 +265,3 @@ def test_the_surface_of_a_real_bone_is_found_as_one_line(real_data):
     depth = echoes.pixels[:, 1] * spacing[1]
     assert len(depth) > 0.5 * looking.lines
     assert np.abs(np.diff(depth)).max() < 1.5
-
-
-def test_the_bone_of_two_sweeps_of_other_depth_does_not_depend_on_which_comes_first():
-    pose = image_pose(SPACING, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))
-    shallow, near = sweep_of([bone_image(seed) for seed in range(4)], [pose] * 4)
-    deep, far = sweep_of([bone_image(seed) for seed in range(4, 8)], [pose @ np.diag([1.6, 1.6, 1.0, 1.0])] * 4)
-    there, back = (
-        bone_from_sweep(
-            joined(sequence for sequence, _ in order),
-            SweepPoses(np.concatenate([poses.image_to_reference for _, poses in order]), (None,) * 8, ()),
-            REGIONS[LINEAR],
-        )
-        for order in (((shallow, near), (deep, far)), ((deep, far), (shallow, near)))
-    )
-    np.testing.assert_array_equal(there.probability.array, back.probability.array)

@@ -8,17 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy
 import SimpleITK as sitk
 
 from AIFReconLib.bone.ct.from_ct import labels_from_ct
 from AIFReconLib.errors import GeometryError, SettingsError, VolumeFormatError
 from AIFReconLib.geometry.labels import Labels
-from AIFReconLib.geometry.solid import inside_of_surface
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.dicom_series import read_ct
-from AIFReconLib.io.volume.label_files import read_labels
-from AIFReconLib.io.volume.models import read_model
 from AIFReconLib.simulation.anatomy import LumbarPhantom
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
@@ -102,52 +98,6 @@ def water(noise: float = 20.0) -> np.ndarray:
 def test_a_ct_that_cannot_be_used_is_refused_in_a_sentence(array, words):
     with pytest.raises(GeometryError, match=words):
         labels_from_ct(array, ijk_to_reference=np.diag([1.5, 1.5, 1.5, 1.0]))
-
-
-# ---- real shapes, in every form
-
-
-@pytest.fixture(scope="module")
-def shapes(data_dir):
-    """Two lumbar vertebrae of a statistical shape model, as voxels of 1 mm."""
-    models = read_labels([data_dir / "lumbar-shape" / f"L{n}.stl" for n in (3, 4)])
-    assert models.names == {1: "L3", 2: "L4"}
-    low, high = models.grid.corners().min(axis=0), models.grid.corners().max(axis=0)
-    grid = VoxelGrid.from_spacing(low, np.ceil(high - low).astype(int).tolist(), 1.0)
-    array = np.zeros(grid.shape, np.uint8)
-    for n in (1, 2):
-        model = read_model(data_dir / "lumbar-shape" / f"L{n + 2}.stl")
-        array[inside_of_surface(model.points, model.triangles, grid)] = n
-    return models, Labels(array, grid.ijk_to_reference)
-
-
-def ct_of(labels: Labels) -> Volume:
-    """Cortical bone around trabecular in muscle, in air."""
-    inside = scipy.ndimage.gaussian_filter((labels.array > 0).astype(np.float32), 0.5)
-    deep = scipy.ndimage.distance_transform_edt(labels.array > 0) > 2
-    values = 50 + inside * (np.where(deep, 220.0, 1000.0) - 50)
-    k, j, i = np.ogrid[tuple(slice(0, n) for n in labels.shape)]
-    middle = np.array(labels.shape) / 2
-    body = np.hypot((j - middle[1]) / middle[1], (i - middle[2]) / middle[2]) + 0 * k < 0.97
-    noise = np.random.default_rng(0).normal(0, 15, labels.shape)
-    return Volume(np.where(body, values, -1000) + noise, labels.ijk_to_reference)
-
-
-def test_real_shapes_are_the_same_as_models_as_labels_as_a_folder_and_as_a_ct(shapes, tmp_path):
-    models, labels = shapes
-    labels.write(tmp_path / "labels.nii.gz")
-    (tmp_path / "masks").mkdir()
-    for n, name in ((1, "vertebrae_L3"), (2, "vertebrae_L4")):
-        Volume((labels.array == n).astype(np.uint8), labels.ijk_to_reference).write(tmp_path / "masks" / f"{name}.nrrd")
-    folder = read_labels(tmp_path / "masks")
-    np.testing.assert_array_equal(read_labels(tmp_path / "labels.nii.gz").array, labels.array)
-    np.testing.assert_array_equal(folder.array, labels.array)
-    assert folder.names == models.names
-    for form in (models, labels_from_ct(ct_of(labels))):
-        median, off = surface_off(labels, form)
-        # The stairs of 1 mm voxels alone are 0.25 mm
-        assert median < 0.3
-        assert off < 0.75
 
 
 # ---- files

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import sys
 
+import numpy as np
 import pytest
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.io.transform.files import write_transform
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
@@ -31,6 +33,16 @@ def test_a_volume_is_drawn_later_by_the_command_that_a_terminal_is_shown(patient
     words = line.partition(" preview ")[2].split()
     assert main(["preview", *words]) == 0
     assert is_png(results / "v.png")
+
+
+def test_bone_that_does_not_lie_in_the_volume_is_said(patient, results, capsys):
+    assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 0
+    aside = np.eye(4)
+    aside[0, 3] = 900.0
+    write_transform(aside, results / "aside.tfm")
+    drawn = ["--output", str(results / "v.png"), "--bone-transform", str(results / "aside.tfm")]
+    assert main(["preview", str(results / "v.nrrd"), "--bone-labels", str(patient.labels), *drawn]) == 0
+    assert "WARNING: None of the bone lies in the volume." in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -138,6 +138,23 @@ def test_darkness_at_the_very_end_of_a_line_is_no_evidence():
     assert onset[130:].max() == 0.0
 
 
+@pytest.mark.parametrize("left_mm", [8.5, 10.0, 12.0])
+@PROBES
+def test_a_fascia_shortly_before_the_end_of_a_line_is_no_bone_and_bone_there_is(probe, left_mm):
+    """A line ends so far behind the layer; behind it is tissue, or a shadow as bright as those behind real bone."""
+    end = 130.0
+    image, within, depth = shadowed(probe, echo=230, surface_px=end - left_mm / SPACING[0])
+    fan = Fan((60.0, -20.0), (-30.0, 30.0), (20.0, 20.0 + end))
+    region = ImageRegion(fan=fan) if probe.kind == "sector" else ImageRegion(ClipRectangle((0, 0), (COLUMNS, round(end))))
+    layer = within & (depth >= end - left_mm / SPACING[0]) & (depth < end - left_mm / SPACING[0] + 4)
+    inner = ndimage.binary_erosion(within, iterations=4) & region.mask(*image.shape[::-1])
+    for behind, is_bone in ((tissue(95.0, 2), False), (0.5 * tissue(seed=1), True)):
+        shown = np.where(within & ~layer & (depth > end - left_mm / SPACING[0]), behind, image).astype(np.uint8)
+        _, onset = evidence(shown, probe, region)
+        assert (np.median(onset[layer & inner & (depth < end - left_mm / SPACING[0] + 2)]) > 0.5) == is_bone
+        assert is_bone or onset[inner & (depth > end - 60)].max() == 0.0
+
+
 def test_pixels_outside_the_region_say_nothing():
     region = ImageRegion(ClipRectangle((10, 10), (99, 99)))
     image = tissue(30.0)

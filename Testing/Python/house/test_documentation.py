@@ -32,6 +32,7 @@ LONG_RUNNING = {
     "benchmark": "commands/test_benchmark.py",
     "simulate": "commands/test_demo.py",
     "register": "commands/test_register_command.py",
+    "calibrate": "commands/test_calibrate_command.py",
     "plan": "guidance/test_plan.py",
     "batch": "batch/test_batch_command.py",
 }

@@ -241,7 +241,7 @@ def loaded_by(program):
 def test_a_command_starts_with_its_own_file_and_without_libraries_that_it_may_not_need():
     loaded = loaded_by("from AIFReconLib.commands.parser import *; build_parser(named(['info', 'sweep.mha']))")
     assert "AIFReconLib.commands.info" in loaded
-    assert not loaded & {f"AIFReconLib.commands.{file}" for file in cli.COMMANDS.values() if file != "info"}
+    assert not loaded & {f"AIFReconLib.commands.{file}" for file, _purpose in cli.COMMANDS.values() if file != "info"}
 
 
 def swallowed_and_forgotten():

@@ -10,8 +10,13 @@ import SimpleITK as sitk
 from scipy import ndimage
 
 from AIFReconLib.errors import BeamGeometryError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.imaging.beams import LINEAR, SECTOR
 from AIFReconLib.imaging.detection import DetectedImaging, detect_imaging
+from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.resolve import resolve_imaging
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 ROWS, COLUMNS = 240, 320
 RNG_SEED = 5
@@ -83,6 +88,18 @@ def assert_found(found: DetectedImaging, apex=(160.0, 10.0), angles=(-45.0, 45.0
 @pytest.mark.parametrize("shape", SECTORS.values(), ids=SECTORS)
 def test_a_sector_is_found_with_its_apex_and_angles(shape):
     assert_found(detect_imaging(images_of(sector(**shape)), shape.get("spacing", (1.0, 1.0))), **shape)
+
+
+def test_a_sector_that_is_asked_for_is_found_by_the_size_of_its_pixels():
+    spacing = (0.15, 0.3)
+    images = images_of(sector((160.0, -40.0), (-20.0, 20.0), (60.0 * spacing[1], 260.0 * spacing[1]), spacing))
+    records = [
+        FrameRecord(0.1 * n, transforms={TransformName("Image", "Tracker"): TransformSample(np.diag([*spacing, 1, 1]))}) for n in range(4)
+    ]
+    sequence = TrackedSequence(images=images, records=records)
+    imaging = resolve_imaging(sequence, sweep_poses(sequence, reference="Tracker"), True, ReconstructionSettings(probe=SECTOR))
+    assert imaging.known_probe() == detect_imaging(images, spacing).probe
+    assert imaging.known_probe() != detect_imaging(images).probe
 
 
 def draw_text(images):
@@ -257,6 +274,20 @@ def test_a_curved_image_over_a_dark_near_field_between_panels_is_found():
     found = detect_imaging(images)
     assert "by what changes between frames" in found.description
     assert_found(found, **shape)
+
+
+def test_a_gray_surround_shows_where_a_sector_is_dark():
+    shape = {"apex": (160.0, -80.0), "angles": (-28.0, 28.0), "radii": (95.0, 300.0)}
+    images = images_of(sector(**shape) & sector(shape["apex"], (-28.0, 2.0), (130.0, 240.0)), frames=8)
+    images[:, ~sector(**shape)] = 30
+    assert_found(detect_imaging(images), **shape)
+
+
+def test_a_black_window_in_a_gray_frame_is_no_linear_image():
+    images = images_of(blob(1, 30) & rectangle(60, 260, 20, 220), frames=8)
+    images[:, ~rectangle()] = 60
+    with pytest.raises(BeamGeometryError, match="cannot be told from the images"):
+        detect_imaging(images)
 
 
 @pytest.mark.parametrize(

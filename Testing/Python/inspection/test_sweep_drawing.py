@@ -14,7 +14,7 @@ POSES = np.tile(np.diag([0.5, 0.5, 0.5, 1.0]), (3, 1, 1))
 
 def marked(region) -> list[np.ndarray]:
     """The blue outlines, one a panel, (n, 2) on the page."""
-    found = re.findall(r'<polygon points="([^"]+)" fill="#2471a3"', draw_sweep(POSES, (200, 100), region=region))
+    found = re.findall(r'<polygon points="([^"]+)" fill="#2471a3"', draw_sweep(POSES, (200, 100), region=region).to_svg())
     return [np.array([pair.split(",") for pair in points.split()], dtype=float) for points in found]
 
 

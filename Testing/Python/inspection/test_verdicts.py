@@ -49,8 +49,8 @@ def agreeing(share=0.94, median=0.4, echoes=1000, elsewhere=0, labels=None) -> V
     ("numbers", "level"),
     [
         ({}, Level.GOOD),
-        ({"share": 0.7, "median": 0.45}, Level.GOOD),
-        ({"share": 0.69}, Level.POOR),
+        ({"share": 0.6, "median": 0.45}, Level.GOOD),
+        ({"share": 0.59}, Level.POOR),
         ({"median": 0.46}, Level.POOR),
         ({"echoes": 0, "share": 0.0, "median": float("nan"), "elsewhere": 500}, Level.POOR),
         ({"echoes": 100, "elsewhere": 49}, Level.UNKNOWN),

@@ -312,6 +312,12 @@ def test_what_no_hand_does_and_what_can_be_two_things_is_asked(tmp_path, results
     assert re.search(message, said)
 
 
+def test_poses_that_the_tracker_lost_are_not_judged(tmp_path, results, twelve):
+    rows = [[*row, "OK"] if n % 2 else [row[0], *[0] * 7, "MISSING"] for n, row in enumerate(moving())]
+    poses = table(tmp_path / "p.csv", [*COLUMNS, "status"], rows)
+    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker")
+
+
 def test_who_is_sure_gets_what_he_asks_for_and_the_doubt(tmp_path, results, twelve, capsys):
     poses = table(tmp_path / "p.csv", COLUMNS, moving(speed=3000.0))
     imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--sure")

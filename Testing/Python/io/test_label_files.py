@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -123,6 +124,32 @@ def test_a_model_that_does_not_say_its_space_is_a_guess(tmp_path):
     said = read_labels(tmp_path / "L3.stl", space="ras")
     assert not said.space_is_guessed
     np.testing.assert_array_equal(said.array > 0, labels.array > 0)
+
+
+@pytest.mark.parametrize("space", ["RAS", "LPS"])
+def test_a_volume_tells_the_space_of_a_model_that_lies_in_it(space, tmp_path):
+    points = POINTS + np.array([200.0, 30.0, 5.0])
+    (tmp_path / "L3.stl").write_bytes(stl(points if space == "RAS" else transform_points(LPS_FROM_RAS, points), b"no word"))
+    shows = VoxelGrid.from_spacing(points.min(axis=0) - 5, (30, 30, 30), 5.0)
+    labels = read_labels(tmp_path / "L3.stl")
+    labels = replace(labels, notes=(*labels.notes, "WARNING: another note.")).told_by(shows)
+    assert labels.share_within(shows) == 1.0
+    assert not labels.space_is_guessed
+    assert labels.notes == (
+        "WARNING: another note.",
+        f"The model does not say whether it is in RAS or LPS; it is taken to be in {space}, where it lies in the volume.",
+    )
+    assert read_labels(tmp_path / "L3.stl").told_by(VoxelGrid.from_spacing((900, 900, 900), (9, 9, 9), 1.0)).space_is_guessed
+
+
+def test_a_ct_among_masks_is_left_out(tmp_path):
+    mask = np.zeros((6, 6, 6), np.uint8)
+    mask[2:4, 2:4, 2:4] = 1
+    Volume(mask, np.eye(4)).write(tmp_path / "vertebrae_L3.nrrd")
+    Volume(np.full((6, 6, 6), -1000, np.int16), np.eye(4)).write(tmp_path / "ct.nrrd")
+    labels = read_labels(tmp_path)
+    assert labels.names == {1: "L3"}
+    assert "ct.nrrd is no mask and left out" in labels.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -240,3 +241,50 @@ def test_an_array_of_something_else_is_refused(array, words, tmp_path):
     np.save(tmp_path / "poses.npy", array, allow_pickle=True)
     with pytest.raises(FileFormatError, match=words):
         read_poses(tmp_path / "poses.npy")
+
+
+@pytest.mark.parametrize("way", ["{0}_{1}", "{1}_{0}", "{0}{1}", "{1}{0}", "arm.{0}.{1}"])
+@pytest.mark.parametrize("names", ["LR", "ab", "tp", "xy", "qr", "rt", "ms", "12", ("pos", "rot"), ("pose", "ref")])
+def test_two_tools_are_told_by_any_name(tmp_path, names, way):
+    words = ["x", "y", "z", "rx", "ry", "rz"]
+    header = [way.format(name, word) for name in names for word in words]
+    rows = [[*pose[:3, 3], *euler(pose, "xyz"), *[7.0] * 6] for pose in POSES]
+    form = PoseFormat(euler_order="xyz", angle_unit="deg")
+    with pytest.raises(SettingsError, match="poses of 2 tools side by side"):
+        read(tmp_path, table(rows, header), form)
+    assert_poses(read(tmp_path, table(rows, header), replace(form, tool=names[0])))
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        ("x,y,z,qx,qy,qz,qw,R_x,R_y,R_z,R_qx,R_qy,R_qz,R_qw", "2 tools side by side: 1, R"),
+        ("x_R,y_R,z_R,q_R_x,q_R_y,q_R_z,q_R_w,L_x,L_y,L_z,L_qx,L_qy,L_qz,L_qw", "2 tools side by side: R, L"),
+        ("T X,Y,Z,qx,qy,qz,qw,P X,Y,Z,qx,qy,qz,qw", "2 tools side by side: T, P"),
+        ("x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,x 1,y 1,z 1,rx 1,ry 1,rz 1", "2 tools side by side: unnamed 1, 1"),
+        ("pos/pos_x,pos/pos_y,pos/pos_z,pos/rx,pos/ry,pos/rz,pos_x,pos_y,pos_z,rx,ry,rz", "2 tools side by side: pos, 2"),
+        (
+            "x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,x2,y2,z2,r002,r012,r022,r102,r112,r122,r202,r212,r222",
+            "2 tools side by side: 1, 2",
+        ),
+        ("x,y,z,qx,qy,qz,qw,status,valid,u,v,w,k,l", "2 columns mean status: status .column 8., valid .column 9."),
+    ],
+)
+def test_columns_of_two_tools_and_two_that_mean_the_same_are_asked_about(tmp_path, header, message):
+    with pytest.raises(SettingsError, match=message):
+        read(tmp_path, f"{header}\n" + (",".join(["1"] * len(header.split(","))) + "\n") * 3)
+
+
+def test_a_tool_beside_one_without_a_name_has_the_time_of_both_and_a_status_of_its_own(tmp_path):
+    words = ["x", "y", "z", "rx", "ry", "rz", "status"]
+    rows = [[n, *[7.0] * 6, "OK", *pose[:3, 3], *euler(pose, "xyz"), "MISSING" if n == 1 else "OK"] for n, pose in enumerate(POSES)]
+    text = table(rows, ["time_s", *words, *(f"{word}_arm" for word in words)])
+    poses = read(tmp_path, text, PoseFormat(euler_order="xyz", angle_unit="deg", tool="arm"))
+    assert poses.times.tolist() == list(range(len(POSES)))
+    assert [number for number, word in enumerate(poses.statuses) if word != "OK"] == [1]
+
+
+def test_tools_named_as_headings_stand_above_the_headings(tmp_path):
+    text = ",,x:x,,,,,,y:y,,,,,,z:z,,,,,\nFrame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * 3 + "\n" + (",".join(["1"] * 20) + "\n") * 3
+    with pytest.raises(SettingsError, match="3 tools side by side: x x, y y, z z"):
+        read(tmp_path, text)

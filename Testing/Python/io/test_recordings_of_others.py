@@ -353,13 +353,24 @@ def test_compressed_images_are_read(tmp_path):
     np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
 
 
-def test_a_bag_with_images_of_two_topics_asks_for_one(tmp_path):
+def test_a_bag_with_images_of_two_topics_asks_for_one(tmp_path, monkeypatch):
+    from rosbags.convert import cli as convert
+
     bag = Bag(tmp_path / "sweep", "mcap")
     with bag.writer:
-        bag.image(0, "/camera")
         bag.image(0, "/us/image")
-    with pytest.raises(SequenceFormatError, match="images of one topic; got /camera, /us/image"):
+        bag.image(1, "/camera")
+        bag.pose(0.0, "tracker", POSES[0])
+    with pytest.raises(SequenceFormatError, match=r"images of one topic; got /us/image, /camera\. .* --exclude-topic /camera\.") as asked:
         read_sequence(bag.path)
+    words = str(asked.value).split("rosbags-convert ")[1].rstrip(".").split()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["rosbags-convert", *words])
+    with pytest.raises(SystemExit, match="0"):
+        convert.main()
+    sequence = read_sequence(tmp_path / "one")
+    np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES[:1])
+    assert TransformName("Probe", "Tracker") in sequence.records[0].transforms
 
 
 @pytest.mark.parametrize("suffix", [".bag", ".mcap", ".db3"])

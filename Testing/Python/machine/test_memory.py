@@ -10,7 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from AIFReconLib.bone import field as bone_field
 from AIFReconLib.bone import map as bone_map
+from AIFReconLib.bone.field import BoneField
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.evaluation import surface
@@ -21,8 +23,6 @@ from AIFReconLib.io.volume.files import write_volume
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.machine import memory
 from AIFReconLib.machine.memory import MAXIMUM_VOXELS, available_memory, require_memory
-from AIFReconLib.registration import bone_field
-from AIFReconLib.registration.bone_field import BoneField
 
 GB = 10**9
 HALF = (0.5, 0.5, 0.5)

@@ -19,6 +19,7 @@ REPOSITORY = Path(__file__).resolve().parents[3]
 MODULE = REPOSITORY / "AIFRecon"
 PROGRAM = REPOSITORY / "Testing" / "host" / "panel_looks.py"
 STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "panel" / "signals.py"
+DRAWING = REPOSITORY / "AIFRecon" / "AIFReconGui" / "picture" / "sweepDrawing.py"
 COLOR = re.compile(r"#[0-9a-fA-F]{6}\b|\brgba?\(|\bcolor:|QColor|setForeground|setPalette")
 
 
@@ -72,8 +73,8 @@ def test_every_label_stands_out_from_what_is_behind_it(found, look):
 
 @pytest.mark.parametrize("path", sorted([*MODULE.rglob("*.py"), *MODULE.rglob("*.ui")]), ids=lambda path: path.name)
 def test_colors_are_left_to_the_palette(path):
-    """The signs alone have colors of their own, and bring their background along; volumes and models are no widgets."""
-    if path == STATES or "AIFReconScene" in path.parts:
+    """Signs and drawing alone have colors of their own, and bring their background along; volumes and models are no widgets."""
+    if path in (STATES, DRAWING) or "AIFReconScene" in path.parts:
         return
     assert COLOR.findall(path.read_text("utf-8")) == []
 

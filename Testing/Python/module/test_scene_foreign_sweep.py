@@ -200,6 +200,30 @@ def test_names_are_those_of_the_recording_where_slicer_imported_it(scene):
     assert np.allclose(poses_of(browser)[1], CALIBRATION, atol=1e-12)
 
 
+@pytest.mark.parametrize("telling", ["sequence", "proxy", "items"])
+def test_a_transform_is_known_by_whichever_of_its_names_says_where_it_leads(scene, telling):
+    recorded = sequence_of(scene, "S", pose_nodes([CALIBRATION] * 3, "ImageToReference" if telling == "items" else "T"))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    proxy = browser.GetProxyNode(recorded)
+    for node in (proxy, *(recorded.GetNthDataNode(number) for number in range(3))):
+        node.SetAttribute("Sequences.BaseName", None)
+    recorded.SetName("ImageToReference" if telling == "sequence" else "renamed")
+    proxy.SetName("ImageToReference" if telling == "proxy" else "renamed too")
+    assert np.allclose(poses_of(browser)[1], CALIBRATION, atol=1e-12)
+
+
+@pytest.mark.parametrize("renamed", ["sequence", "proxy"])
+def test_what_is_known_of_a_sweep_is_looked_up_again_when_one_of_its_transforms_is_renamed(scene, renamed):
+    from AIFReconScene.sweep.sweepStatus import SweepStatus
+
+    recorded = sequence_of(scene, "S", pose_nodes([CALIBRATION] * 3, "T"))
+    browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)
+    status = SweepStatus()
+    assert status.of(browser).problem
+    (recorded if renamed == "sequence" else browser.GetProxyNode(recorded)).SetName("ImageToReference")
+    assert status.of(browser).lines == ["3 of 3 frames have a position."]
+
+
 def test_a_calibration_of_the_scene_completes_the_chain(scene):
     recorded = sequence_of(scene, "ProbeToReference", pose_nodes([probe_pose(n) for n in range(3)]))
     browser = browser_of(scene, sequence_of(scene, "Image", image_nodes(images(3))), recorded)

@@ -7,7 +7,6 @@ import pytest
 from sweeps import rigid
 
 pytest.importorskip("slicer", reason="slicer-core is not installed")
-import scene_host  # noqa: F401
 
 COLUMNS, ROWS = 800, 600
 

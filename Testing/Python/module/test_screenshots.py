@@ -11,7 +11,7 @@ import pytest
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 vtk = pytest.importorskip("vtk", reason="vtk is not installed")
 
-import scene_host  # noqa: E402 - puts Testing on the path
+import scene_host  # noqa: E402
 from host import missing  # noqa: E402
 
 if reason := missing():

@@ -11,7 +11,7 @@ import json
 import numpy as np
 import pytest
 import SimpleITK as sitk
-from files import tracked_sequence
+from files import tracked_sequence, write_patient
 
 from AIFReconLib.batch.columns import Columns
 from AIFReconLib.commands.parser import main
@@ -77,6 +77,17 @@ ELSEWHERE = {
 def test_every_setting_is_tried():
     assert {*VALUES, *ELSEWHERE} == set(RULES)
     assert "every engine gives the same voxels" in RULES["engine"]["help"]
+
+
+@pytest.fixture
+def patient(tmp_path):
+    """A patient whose images show bone early enough for a shadow to be told: tissue, an echo, next to nothing below."""
+    images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
+    images[:, 7:9] = 200
+    images[:, 9:] //= 20
+    folder = tmp_path / "inputs"
+    folder.mkdir()
+    return write_patient(folder, tracked_sequence(images=images))
 
 
 @pytest.fixture

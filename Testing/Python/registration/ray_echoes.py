@@ -7,21 +7,32 @@ from functools import lru_cache
 import numpy as np
 from scipy import ndimage
 
+from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.registration.echoes import SweepEchoes
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.simulation.morphometry import VertebraSizes
 
 TILTS_DEG = ((0, 0), (25, 0), (-25, 0), (0, 15), (0, -15))
 """Of the rays, to the side and along the spine."""
 
 
+class EqualLevels(LumbarAnatomy):
+    """A spine of L3s: nothing but the place tells a vertebra from its neighbors."""
+
+    def sizes_of(self, level: str, scale: float = 1.0) -> VertebraSizes:
+        """Those of L3."""
+        return super().sizes_of("L3", scale)
+
+
 @lru_cache
-def spine(seed: int = 0, vertebrae: int = 3, flexion_deg: float = 0.0, irregularity: float = 1.0) -> LumbarPhantom:
+def spine(seed: int = 0, vertebrae: int = 3, flexion_deg: float = 0.0) -> LumbarPhantom:
     """A spine whose CT lies in Reference as it is."""
-    anatomy = LumbarAnatomy.from_seed(seed, vertebrae)
-    if irregularity != 1.0:
-        anatomy = LumbarAnatomy(seed=seed, vertebrae=vertebrae, irregularity=irregularity)
-    return make_lumbar_phantom(anatomy, spacing=1.0, ct_flexion_deg=flexion_deg)
+    return make_lumbar_phantom(LumbarAnatomy.from_seed(seed, vertebrae), spacing=1.0, ct_flexion_deg=flexion_deg)
+
+
+def spine_of_equal_levels() -> LumbarPhantom:
+    """Four vertebrae that fit at each other's place."""
+    return make_lumbar_phantom(EqualLevels(vertebrae=4, irregularity=0.0), spacing=1.0)
 
 
 def ray_echoes(

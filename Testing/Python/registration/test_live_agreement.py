@@ -10,11 +10,11 @@ import pytest
 from sweeps import rigid
 from waiting import until
 
+from AIFReconLib.bone.field import BoneField
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session.agreement_watch import AgreementWatch
-from AIFReconLib.registration.bone_field import BoneField
 from AIFReconLib.registration.live import LiveAgreement
 from AIFReconLib.registration.registration import register_echoes
 from AIFReconLib.resolve import resolve_imaging

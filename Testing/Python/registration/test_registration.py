@@ -6,17 +6,17 @@ import math
 
 import numpy as np
 import pytest
-from ray_echoes import ray_echoes, spine
+from ray_echoes import ray_echoes, spine, spine_of_equal_levels
 from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.field import FARTHEST_KNOWN, BoneField
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.registration.bone_field import FARTHEST_KNOWN, BoneField
 from AIFReconLib.registration.certainty import not_held
 from AIFReconLib.registration.comparison import check
-from AIFReconLib.registration.echoes import SweepEchoes
 from AIFReconLib.registration.refine import refine
 from AIFReconLib.registration.registration import register, register_echoes
 from AIFReconLib.registration.search import level_shifts
@@ -137,7 +137,7 @@ def test_ten_millimeters_and_ten_degrees_off_come_back(seed, echoes, bone):
 def test_the_answer_moves_with_the_sweep(echoes, bone):
     motion = rigid((20.0, -35.0, 50.0), (100.0, -30.0, 12.0))
     moved = SweepEchoes(transform_points(motion, echoes.points), echoes.beams @ motion[:3, :3].T, echoes.scores, echoes.frames)
-    place = refine(moved, bone, motion @ random_rigid(3.0, 3.0, np.random.default_rng(1))).labels_to_reference
+    place = refine(moved, bone, motion @ random_rigid(3.0, 3.0, np.random.default_rng(1)))
     assert off_by(place, motion, echoes.points) < 0.3
 
 
@@ -147,7 +147,7 @@ def test_a_third_of_echoes_from_elsewhere_does_no_harm(echoes, bone):
     low, high = echoes.points.min(axis=0), echoes.points.max(axis=0)
     noise = SweepEchoes(rng.uniform(low, high, (count, 3)), echoes.beams[:count], echoes.scores[:count], echoes.frames[:count])
     start = random_rigid(5.0, 5.0, rng, about=echoes.points.mean(axis=0))
-    place = refine(SweepEchoes.joined([echoes, noise]), bone, start).labels_to_reference
+    place = refine(SweepEchoes.joined([echoes, noise]), bone, start)
     assert off_by(place, np.eye(4), echoes.points) < 0.5
 
 
@@ -197,7 +197,7 @@ def test_a_ct_finds_its_place_without_a_start():
 
 def test_levels_that_fit_equally_well_are_ambiguous():
     """A spine of equal vertebrae of which the sweep shows a part in the middle."""
-    same = spine(0, 4, irregularity=0.0)
+    same = spine_of_equal_levels()
     labels = Volume(np.where(np.isin(same.labels.array, (2, 3)), same.labels.array, 0).astype(np.uint8), same.labels.ijk_to_reference)
     middle = transform_points(labels.ijk_to_reference, np.argwhere(labels.array)[:, ::-1].astype(float))[:, 2]
     seen = ray_echoes(same.bone_distance, z_range=(middle.min() - 25.0, middle.max() + 25.0), noise=0.2)
@@ -213,6 +213,37 @@ def test_a_start_one_level_off_does_not_stay_there(echoes, bone):
     assert off_by(found.transform, np.eye(4), echoes.points) < 0.5
 
 
+def kept(labels: Volume, *numbers: int) -> Volume:
+    return Volume(np.where(np.isin(labels.array, numbers), labels.array, 0).astype(np.uint8), labels.ijk_to_reference)
+
+
+@pytest.mark.parametrize("label", [1, 2, 3])
+def test_one_vertebra_of_three_is_never_accepted_a_level_off(label, echoes):
+    bone = BoneField.from_labels(kept(spine(0).labels, label))
+    found = register_echoes(echoes, bone)
+    assert off_by(found.transform, np.eye(4), [bone.middle]) < 1.0 or not found.accepted
+
+
+def test_one_vertebra_that_the_sweep_does_not_show_is_refused_on_its_neighbor(echoes):
+    phantom = spine(0)
+    alone, rest = (BoneField.from_labels(kept(phantom.labels, *numbers)) for numbers in ((2,), (1, 3)))
+    found = register_echoes(echoes[alone.distances(echoes.points) > rest.distances(echoes.points)], alone)
+    assert not found.accepted
+
+
+def test_two_vertebrae_of_three_find_their_place(echoes):
+    found = register_echoes(echoes, BoneField.from_labels(kept(spine(0).labels, 1, 2)))
+    assert found.accepted
+    assert off_by(found.transform, np.eye(4), echoes.points) < 1.0
+
+
+def test_a_mirrored_ct_is_refused(echoes):
+    labels = spine(0).labels
+    mirrored = Volume(np.ascontiguousarray(labels.array[:, :, ::-1]), labels.ijk_to_reference)
+    found = register_echoes(echoes, BoneField.from_labels(kept(mirrored, 1, 2)), np.eye(4))
+    assert not found.accepted
+
+
 # Bone by bone
 
 
@@ -224,7 +255,7 @@ def bent():
 def test_vertebrae_of_a_bent_spine_each_find_their_place(bent):
     seen = ray_echoes(bent.bone_distance, noise=0.2)
     fields = fields_of_labels(bent.labels)
-    one = refine(seen, BoneField.from_labels(bent.labels), np.eye(4)).labels_to_reference
+    one = refine(seen, BoneField.from_labels(bent.labels), np.eye(4))
     each = fit_segments(seen, fields, one).transforms
     motions = bent.motions_since_ct()
     errors = [off_by(each[label], motions[label], fields[label].distance.grid.corners()) for label in fields]

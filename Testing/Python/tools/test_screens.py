@@ -1,4 +1,4 @@
-"""Ten of the made screens of a scanner, and the judge that tells right from wrong."""
+"""Thirteen of the made screens of a scanner, and the judge that tells right from wrong."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from study.screen_cases import DECOYS, decoy, screen
 from study.screens import REFUSED, RIGHT, WRONG, judged, judged_finding
 
-TEN = (0, 2, 4, 5, 7, 8, 12, 58, 99, 191)
+SEEDS = (0, 2, 4, 5, 7, 8, 10, 12, 58, 99, 104, 148, 191)
 
 
-@pytest.mark.parametrize("seed", TEN)
+@pytest.mark.parametrize("seed", SEEDS)
 def test_a_probe_is_told_from_a_screen(seed):
     assert judged(screen(seed))[0] == RIGHT
 
@@ -27,6 +27,10 @@ def test_a_probe_is_told_from_a_screen(seed):
 @pytest.mark.parametrize("seed", range(len(DECOYS)), ids=DECOYS)
 def test_what_shows_no_probe_is_refused(seed):
     assert judged(decoy(seed))[0] == REFUSED
+
+
+def test_the_middle_of_a_sector_that_the_border_cuts_off_below_is_refused():
+    assert judged(decoy(30027))[0] == REFUSED
 
 
 def test_the_judge_sees_an_apex_that_is_off_by_more_than_half_a_millimeter():

@@ -8,14 +8,14 @@ import sys
 from dataclasses import asdict
 from datetime import date
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from AIFReconLib.errors import FileFormatError
-from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
-from AIFReconLib.simulation.phased_array import PhasedArray
-from AIFReconLib.simulation.scan import multi_angle_sweep
+from AIFReconLib.evaluation.surface import distance_from_labels
+from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
@@ -23,7 +23,8 @@ import measured
 from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
-from study.method_cases import Row, patient_rows, without_middle_process
+from study.free_paths import NeedleLines, canal_depth
+from study.method_cases import PHANTOM, Row, patient_rows
 from study.method_page import COLUMNS, in_the_pages
 from study.patients import read_rows, run_study
 
@@ -31,43 +32,45 @@ TESTING = Path(__file__).resolve().parents[2]
 NAMES = [name for _, name, _ in COLUMNS]
 
 
-@pytest.fixture(scope="module")
-def phantom():
-    return make_lumbar_phantom(LumbarAnatomy.from_seed(2))
+def row(seed, method="average", value=1.0, condition="right CT", kind="real shapes"):
+    return Row(seed, kind, condition, method, dict.fromkeys(NAMES, value))
 
 
-@pytest.fixture(scope="module")
-def scan(phantom):
-    return method_cases.simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, 36), seed=2)
-
-
-def row(seed, method="average", value=1.0, scan="multi-angle", condition="exact", direction=""):
-    return Row(seed, scan, condition, method, direction, dict.fromkeys(NAMES, value))
-
-
-def test_taking_the_middle_process_away_takes_hardly_any_other_bone(phantom):
-    gone = (phantom.labels.array > 0) & (without_middle_process(phantom).labels.array == 0)
-    assert (phantom.labels.array[gone] == 2).mean() > 0.9
-    k, j, i = np.nonzero(gone)
-    points = np.stack([i, j, k], axis=1) @ phantom.labels.ijk_to_reference[:3, :3].T + phantom.labels.ijk_to_reference[:3, 3]
-    extent = np.ptp(points, axis=0)
-    assert 22 < extent[1] < 36, "a spinous process is about 30 mm long"
-    assert gone.sum() > 2000
-
-
-def test_the_phantom_without_its_process_has_the_same_bone_in_ct_and_ultrasound(phantom):
-    without = without_middle_process(phantom)
-    np.testing.assert_array_equal(without.bone_distance.array <= 0, without.labels.array > 0)
-
-
-def test_a_case_reconstructs_and_measures(phantom, scan, monkeypatch):
-    monkeypatch.setattr(method_cases, "SPACING", 2.0)
-    monkeypatch.setattr(method_cases, "HOLE_LIMIT", 4.0)
-    average, weighted = (
-        method_cases._row(2, "multi-angle", "exact", method, scan, phantom.labels).metrics for method in ("average", "weighted")
-    )
-    assert weighted["bone_cnr"] > average["bone_cnr"]
+def test_a_case_reconstructs_and_measures(monkeypatch):
+    for name, value in {
+        "SPACING": 2.0,
+        "HOLE_LIMIT": 4.0,
+        "MULTI_FRAMES": 36,
+        "SINGLE_FRAMES": 4,
+        "TISSUE_FRAMES": 9,
+        "SHIFTS": {},
+    }.items():
+        monkeypatch.setattr(method_cases, name, value)
+    rows = {(each.condition, each.method): each.metrics for each in patient_rows((PHANTOM, 2))}
+    average, weighted = rows["right CT", "average"], rows["right CT", "weighted"]
+    assert weighted["bone_cnr"] > 2 * average["bone_cnr"]
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
+    assert weighted["called_free"] < average["called_free"]
+    assert rows["no bone at all", "weighted"]["bone_coverage"] < 0.2
+    assert rows["CT one level off", "weighted"]["bone_coverage"] < weighted["bone_coverage"]
+
+
+def test_lines_that_meet_bone_are_blocked_and_those_between_are_free():
+    """Two plates with a gap between them, and a canal before a body."""
+    grid = VoxelGrid.from_spacing((-30.0, 0.0, -30.0), (61, 81, 61), 1.0)
+    array = np.zeros(grid.shape, np.uint8)
+    array[10:25, 10:40] = array[36:51, 10:40] = 1
+    array[:, 60:75] = 2
+    labels = Volume(array, grid.ijk_to_reference)
+    tips = np.array([[0.0, 10.0, 13.0], [0.0, 10.0, -13.0]])
+    assert canal_depth(labels, tips) == pytest.approx(49.5, abs=1.5)
+    back = SimpleNamespace(spinous_tips=lambda: tips, skin_y=lambda x, z: np.zeros(np.shape(x)))
+    lines = NeedleLines.of(back, labels, distance_from_labels(labels))
+    blocked = lines.nearest_bone <= 0
+    assert 0.2 < blocked.mean() < 0.95
+    shown = Volume(np.where(array > 0, 250.0, 20.0).astype(np.float32), labels.ijk_to_reference)
+    assert lines.called_free(shown) < 0.02
+    assert lines.called_free(Volume(np.full(grid.shape, 20.0, np.float32), labels.ijk_to_reference)) == 1.0
 
 
 def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
@@ -77,7 +80,7 @@ def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
 
 
 def test_a_finished_study_is_read_and_not_run_again(tmp_path):
-    rows = [row(0), row(0, "weighted", 2.0, direction="gradient")]
+    rows = [row(0), row(0, "weighted", 2.0)]
     (tmp_path / "patient-000.json").write_text(json.dumps([asdict(r) for r in rows]))
     assert run_study(patient_rows, Row, tmp_path, [0]) == rows
 
@@ -105,21 +108,18 @@ def test_every_study_starts_from_its_folder(name):
 
 
 def test_what_the_pages_show_is_computed_from_the_rows():
-    rows = [
-        row(0, value=0.4),
-        row(1, value=0.2),
-        row(0, "weighted", 0.8, direction="gradient"),
-        row(1, "weighted", 0.6, direction="gradient"),
-    ]
-    rows += [
-        row(0, "weighted", 0.5, condition="CT 2 mm off", direction="gradient"),
-        row(0, "weighted", 0.1, "single-angle", "exact", "gradient"),
-    ]
+    rows = [row(0, value=0.4), row(1, value=0.2), row(0, "weighted", 0.8), row(1, "weighted", 0.6), row(0, "weighted, no CT", 0.5)]
+    rows += [row(0, "weighted", 0.5, "CT 3 mm off"), row(0, "weighted", 0.1, "one angle only")]
+    rows += [row(0, "weighted", 0.3, kind="own phantom"), row(0, "weighted", 0.04, "no bone at all")]
     shown = in_the_pages(rows)
-    assert shown["study-proof"] == "On 2 simulated patients `weighted` shows 70% of the bone that beams reach, the plain average 30%."
-    assert "| weighted | 0.70 | 0.70 | 70 | 70 | 70 | 0.70 | 0.70 | 0.70 |" in shown["study-methods"].splitlines()
+    assert shown["study-proof"] == (
+        "In 2 simulated patients of real shape `weighted` shows 70% of the bone that beams reach, without a CT 50%, the plain average 30%."
+    )
+    assert "| weighted | 0.70 | 0.70 | 70 | 70 | 70 | 70 | 70 | 0.70 | 0.70 | 0.70 |" in shown["study-methods"].splitlines()
+    assert "| weighted | 0.30 |" in shown["study-methods-phantom"]
     assert "| one angle only: weighted | 0.10 |" in shown["study-methods"]
-    assert "| CT 2 mm off | 0.50 | 0.50 | 50 | 50 | 50 |" in shown["study-wrong-ct"].splitlines()
+    assert "| CT 3 mm off, weighted | 0.50 | 50 | 50 | 50 |" in shown["study-wrong-ct"].splitlines()
+    assert "| weighted | 4 | - |" in shown["study-no-bone"] or "| weighted | - | 4 |" in shown["study-no-bone"]
 
 
 def test_what_was_measured_stands_in_the_pages_that_mark_a_place(tmp_path, monkeypatch):

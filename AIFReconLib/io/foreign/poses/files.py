@@ -141,7 +141,7 @@ def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat, places: Sequence[str] 
     columns = _columns(sheet, form)
     if columns is None:
         places, rows = _of_blocks(sheet.rows)
-        columns, how = [Column(name, name) for name in MATRIX], [f"{len(sheet.rows) // len(rows)} rows of four numbers each"]
+        columns, how = [column_of(name) for name in MATRIX], [f"{len(sheet.rows) // len(rows)} rows of four numbers each"]
         table = _table(rows, columns, form, places)
     else:
         how, table = [], _table(sheet.rows, columns, form, places, rate=_rate(sheet, columns), above=sheet.above)
@@ -156,7 +156,7 @@ def _columns(sheet: Sheet, form: PoseFormat) -> list[Column] | None:
         width = len(sheet.rows[0][1])
         if all(len(cells) == 4 for _number, cells in sheet.rows):
             return None
-        return [Column(name, name) for name in _names_of_numbers(width, form)]
+        return [column_of(name) for name in _names_of_numbers(width, form)]
     wide = [*sheet.headings]
     above = [tuple(group[place] for group in sheet.groups if group[place]) for place in range(len(wide))]
     # What stands above all columns tells none from another

@@ -25,6 +25,7 @@ from .headings import (
     LENGTHS,
     MATRIX,
     QUATERNION,
+    QUATERNION_ORDERS,
     ROTATION_VECTOR,
     TIMES,
     TRANSLATION,
@@ -33,9 +34,11 @@ from .headings import (
     UNORDERED_QUATERNION,
 )
 
-QUATERNION_ORDERS = ("xyzw", "wxyz")
 VECTOR = "vector"
 """In the place of an order of Euler angles: the three numbers are a rotation vector, axis times angle."""
+
+EULER_ORDERS = ("xyz", "zyx", "XYZ", "ZYX", VECTOR)
+"""The usual ones."""
 
 QUATERNION_TOLERANCE = 0.02
 """How far a quaternion's length may be from 1; files hold four digits at times."""
@@ -177,7 +180,7 @@ def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | No
     for fields in (EULER, UNNAMED_EULER):
         if set(fields) <= have:
             if form.euler_order is None:
-                raise SettingsError("The order of the Euler angles is not known.", Remedy.EULER_ORDER)
+                raise SettingsError("The order of the Euler angles is not known.", Remedy.EULER_ORDER, choices=EULER_ORDERS)
             if fields == EULER and form.euler_order != VECTOR and len(set(form.euler_order)) < 3:
                 raise SettingsError(
                     f"Angles that are named by axis cannot be turned in the order {form.euler_order}, which has an axis twice. Name "

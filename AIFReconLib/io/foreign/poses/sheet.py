@@ -98,7 +98,9 @@ def sheets_of(text: str) -> list[Sheet]:
     width = Counter(len(line.cells) for line in lines if line.numbers).most_common(1)
     if not width:
         return []
-    heads = [index for index, line in enumerate(lines) if not line.numbers and are_headings(line.cells)]
+    heads = [index for index, line in enumerate(lines) if not line.numbers and not _is_of_groups(line.cells) and are_headings(line.cells)]
+    # Names of tools may be words that are known, too; they stand above fuller headings
+    heads = [index for index in heads if index + 1 not in heads or _filled_cells(lines[index]) >= _filled_cells(lines[index + 1])]
     if not heads:
         return [_without_known_headings(lines, width[0][0])]
     starts = [heads[0], *(index for before, index in pairwise(heads) if lines[index].cells != lines[before].cells)]
@@ -136,6 +138,15 @@ def _without_known_headings(lines: list[_Line], width: int) -> Sheet:
     headings = above.pop().cells if above and not above[-1].numbers and _fits(above[-1].cells, width) else None
     skipped = f"lines 1 to {above[-1].number}, which hold no poses" if above else ""
     return Sheet([(line.number, line.cells) for line in rows[first:]], headings, above=[line.cells for line in above], skipped=skipped)
+
+
+def _is_of_groups(cells: Sequence[str]) -> bool:
+    """Whether most words stand again beside themselves, as names of tools above their columns, which may be called X, Y and Z."""
+    return 2 * sum(bool(one) and one == other for one, other in pairwise(cells)) > len(cells)
+
+
+def _filled_cells(line: _Line) -> int:
+    return sum(map(bool, line.cells))
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:

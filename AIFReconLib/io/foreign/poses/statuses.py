@@ -83,7 +83,10 @@ def statuses_of(words: Sequence[str], heading: str, role: str, has_pose: Mask, g
     unknown = [shorten(word) or "nothing" for word, status in kinds.items() if status is None]
     if unknown:
         raise SettingsError(
-            f"What the column {heading} says of a pose is not known: {listed(unknown[:8])}.", Remedy.GOOD_STATUS, word=unknown[0]
+            f"What the column {heading} says of a pose is not known: {listed(unknown[:8])}.",
+            Remedy.GOOD_STATUS,
+            word=unknown[0],
+            choices=unknown,
         )
     taken = {word: status.value for word, status in kinds.items() if status is not None}
     told = listed(f"{shorten(word) or 'nothing'} is {status} ({words.count(word)})" for word, status in taken.items())

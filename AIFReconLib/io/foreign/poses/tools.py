@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from ....errors import SettingsError
 from ....message import listed
@@ -14,23 +15,36 @@ from .headings import (
     COUNTED_TURN,
     EULER,
     FRAME,
+    IMAGE,
     KUKA,
     MATRIX,
+    OCCLUDED,
+    PLACE_WORDS,
     QUATERNION,
     ROTATION_VECTOR,
+    STATUS,
+    TIME,
     TOOL,
     TRANSLATION,
     TURN,
     UNNAMED_EULER,
     UNORDERED_QUATERNION,
     Column,
+    Open,
+    Reading,
+    Role,
     resolved,
 )
 
 ROTATIONS = (TURN, COUNTED_TURN, QUATERNION, UNORDERED_QUATERNION, ROTATION_VECTOR, EULER, UNNAMED_EULER, KUKA, AZIMUTH)
 """Ways to say a rotation; where a table has several, the first of these counts."""
 
-_POSE = frozenset(name for way in (MATRIX, TRANSLATION, *ROTATIONS) for name in way)
+_POSE = frozenset([*(name for way in (MATRIX, TRANSLATION, *ROTATIONS) for name in way), "pitch", "yaw"])
+_ONLY_ONE = _POSE | {STATUS, OCCLUDED, IMAGE}
+_FEWEST = 6
+"""Columns of a pose."""
+
+_NAMELESS = ("", "", "")
 
 Rows = Sequence[tuple[int, Sequence[str]]]
 
@@ -53,7 +67,7 @@ class Track:
     @property
     def columns(self) -> dict[str, int]:
         """Where each value stands."""
-        return {column.role: place for place, column in self.described.items() if column.role is not None}
+        return {column.role: place for place, column in self.described.items() if isinstance(column.role, str)}
 
     @property
     def is_whole(self) -> bool:
@@ -67,23 +81,19 @@ def track_of(columns: Sequence[Column], rows: Rows, tool: str | None) -> tuple[T
 
     Raises SettingsError when there are several tools and none is named, or two columns mean the same.
     """
-    whole = [track for track in _side_by_side(columns, rows) if track.is_whole]
-    if not whole:  # the first column of a tool may be the only one that names it
-        whole = [track for track in _side_by_side(_named_once(columns), rows) if track.is_whole]
-    if not whole:  # place and rotation may be headed by different words
-        every = Track("", _resolved({place: column for place, column in enumerate(columns) if column.role is not None}))
-        return (_one_of_a_kind(every) if every.is_whole else every), [], False
-    if len(whole) == 1:
-        return _one_of_a_kind(whole[0]), [], False
-    names = [track.name for track in whole]
+    tracks = _side_by_side(columns, rows)
+    if len(tracks) == 1:
+        return (_one_of_a_kind(tracks[0]) if tracks[0].is_whole else tracks[0]), [], False
+    names = [track.name for track in tracks]
     number = _chosen(names, tool)
     if number is None:
         raise SettingsError(
             f"The table holds poses of {len(names)} tools side by side: {listed(names)}." + _not_there(tool),
             Remedy.WHICH_TOOL,
             tool=names[0],
+            choices=names,
         )
-    return _one_of_a_kind(whole[number]), [f"tool: {names[number]}, of {listed(names)} (columns side by side)"], True
+    return _one_of_a_kind(tracks[number]), [f"tool: {names[number]}, of {listed(names)} (columns side by side)"], True
 
 
 def rows_of(track: Track, rows: Rows, tool: str | None, is_chosen: bool) -> tuple[Rows, list[str]]:
@@ -121,6 +131,7 @@ def rows_of(track: Track, rows: Rows, tool: str | None, is_chosen: bool) -> tupl
         + _not_there(None if is_chosen else tool),
         Remedy.WHICH_TOOL,
         tool=names[0],
+        choices=names,
     )
 
 
@@ -129,77 +140,148 @@ def _not_there(tool: str | None) -> str:
 
 
 def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True) -> int | None:
-    """Which of these is meant: by name, by a word of the name that no other has, else by its place from 1."""
+    """Which of these is meant: by name (without what all names have), by a word that no other has, or by place from 1 where none has it."""
     if tool is None:
         return None
     low = [name.lower() for name in names]
     if low.count(tool.lower()) == 1:
         return low.index(tool.lower())
     words = [set(name.split()) for name in low]
-    holding = [number for number, each in enumerate(words) if set(tool.lower().split()) <= each]
-    if len(holding) == 1:  # Motive names a number too
-        return holding[0]
-    return int(tool) - 1 if by_place and tool.isdecimal() and 1 <= int(tool) <= len(names) else None
+    common, asked = set.intersection(*words), set(tool.lower().split())
+    holding = [number for number, each in enumerate(words) if asked <= each]  # Motive names a number too
+    alone = [number for number in holding if words[number] - common == asked - common]
+    if len(alone) == 1 or len(holding) == 1:
+        return (alone or holding)[0]
+    return int(tool) - 1 if by_place and not holding and tool.isdecimal() and 1 <= int(tool) <= len(names) else None
 
 
 def _side_by_side(columns: Sequence[Column], rows: Rows) -> list[Track]:
-    """The tools of the columns, those that belong to no tool with each of them."""
-    names = list(dict.fromkeys(column.tool.lower() for column in columns if column.role is not None))
-    own = [name for name in names if any(column.role in _POSE or _may_turn(column) for column in columns if column.tool.lower() == name)]
-    tracks = []
-    for name in own:
-        described = {place: column for place, column in enumerate(columns) if column.role is not None and column.tool.lower() == name}
-        spelled = next(column.tool for column in described.values())
-        tracks += _repeated(spelled, described, columns, rows)
-    taken = {place for track in tracks for place in track.described}
-    beside = {place: column for place, column in enumerate(columns) if column.role not in (None, *_POSE) and place not in taken}
+    """The columns of each tool, those that belong to none of them with each."""
+    blocks = _repeated(columns, rows)
+    outside = dict(enumerate(columns))
+    for block in blocks:
+        outside = {place: column for place, column in outside.items() if place not in block.described}
     found = []
-    for track in tracks:
-        # What the tool itself has counts, else what stands beside all tools
-        roles = {column.role for column in track.described.values()}
-        shared = {place: column for place, column in beside.items() if column.role not in roles and not _may_turn(column)}
-        found.append(Track(track.name, _resolved(dict(sorted({**track.described, **shared}.items())))))
+    for block in blocks or [Track("", outside)]:
+        tools = _by_name(block.described) or [_every(block.described)]
+        beside = {**block.described, **outside}
+        for place in (place for track in tools for place in track.described):
+            del beside[place]
+        for track in tools:
+            # What the tool itself has counts, else what stands beside all tools
+            roles = {None, *(column.role for column in track.described.values())}
+            shared = {place: column for place, column in beside.items() if column.role not in roles and not _is_of_pose(column.role)}
+            found.append(Track(block.name or track.name, dict(sorted({**track.described, **shared}.items()))))
+    if len(found) > 1:
+        words = {word for track in found for word in track.name.split()}
+        unnamed = [f"unnamed {number}" if str(number) in words else str(number) for number in range(1, len(found) + 1)]
+        found = [replace(track, name=track.name or other) for track, other in zip(found, unnamed)]
+    if len({track.name.lower() for track in found}) < len(found):
+        found = [replace(track, name=str(number)) for number, track in enumerate(found, start=1)]
     return found
 
 
-def _named_once(columns: Sequence[Column]) -> list[Column]:
-    """The columns, those of poses that name no tool being of the tool that was named last."""
-    named, last = [], ""
-    for column in columns:
-        last = column.tool or last
-        is_pose = column.role in _POSE or _may_turn(column) or column.role in ("roll", "pitch", "yaw")
-        named.append(replace(column, tool=last) if is_pose else column)
-    return named
+def _every(columns: dict[int, Column]) -> Track:
+    """All columns as one tool: place and rotation may be headed by different words."""
+    return Track("", _resolved({place: column for place, column in columns.items() if column.role is not None}))
 
 
-def _may_turn(column: Column) -> bool:
-    return column.role is not None and (column.role.startswith("turn ") or (column.role[-1].isdigit() and " " in column.role))
+def _by_name(columns: dict[int, Column]) -> list[Track]:
+    """The tools whose headings are those of a pose but for a name that all of them have, and, of the rest, the one without a name.
+
+    A name is told by where it stands alone, never by what it means: it may be a letter, or a word that means something of a pose.
+    """
+    groups: dict[tuple[str, ...], dict[int, Reading]] = {}
+    for place, column in columns.items():
+        for reading in column.readings:
+            groups.setdefault(reading.tool, {})[place] = reading
+            groups.setdefault(("".join(reading.tool),), {})[place] = reading
+    tools: dict[str, dict[int, Reading]] = {}
+    taken: set[int] = set()
+    # Those that stand at one place before those that do not (``x_L``, ``q_L_x``), before or behind what they name rather than amid it,
+    # and the longest names first (``arm_L_x`` is of arm L)
+    for key in sorted(groups, key=lambda key: (len(key) == 1, any(key[1:2]), -sum(map(len, key)))):
+        group = _pose_of({place: reading for place, reading in groups[key].items() if place not in taken}, columns)
+        track = _track(group, columns)
+        if len(group) >= _FEWEST and track.is_whole:
+            # ``r02`` beside a tool 2 whose rotation is whole is of another
+            group = {place: reading for place, reading in group.items() if track.described[place].role is not None}
+            tools.setdefault("".join(key), {}).update(group)
+            taken |= group.keys()
+    for place, column in columns.items():
+        own = [reading for reading in column.readings if "".join(reading.tool) in tools and _is_own(reading, column)]
+        if own and place not in taken:
+            reading = max(own, key=lambda reading: len(reading.name))
+            tools["".join(reading.tool)][place] = reading
+    return sorted((_track(group, columns) for group in tools.values()), key=lambda track: min(track.described))
+
+
+def _pose_of(group: dict[int, Reading], columns: dict[int, Column]) -> dict[int, Reading]:
+    """Those of a pose. Where its words are one, no word is cut in two: ``r01`` is of no tool 1. ``R_x`` counts before ``rx``."""
+    of_pose = {place: reading for place, reading in group.items() if _is_of_pose(reading.role)}
+    # ``pos_x`` beside ``pos/pos_x`` has no name
+    named = {reading.role for place, reading in of_pose.items() if not _has_no_name(reading, columns[place])}
+    of_pose = {place: each for place, each in of_pose.items() if each.role not in named or not _has_no_name(each, columns[place])}
+    whole = {place: reading for place, reading in of_pose.items() if not reading.is_split}
+    if _track(whole, columns).is_whole:
+        return whole
+    roles = {reading.role for reading in whole.values()}
+    return {place: reading for place, reading in of_pose.items() if not (reading.is_split and reading.role in roles)}
+
+
+def _has_no_name(reading: Reading, column: Column) -> bool:
+    """Whether the whole heading means the same."""
+    return any(each.tool == _NAMELESS and each.role == reading.role for each in column.readings)
+
+
+def _is_own(reading: Reading, column: Column) -> bool:
+    """Whether this may be a tool's own time, status or the like. ``time_s`` is the time in s, and of no tool s."""
+    if reading.tool == _NAMELESS:
+        return reading.role in (STATUS, OCCLUDED)
+    is_known = any(each.tool == _NAMELESS for each in column.readings)
+    return not (_is_of_pose(reading.role) or (reading.name and is_known and (reading.is_split or reading.role == TIME)))
+
+
+def _track(group: dict[int, Reading], columns: dict[int, Column]) -> Track:
+    described = {place: replace(columns[place], role=reading.role, unit=reading.unit) for place, reading in sorted(group.items())}
+    return Track(next((reading.name for reading in group.values()), ""), _resolved(described))
+
+
+def _is_of_pose(role: Role | None) -> bool:
+    return role in _POSE or isinstance(role, Open)
 
 
 def _resolved(described: dict[int, Column]) -> dict[int, Column]:
     return dict(zip(described, resolved(list(described.values()))))
 
 
-def _repeated(name: str, described: dict[int, Column], columns: Sequence[Column], rows: Rows) -> list[Track]:
-    """One tool, or several where the same headings are written again and again."""
-    done = _resolved(described)
-    turns = [column.role for column in done.values() if column.role is not None and any(column.role in way for way in ROTATIONS)]
-    times = max(Counter(turns).values(), default=1)
+def _repeated(columns: Sequence[Column], rows: Rows) -> list[Track]:
+    """The columns of each tool where the same headings are written again and again; those before them may differ by the tool's name."""
+    counts = Counter(columns)
+    times = max((counts[column] for column in columns if _is_turn(column.role)), default=1)
     if times < 2:
-        return [Track(name, described)]
-    headings = [column.heading for column in columns]
-    first = next((heading for heading in headings if heading and headings.count(heading) == times), None)
-    if first is None:
-        return [Track(name, described)]
-    starts = [place for place, heading in enumerate(headings) if heading == first]
+        return []
+    first = next(column for column in columns if column.heading and counts[column] == times)
+    starts = [place for place, column in enumerate(columns) if column == first]
+    described, names = dict(enumerate(columns)), [""] * times
+    while starts[0] > 0:
+        before = [{each.role: each.name for each in columns[start - 1].readings if each.name} for start in starts]
+        axis = next((axis for axis in TRANSLATION if all(axis in names for names in before)), None)
+        if axis is None:
+            break
+        starts, names = [start - 1 for start in starts], [each[axis] for each in before]
+        described |= {start: replace(columns[start], role=axis, words=(axis,)) for start in starts}
+    longest = max(end - start for start, end in pairwise(starts))
     tracks = []
-    for number, (start, end) in enumerate(zip(starts, [*starts[1:], len(headings)]), start=1):
-        part = {place: column for place, column in described.items() if start <= place < end}
+    for name, start, end in zip(names, starts, [*starts[1:], min(starts[-1] + longest, len(columns))]):
+        part = {place: described[place] for place in range(start, end)}
         word = next((_only_word(rows, place) for place, column in part.items() if column.role == TOOL), None)
-        tracks.append(Track(word or f"{name} {number}".strip(), part))
-    if len({track.name for track in tracks}) < len(tracks):
-        tracks = [replace(track, name=str(number)) for number, track in enumerate(tracks, start=1)]
+        tracks.append(Track(name or word or "", part))
     return tracks
+
+
+def _is_turn(role: Role | None) -> bool:
+    return any(role in way for way in ROTATIONS) or (isinstance(role, Open) and role.word not in PLACE_WORDS)
 
 
 def _only_word(rows: Rows, place: int) -> str | None:
@@ -222,7 +304,7 @@ def _one_of_a_kind(track: Track) -> Track:
     beside = [triple for triple in triples if turns and (triple[0] == max(turns) + 1 or triple[2] == min(turns) - 1)]
     if len(triples) > 1 and len(beside) == 1:
         described = {p: c for p, c in described.items() if c.role not in TRANSLATION or p in beside[0]}
-    for role, count in Counter(column.role for column in described.values() if column.role in _POSE).items():
+    for role, count in Counter(column.role for column in described.values() if column.role in _ONLY_ONE).items():
         if count > 1:
             both = [(place, column.heading) for place, column in described.items() if column.role == role]
             raise SettingsError(

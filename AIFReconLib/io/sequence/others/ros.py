@@ -117,10 +117,11 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         topics = [connection for kind in IMAGES for connection in bag.by_type.get(kind, ())]
         names = list(dict.fromkeys(connection.topic for connection in topics))
         if len(names) != 1:
-            raise SequenceFormatError(
-                f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. "
-                "Write a bag of one of them with rosbags-convert."
+            others = " ".join(names[1:])
+            remedy = (
+                f"Leave out the others: rosbags-convert --src {path.name} --dst one --exclude-topic {others}." if names else "Record them."
             )
+            raise SequenceFormatError(f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. {remedy}")
         decode = IMAGES[topics[0].msgtype]
         found = _found(bag, topics)
         written = [time for time, _ in found.images]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Mask, Singles
+from ...arrays import Floats, Integers, Mask, Singles
 
 FEWEST = 150
 """Echoes below which no registration is attempted: six degrees of freedom from a few frames of a few scan lines."""

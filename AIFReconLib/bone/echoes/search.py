@@ -9,19 +9,19 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..bone.echo_bone import BoneEchoFinder
-from ..errors import GeometryError
-from ..geometry.transforms import pixel_spacing
-from ..machine.threads import in_parts, usable_cores
-from ..message import listed
-from ..progress import Progress, part, report
-from ..recipe.recipe import Recipe
-from ..remedies import Remedy
-from ..resolve import resolve_imaging
-from ..sweep.frames import TrackedFrame, TrackedSequence
-from ..sweep.joined import sweeps_of
-from ..sweep.poses import poses_of_each, time_order, tracked_frames
-from .echoes import FEWEST, SweepEchoes
+from ...errors import GeometryError
+from ...geometry.transforms import pixel_spacing
+from ...machine.threads import in_parts, usable_cores
+from ...message import listed
+from ...progress import Progress, part, report
+from ...recipe.recipe import Recipe
+from ...remedies import Remedy
+from ...resolve import resolve_imaging
+from ...sweep.frames import TrackedFrame, TrackedSequence
+from ...sweep.joined import sweeps_of
+from ...sweep.poses import poses_of_each, time_order, tracked_frames
+from .finder import LEAST_SCORE, BoneEchoFinder
+from .found import FEWEST, SweepEchoes
 
 MOST_FRAMES = 240
 """Frames of all sweeps together that are looked at, evenly among them: time and memory do not grow with a recording's length."""
@@ -44,7 +44,9 @@ def sweep_echoes(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     recipe: Recipe | None = None,
     *,
-    most_frames: int = MOST_FRAMES,
+    most_frames: int | None = MOST_FRAMES,
+    least_score: float = LEAST_SCORE,
+    least_brightness: float = 0.0,
     progress: Progress | None = None,
 ) -> SweepEchoes:
     """The bone echoes of one or more recorded sweeps in one Reference.
@@ -57,8 +59,12 @@ def sweep_echoes(
     sequences : TrackedSequence or several
     recipe : Recipe or None
         As in `reconstruct`.
-    most_frames : int
-        Of all sweeps together; chosen evenly.
+    most_frames : int or None
+        Of all sweeps together; chosen evenly. None: all.
+    least_score : float, 0 to 1
+        From which an echo counts.
+    least_brightness : float
+        How many times the frame's mean it must be.
     """
     sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
     placed = []
@@ -66,13 +72,14 @@ def sweep_echoes(
         usable = poses.usable
         order = time_order(sequence)
         placed.append((sequence, poses, order[np.isin(order, usable)]))
-    every = max(sum(len(order) for *_, order in placed) / most_frames, 1.0)
+    every = 1.0 if most_frames is None else max(sum(len(order) for *_, order in placed) / most_frames, 1.0)
     found: list[SweepEchoes] = []
     before = 0
     for done, (sequence, poses, order) in enumerate(placed):
         chosen = order[np.unique((np.arange(max(int(len(order) / every), 1)) * every).astype(np.int64))]
         imaging = resolve_imaging(sequence, poses, True, recipe)
-        finder = BoneEchoFinder(sequence.frame_size, pixel_spacing(poses.image_to_reference[chosen[0]]), imaging)
+        spacing = pixel_spacing(poses.image_to_reference[chosen[0]])
+        finder = BoneEchoFinder(sequence.frame_size, spacing, imaging, least_score, least_brightness)
         share = part(progress, done / len(placed), (done + 1) / len(placed))
         for number in range(0, len(chosen), AT_ONCE):
             report(share, number / len(chosen), "Looking for bone in the sweep")
@@ -82,7 +89,7 @@ def sweep_echoes(
     if len(echoes) < FEWEST:
         raise GeometryError(
             f"{listed([sequence.name for sequence in sweeps])}: {len(echoes)} bone echoes, bright with darkness behind them, are too "
-            f"few to place a CT by; {FEWEST} are needed.",
+            f"few to tell bone by; {FEWEST} are needed.",
             Remedy.CHECK_PROBE_AND_CLIP,
         )
     return echoes

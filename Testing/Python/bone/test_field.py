@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from AIFReconLib.bone.field import BoneField
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.registration.bone_field import BoneField
 
 RADIUS = 12.0
 OFFSETS = ((0.0, 0.0, 0.0), (0.5, 0.5, 0.5), (0.25, 0.1, 0.4), (0.13, 0.37, 0.21))
@@ -80,3 +81,25 @@ def test_a_single_voxel_of_bone_is_the_place_nearest_to_bone(spacing):
     nearest = np.array(np.unravel_index(distance.array.argmin(), distance.array.shape))[::-1]
     place = distance.ijk_to_reference @ [*nearest, 1.0]
     assert (np.abs(place[:3] - np.array([22, 21, 20]) * spacing) <= np.maximum(spacing, 1.0) / 2 + 1e-6).all()
+
+
+@pytest.mark.parametrize("spacing", [(0.8, 0.8, 0.8), (0.6, 0.9, 1.4)])
+def test_a_map_of_distances_is_1_on_the_surface_falls_with_the_distance_and_faces_outward_on_both_sides(spacing):
+    labels, center = ball(spacing, OFFSETS[2])
+    placed = np.array([[0.0, -1.0, 0.0, 5.0], [1.0, 0.0, 0.0, -3.0], [0.0, 0.0, 1.0, 8.0], [0.0, 0.0, 0.0, 1.0]])
+    width = 1.5
+    bone = BoneMap.from_field(BoneField.from_labels(labels), width, placed)
+    grid = bone.probability.grid
+    found = bone.on_grid(grid)
+    kji = np.moveaxis(np.indices(grid.shape), 0, -1)
+    outward = kji[..., ::-1] @ grid.ijk_to_reference[:3, :3].T + grid.ijk_to_reference[:3, 3] - (placed[:3, :3] @ center + placed[:3, 3])
+    away = np.linalg.norm(outward, axis=-1)
+    off = away - RADIUS
+    near = np.abs(off) < 2.0 * width
+    wrong = bone.probability.array[near] - np.exp(-0.5 * (off[near] / width) ** 2)
+    assert np.abs(wrong).mean() < 0.05
+    assert np.abs(wrong).max() < 0.2  # a voxel of labels may lie 0.4 mm off
+    assert not bone.probability.array[np.abs(off) > 3.0 * width + 0.5].any()
+    into = -(found.directions_reference[near] * outward[near]).sum(axis=1) / away[near]
+    assert into.min() > 0.95
+    assert (bone.inside.array[near] == (off[near] < 0))[np.abs(off[near]) > 0.4].all()

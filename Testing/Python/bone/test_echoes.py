@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from AIFReconLib.bone.echoes import search as echo_search
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.echoes.search import sweep_echoes
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.registration import echo_search
-from AIFReconLib.registration.echo_search import sweep_echoes
-from AIFReconLib.registration.echoes import SweepEchoes
 
 
 def scattered(count=700) -> SweepEchoes:

@@ -17,10 +17,10 @@ from typing import IO, Any, cast
 
 import numpy as np
 
-from ..arrays import Numbers, Singles
-from ..errors import ModelError
-from ..machine.processes import NO_WINDOW, python_program
-from ..message import shorten
+from ...arrays import Numbers, Singles
+from ...errors import ModelError
+from ...machine.processes import NO_WINDOW, python_program
+from ...message import shorten
 
 LONGEST = 30.0
 """s that a model may take to load, and then for an image."""

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from ..arrays import Numbers, Singles
-from ..errors import ModelError
-from ..io.disk.regular_files import require_regular_file
-from ..io.disk.small_files import read_bytes
-from ..sweep.frames import TrackedFrame
+from ...arrays import Numbers, Singles
+from ...errors import ModelError
+from ...io.disk.regular_files import require_regular_file
+from ...io.disk.small_files import read_bytes
+from ...sweep.frames import TrackedFrame
+from ..predictions import Prediction, white_of
 from .onnx_file import why_not_self_contained
 from .onnx_process import ModelProcess
-from .predictions import Prediction, white_of
 
 LARGEST_MODEL = 2**30
 """Bytes of a model file."""

@@ -1,0 +1,227 @@
+"""What is probably wrong with the geometry of a sweep: repairs are tried, and told where one explains the sweep clearly better."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import scipy
+
+from ..arrays import Floats, Matrix
+from ..bone.field import BoneField
+from ..errors import AIFReconError, require_kind
+from ..geometry.transform_graph import TransformName
+from ..geometry.transforms import as_matrix, invert, with_unit_depth
+from ..geometry.volume import Volume
+from ..message import Sentence, listed
+from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
+from ..remedies import Remedy
+from ..sweep.edits import inverted, with_configured_transforms
+from ..sweep.frames import CROPPED, TrackedSequence
+from ..sweep.joined import sweeps_of
+from ..sweep.poses import chain_ends, sweep_poses
+from .calibration import Calibration, calibrate_echoes
+from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
+from .solve import PARAMETERS, UNITS, in_words
+
+SPEED = 1540.0
+"""m/s. What scanners assume."""
+
+SURE = 3.0
+"""Standard deviations from which a number of the calibration is told to be wrong."""
+
+SIZES = (0.8, 0.9, 1.1, 1.25)
+"""Times the size of a pixel, across, along or both, that are tried: from each a calibration is near."""
+
+CROSSING_ECHOES, CLEARLY, TRIED = 2000, 0.8, 2
+"""Echoes by which angles are compared, the part of the distance as given below which a repair is clearly better, and how many of the best
+are laid on the CT's bone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Repair:
+    """One thing that may be wrong, and the echoes as they would lie were it mended."""
+
+    words: str  #: What is wrong, as in "the images look ..."
+    remedy: Remedy
+    details: dict[str, object]
+    make: Callable[[], ImagedEchoes]
+
+
+def check_calibration(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    labels: Volume | None = None,
+    start: Floats | None = None,
+    *,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+) -> list[str]:
+    """What is probably wrong with calibration, orientation and delay of a sweep, in sentences; the arguments are those of `calibrate`.
+
+    Images mirrored, a transform recorded as its inverse, a marker mounted in another way: each is mended in turn, and told where echoes of
+    different angles then lie nearer to each other than as given and than with all else (`crossing`). With a CT's `labels` it is told only
+    where a calibration near the mended one lays the echoes on the bone, too. Where nothing of that kind is wrong, numbers are told.
+    """
+    if labels is not None:
+        require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
+    start = None if start is None else as_matrix(start, "start")
+    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    bone = None if labels is None else BoneField.from_labels(labels)
+    echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2))
+    if len(np.unique(echoes.angles)) < 2:
+        return ["Calibration: cannot be told from this sweep, which shows bone from one angle."]
+    report(progress, 0.2, "Trying repairs")
+    given = crossing(echoes)
+    better = sorted(_better(echoes, list(repairs(echoes, sweeps, recipe)), given), key=lambda one: one[0])
+    if bone is None:
+        if better:
+            return [_told(better[0][1], f"echoes of different angles lie {given:.1f} mm apart, {better[0][0]:.1f} mm with that mended")]
+        return [f"Calibration: nothing usual is wrong by echoes of different angles: they lie {given:.1f} mm apart. A CT tells more."]
+    found = calibrate_echoes(echoes, bone, start, part(progress, 0.3, 0.5))
+    if found.accepted:
+        return _near(found)
+    tried = better[:TRIED] or sorted(_sizes(echoes), key=lambda one: one[0])[:TRIED]
+    for number, (_, repair, mended) in enumerate(tried):
+        again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.5 * number / TRIED, 0.5 + 0.5 * (number + 1) / TRIED))
+        if again.accepted:
+            if repair is None:
+                return [_size(echoes, again)]
+            agreeing = f"{found.before.share:.0%} of the echoes agree with the CT's bone, {again.before.share:.0%} with that mended"
+            return [_told(repair, agreeing)]
+    report(progress, 1.0, "Tried repairs")
+    return [
+        f"Calibration: neither near the one given nor with anything usual mended does the sweep lie on the CT's bone. "
+        f"{found.before.sentence()} Check that both are of one bone."
+    ]
+
+
+def crossing(echoes: ImagedEchoes) -> float:
+    """mm. The median distance from an echo to the nearest that another angle shows: small where all angles place bone at one place."""
+    chosen = echoes.spread(CROSSING_ECHOES)
+    points, angles = chosen.placed(Correction.none(chosen.center)).points, chosen.angles[chosen.frames]
+    distances = np.empty(len(points))
+    for angle in np.unique(angles):
+        others = scipy.spatial.cKDTree(points[angles != angle])
+        distances[angles == angle] = others.query(points[angles == angle])[0]
+    return float(np.median(distances))
+
+
+def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Repair, ImagedEchoes]]:
+    """The repairs with which angles agree clearly better than as given."""
+    for repair in tried:
+        try:
+            mended = repair.make()
+        except AIFReconError:
+            continue
+        apart = crossing(mended)
+        if apart < CLEARLY * given:
+            yield apart, repair, mended
+
+
+def _sizes(echoes: ImagedEchoes) -> Iterator[tuple[float, None, ImagedEchoes]]:
+    """The echoes with pixels of other sizes, and how far angles lie apart for their size: what is smaller lies nearer anyhow."""
+    for across, along in itertools.product((1.0, *SIZES), repeat=2):
+        if across == along == 1.0 or (across != along and 1.0 not in (across, along)):
+            continue
+        spacing = echoes.spacing[0] * across, echoes.spacing[1] * along
+        mended = replace(echoes, points=echoes.points * [across, along, 1.0], spacing=spacing)
+        yield crossing(mended) / math.sqrt(across * along), None, mended
+
+
+def _size(echoes: ImagedEchoes, found: Calibration) -> Sentence:
+    """What is said where pixels of quite another size explain the sweep."""
+    times = found.correction.scale * np.array(found.echoes.spacing) / np.array(echoes.spacing)
+    return Sentence(
+        f"Calibration: pixels look {1 / times[0]:.0%} as wide and {1 / times[1]:.0%} as high as they are.",
+        Remedy.SCALE,
+        across=f"{times[0]:.3f}",
+        along=f"{times[1]:.3f}",
+    )
+
+
+def _told(repair: Repair, why: str) -> Sentence:
+    return Sentence(f"Calibration: {repair.words} ({why}).", repair.remedy, **repair.details)
+
+
+def _near(found: Calibration) -> list[str]:
+    """What is said of a sweep of which a calibration is found near the one that was given."""
+    if found.changed <= found.uncertainty:
+        return [f"Calibration: agrees with this sweep within {found.uncertainty:.1f} mm."]
+    values, deviations = in_words(found.values), in_words(found.deviation)
+    sure = found.held & (np.abs(values) > SURE * deviations)
+    wrong = [f"{name} {value:+.1f} {unit}" for name, value, unit, one in zip(PARAMETERS, values, UNITS, sure, strict=True) if one]
+    lines = [
+        Sentence(
+            f"Calibration: image points lie {found.changed:.1f} mm off. To be changed: {listed(wrong) or 'several numbers together'}.",
+            Remedy.CALIBRATE,
+        )
+    ]
+    size = PARAMETERS.index("size along")
+    if sure[size]:
+        speed = SPEED * found.correction.scale[1]
+        lines.append(Sentence(f"The size along would fit a speed of sound of {speed:.0f} m/s where the scanner took {SPEED:.0f} m/s."))
+    if sure[-1]:
+        lines.append(Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", Remedy.STEP, offset=f"{found.values[-1]:.3f}"))
+    return [*lines]
+
+
+def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:
+    """All that is tried."""
+    yield Repair("the images look mirrored", Remedy.MIRROR, {}, partial(mirrored, echoes))
+    whole = [with_configured_transforms(sweep) for sweep in sweeps]
+    recorded = whole[0].transform_names()
+    for step in sweep_poses(sweeps[0], recipe.image_to_reference, recipe.reference).path:
+        name = step if step in recorded else step.inverse
+        if name in recorded and name not in (CROPPED, CROPPED.inverse):
+            mend = partial(_inverted, echoes, whole, name, recipe)
+            yield Repair(f"{name} looks recorded as its inverse", Remedy.INVERT, {"name": str(name)}, mend)
+    calibration = _calibration(whole[0], recipe)
+    if calibration is not None:
+        for words, turn in quarter_turns():
+            mend = partial(_turned, echoes, calibration, turn)
+            yield Repair(f"the probe's marker looks turned {words} since it was calibrated", Remedy.CALIBRATE, {}, mend)
+
+
+def mirrored(echoes: ImagedEchoes) -> ImagedEchoes:
+    """The echoes of the same images turned left to right."""
+    points, beams = echoes.points.copy(), echoes.beams * [-1.0, 1.0, 1.0]
+    points[:, 0] = (echoes.frame_size[0] - 1) * echoes.spacing[0] - points[:, 0]
+    return replace(echoes, points=points, beams=beams)
+
+
+def _inverted(echoes: ImagedEchoes, sweeps: list[TrackedSequence], name: TransformName, recipe: Recipe) -> ImagedEchoes:
+    return replaced(echoes, [inverted(sweep, name) for sweep in sweeps], recipe)
+
+
+def _calibration(sweep: TrackedSequence, recipe: Recipe) -> Matrix | None:
+    """(4, 4), pixels to mm: where the image lies in the frame of the probe's marker; None where that is not told."""
+    wanted, _ = chain_ends(sweep.configuration, recipe.image_to_reference, recipe.reference)
+    names = [name for name in sweep.transforms if name.source == wanted.source and name not in (CROPPED, CROPPED.inverse)]
+    return sweep.transforms[names[0]].matrix if len(names) == 1 else None
+
+
+def _turned(echoes: ImagedEchoes, image_to_probe: Matrix, turn: Matrix) -> ImagedEchoes:
+    """The echoes with the marker turned against the image: poses @ turn @ calibration."""
+    plane_to_probe = with_unit_depth(image_to_probe @ invert(np.diag([*echoes.spacing, 1.0, 1.0])))
+    change = invert(plane_to_probe) @ turn @ plane_to_probe
+    tracks = tuple(replace(track, planes=track.planes @ change) for track in echoes.tracks)
+    return replace(echoes, planes=echoes.planes @ change, tracks=tracks)
+
+
+def quarter_turns() -> Iterator[tuple[str, Matrix]]:
+    """The 23 ways, (4, 4), to mount a marker with its axes along those that it should have, and how each is called."""
+    for turn in scipy.spatial.transform.Rotation.create_group("O"):
+        angle = round(float(np.degrees(turn.magnitude())))
+        if angle == 0:
+            continue
+        axis = turn.as_rotvec() / turn.magnitude()
+        matrix = np.eye(4)
+        matrix[:3, :3] = np.rint(turn.as_matrix())
+        along = np.rint(axis / np.abs(axis).max()).astype(int)
+        name = "xyz"[int(np.abs(along).argmax())] if np.abs(along).sum() == 1 else f"({', '.join(map(str, along))})"
+        yield f"by {int(np.sign(along.sum()) or 1) * angle if np.abs(along).sum() == 1 else angle} degrees about its {name} axis", matrix

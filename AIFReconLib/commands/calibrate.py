@@ -1,0 +1,130 @@
+"""`aifrecon calibrate`: a calibration from the scan itself, checked and written where it is used."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+
+from .. import __version__
+from ..calibration.calibration import Calibration, as_report, calibrate, findings
+from ..calibration.check import check_calibration
+from ..errors import OutputError, RegistrationRefused, SettingsError
+from ..geometry.transform_graph import TransformName
+from ..io.disk.atomic import check_writable, write_text
+from ..io.plus.calibration import write_calibrated
+from ..io.transform.files import HDF5_SUFFIXES, TEXT_SUFFIXES, read_transform, write_transform
+from ..progress import part
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import chain_ends
+from ..terminal.console import ProgressBar
+from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, refuse_to_overwrite, required_labels
+from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.remedies import in_options
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
+
+EXAMPLE = """examples:
+  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
+  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
+  aifrecon calibrate sweep.igs.mha --bone-labels bone.nrrd --output correction.tfm
+  aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm
+
+An .xml is the configuration with the new calibration; a .tfm is a correction of the image plane, which aifrecon convert applies to
+recordings that hold the pose of the image alone. Exit code 1: the sweep does not tell, and nothing is written but --report."""
+
+
+def add_to(commands: Commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "calibrate",
+        description="Find image to probe, pixel size and delay with which the bone echoes of all angles lie on a CT's bone.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps of one calibration")
+    add_labels_options(parser)
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write: configuration (.xml) or correction (.tfm)")
+    what.add_argument("--check", action="store_true", help="only say what is probably wrong, if anything is; without a CT, too")
+    parser.add_argument("--bone-transform", type=Path, metavar="START", help="CT -> Reference to start from; default: look for it")
+    parser.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, for the log book")
+    parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone before and after")
+    add_tracking_options(parser, several=True)
+    add_sequence_options(parser)
+    add_imaging_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Read, check or calibrate, write, and say how sure it is."""
+    each = of_each(arguments, arguments.sequences)
+    inputs = [path for one in each for path in sequence_inputs(one)]
+    refuse_to_overwrite(
+        [arguments.output, arguments.report, arguments.preview], [*inputs, *labels_inputs(arguments), arguments.bone_transform]
+    )
+    for path in (arguments.output, arguments.report, arguments.preview):
+        if path:
+            check_writable(path)
+    _check_output(arguments)
+    start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    with ProgressBar() as progress:
+        wanted = labels_from if arguments.check else required_labels
+        labels = wanted(arguments, part(progress, 0.0, 0.05))
+        sequences = [sequence_from(one) for one in each]
+        if arguments.check or labels is None:
+            lines = check_calibration(sequences, labels, start, recipe=recipe_from(arguments), progress=part(progress, 0.05, 1.0))
+            print("\n  ".join(map(in_options, lines)))
+            return
+        name = _calibrated(sequences, arguments.image_to_reference) if arguments.output.suffix.lower() == ".xml" else None
+        found = calibrate(sequences, labels, start, recipe=recipe_from(arguments), progress=part(progress, 0.05, 0.95))
+        if arguments.preview:
+            from ..evaluation.registration_figure import calibration_figure
+
+            before, after = found.echoes_on_bone
+            titles = f"before: {found.before.sentence()}", f"after: {found.after.sentence()}"
+            calibration_figure(arguments.preview, before, after, labels, titles)
+    written = [arguments.preview] if arguments.preview else []
+    if found.accepted:
+        _write(arguments, found, sequences, name)
+        written.append(arguments.output)
+    if arguments.report:
+        facts = {"sequences": [sequence.name for sequence in sequences], "version": __version__, **as_report(found)}
+        write_text(arguments.report, json.dumps(facts, indent=2) + "\n")
+        written.append(arguments.report)
+    print("\n  ".join([*map(in_options, findings(found)), *(f"wrote {path}" for path in written)]))
+    if found.said is not None:
+        raise RegistrationRefused(f"No calibration is written. {found.said}", found.said)
+
+
+def _check_output(arguments: argparse.Namespace) -> None:
+    """Return if the output can hold a calibration; asked before the long work."""
+    if not arguments.output:
+        return
+    suffix = arguments.output.suffix.lower()
+    if suffix not in (".xml", *TEXT_SUFFIXES, *HDF5_SUFFIXES):
+        raise OutputError(f"Cannot write {arguments.output}: its name must end in .xml or .tfm. Choose another.")
+    if suffix == ".xml" and len(arguments.config or []) != 1:
+        raise SettingsError("A configuration is written from the one that is given. Give it with --config, or write a .tfm.")
+
+
+def _calibrated(sequences: list[TrackedSequence], image_to_reference: str | None) -> TransformName:
+    """The transform of the configuration that is to be replaced."""
+    wanted, _ = chain_ends(sequences[0].configuration, image_to_reference, None)
+    names = [name for name in sequences[0].configured() if name.source == wanted.source]
+    if len(names) != 1:
+        raise SettingsError(
+            f"{sequences[0].name}: the calibration is not in the configuration but in the recording. Write a .tfm and give it to "
+            "aifrecon convert --correction."
+        )
+    return names[0]
+
+
+def _write(arguments: argparse.Namespace, found: Calibration, sequences: list[TrackedSequence], name: TransformName | None) -> None:
+    if name is None:
+        write_transform(found.image_correction, arguments.output)
+        return
+    old = np.asarray(sequences[0].configured()[name].matrix)
+    note = f"aifrecon {__version__}, by {', '.join(sequence.name for sequence in sequences)}"
+    write_calibrated(arguments.config[0], arguments.output, name, found.mended(old), note)

@@ -1,0 +1,147 @@
+"""Images and poses of any origin become a sequence, with all that is to be seen of it before it is used: words, and a drawing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import AIFReconError, BeamGeometryError, SettingsError
+from ..geometry.mechanism import Mechanism
+from ..geometry.transform_graph import TransformName
+from ..geometry.transforms import pixel_spacing
+from ..imaging.detection import detect_imaging
+from ..io.foreign.calibration import read_calibration
+from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
+from ..io.foreign.openers import open_images
+from ..io.foreign.options import ImportOptions
+from ..io.foreign.poses.files import read_poses
+from ..io.foreign.poses.rotations import PoseFormat
+from ..message import said
+from ..sweep.frames import TrackedSequence
+from ..sweep.poses import SweepPoses, sweep_poses
+from .offset_estimate import estimate_time_offset
+from .sweep_drawing import Drawing, draw_sweep
+from .tracking_report import tracking_report
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """A sequence of images and poses, how they were understood, what the poses are, and what moved the probe, if that was described."""
+
+    sequence: TrackedSequence
+    understood: tuple[str, ...]
+    transform: TransformName
+    mechanism: Mechanism | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """What is to be seen of it: facts of the sweep, its drawing where the images can be placed, and the frame that it is drawn in."""
+
+    lines: tuple[str, ...]
+    drawing: Drawing | None
+    reference: str
+
+
+def import_files(images: Sequence[str | Path], poses: str | Path, options: ImportOptions) -> Imported:
+    """The sequence of images and a file of poses.
+
+    Raises
+    ------
+    FileFormatError
+        When a file cannot be understood.
+    SettingsError
+        When something is not known that decides where an image goes; `questions_of` has the options that answer.
+    """
+    settings = _settings_from(options)
+    mechanism = read_mechanism(options.mechanism) if options.mechanism else None
+    table = read_joint_poses(poses, mechanism, settings.form) if mechanism else read_poses(poses, settings.form)
+    patient = read_poses(poses, replace(settings.form, tool=options.reference_tool)) if options.reference_tool else None
+    sequence, understood = import_sequence(open_images(images), table, settings, patient)
+    return Imported(sequence, understood, settings.transform, mechanism)
+
+
+def calibration_file(options: ImportOptions) -> Path | None:
+    """The file of the calibration, which may be named in front of it."""
+    return None if options.calibration is None else Path(_named(options.calibration)[1])
+
+
+def _named(calibration: str) -> tuple[str, str]:
+    """Name, which may be empty, and file."""
+    name, equals, file = calibration.partition("=")
+    return (name, file) if equals else ("", name)
+
+
+def _settings_from(options: ImportOptions) -> ImportSettings:
+    """What the options say."""
+    if options.transform is None:
+        raise SettingsError("Input transform must say what the poses are, such as ImageToTracker or ProbeToTracker; got none.")
+    transform = TransformName.parse(options.transform)
+    calibration = None
+    if options.calibration:
+        name, file = _named(options.calibration)
+        calibration = read_calibration(file, TransformName.parse(name) if name else _default_name(Path(file), transform))
+    return ImportSettings(
+        transform,
+        options.spacing,
+        options.image_origin_px,
+        calibration,
+        options.orientation,
+        options.rate,
+        options.time_offset,
+        PoseFormat(
+            columns=tuple(options.columns.replace(",", " ").split()) if options.columns else None,
+            tool=options.tool,
+            quaternion_order=options.quaternion_order,
+            euler_order=options.euler_order,
+            angle_unit=options.angle_unit,
+            length_unit=options.units,
+            time_unit=options.time_unit,
+            good_statuses=options.status_ok or (),
+            column_major=options.column_major,
+        ),
+        options.sure,
+    )
+
+
+def _default_name(path: Path, transform: TransformName) -> TransformName | None:
+    """A configuration names its transforms itself; other files hold the calibration of the probe whose poses there are."""
+    if path.suffix.lower() == ".xml":
+        return None
+    return TransformName(IMAGE_FRAME, "Probe" if "Probe" in (transform.source, transform.target) else transform.source)
+
+
+def check_import(imported: Imported, name: str) -> Checked:
+    """Facts of the sweep, and its drawing, called `name`, where the images can be placed."""
+    sequence, transform, mechanism = imported.sequence, imported.transform, imported.mechanism
+    moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
+    reference = transform.source if transform.target in moving else transform.target
+    if any(REFERENCE_FRAME in (each.source, each.target) for each in sequence.records[0].transforms):
+        reference = REFERENCE_FRAME
+    try:
+        poses = sweep_poses(sequence, reference=reference)
+    except AIFReconError:
+        return Checked(("no drawing: the image cannot be placed without a calibration",), None, reference)
+    if not len(poses.usable):
+        return Checked(("no drawing: no frame has a valid pose",), None, reference)
+    try:
+        seen = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+        region, probe = seen.region, f"recognized in the images, blue in the drawing: {seen.description}"
+    except BeamGeometryError as error:
+        region, probe = None, said(error)
+    axes = mechanism.lines() if mechanism and reference == transform.target else []
+    drawing = draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes, region)
+    rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
+    if np.isfinite(sequence.timestamps).all():
+        rows.append(f"clocks: {estimate_time_offset(sequence, poses).to_text()}")
+    return Checked((_size(sequence, poses), probe, *rows), drawing, reference)
+
+
+def _size(sequence: TrackedSequence, poses: SweepPoses) -> str:
+    columns, rows = sequence.frame_size
+    spacing = np.linalg.norm(poses.image_to_reference[poses.usable[0], :3, :2], axis=0)
+    return f"one image is {columns * spacing[0]:.1f} x {rows * spacing[1]:.1f} mm, a pixel {spacing[0]:.4g} x {spacing[1]:.4g} mm"

@@ -1,0 +1,183 @@
+"""What files of images and poses do not say: options of the command line and questions of the panel, each declared once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from ...errors import SettingsError
+from ...message import Sentence, said, shorten
+from ...recipe.recipe import Branch
+from ...recipe.rules import FILE, FLAG, NUMBER, NUMBERS, TEXT, WORDS, Rule, checked, rule_of, setting
+from ...remedies import Remedy
+from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES
+
+
+@dataclass(frozen=True)
+class ImportOptions(Branch):
+    """How images and poses are to be understood, where the files leave it open. Their names are those of the options of `aifrecon import`.
+
+    Raises
+    ------
+    SettingsError
+        When a value is not of its kind.
+    """
+
+    transform: str | None = setting(
+        None,
+        "what the poses are, direction included: ImageToTracker, ProbeToTracker, or an inverse such as TrackerToProbe",
+        TEXT,
+        metavar="NAME",
+    )
+    columns: str | None = setting(
+        None,
+        'names of the columns, e.g. "time x y z qw qx qy qz"; - for one that is not used',
+        TEXT,
+        metavar="WORDS",
+        label="Names of the columns:",
+    )
+    tool: str | None = setting(
+        None,
+        "the one whose poses are taken, where the file holds several: its name or place",
+        TEXT,
+        metavar="NAME",
+        label="Tool that holds the image:",
+    )
+    reference_tool: str | None = setting(
+        None,
+        "the marker on the patient, in the same file: it becomes the frame Reference",
+        TEXT,
+        metavar="NAME",
+        label="Marker on the patient:",
+    )
+    time_offset: float = setting(
+        0.0, "how many seconds after the poses the images began", NUMBER, unit="s", metavar="S", label="Images began later by (s):"
+    )
+    quaternion_order: str | None = setting(
+        None, "of a quaternion whose numbers have no names", choices=QUATERNION_ORDERS, label="Order of the quaternion:"
+    )
+    euler_order: str | None = setting(
+        None,
+        "order of the turns: xyz about fixed axes, ZYX about axes that turn along; vector: a rotation vector",
+        TEXT,
+        metavar="AXES",
+        label="Order of the turns:",
+    )
+    angle_unit: str | None = setting(None, "of angles (default: as the file says)", choices=ANGLES, label="Unit of the angles:")
+    units: str | None = setting(
+        None, "of lengths in the poses (default: as the file says, else mm)", choices=tuple(LENGTHS), label="Unit of the lengths:"
+    )
+    time_unit: str | None = setting(
+        None, "of times in the poses (default: as the file says, or by their size)", choices=tuple(TIMES), label="Unit of the times:"
+    )
+    status_ok: tuple[str, ...] | None = setting(
+        None, "words of the tracker that mean a valid pose", WORDS, metavar="WORD", label="Words for a valid pose:"
+    )
+    column_major: bool | None = setting(None, "matrices are written column by column", FLAG, label="Matrices column by column:")
+    sure: bool = setting(False, "take poses as they are where no hand moves so", FLAG, label="It is right as it is:")
+    spacing: tuple[float, float] | None = setting(
+        None,
+        "size of a pixel in mm, where poses take millimeters",
+        NUMBERS,
+        counts=(2,),
+        metavar="X Y",
+        label="Size of a pixel (mm, x y):",
+    )
+    image_origin_px: tuple[float, float] | None = setting(
+        None, "the pixel that the poses place (default: 0 0)", NUMBERS, counts=(2,), metavar="COLUMN ROW", label="Pixel that is placed:"
+    )
+    calibration: str | None = setting(
+        None, "ImageToProbe: Plus configuration, Slicer transform or 16 numbers", TEXT, metavar="[NAME=]FILE", label="Calibration:"
+    )
+    orientation: str = setting("MF", "how the pixels run: MF, MN, UF or UN", TEXT, metavar="CODE", label="Stored pixels:")
+    rate: float | None = setting(
+        None, "frames per second of the images, where no file has their times", unit="Hz", metavar="HZ", label="Images per second:"
+    )
+    mechanism: Path | None = setting(  # noqa: RUF009  # it is a field
+        None,
+        "axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names",
+        FILE,
+        metavar="FILE",
+    )
+
+
+RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for spec in fields(ImportOptions)}
+"""By option."""
+
+ASKED: dict[Remedy, tuple[str, ...]] = {
+    Remedy.NAME_THE_COLUMNS: ("columns",),
+    Remedy.NO_IMAGE_COLUMN: ("columns",),
+    Remedy.WHICH_TOOL: ("tool", "reference_tool"),
+    Remedy.NO_TOOL: ("tool",),
+    Remedy.NO_MARKER: ("reference_tool",),
+    Remedy.QUATERNION_ORDER: ("quaternion_order",),
+    Remedy.EULER_ORDER: ("euler_order",),
+    Remedy.ANGLE_UNIT: ("angle_unit",),
+    Remedy.UNITS: ("units", "sure"),
+    Remedy.TIME_UNIT: ("time_unit",),
+    Remedy.GOOD_STATUS: ("status_ok",),
+    Remedy.COLUMN_MAJOR: ("column_major",),
+    Remedy.ROWS_OR_COLUMNS: ("column_major",),
+    Remedy.SURE: ("tool", "units", "time_unit", "sure"),
+    Remedy.PIXEL_SIZE: ("spacing",),
+    Remedy.NO_PIXEL_SIZE: ("spacing", "image_origin_px"),
+    Remedy.WHERE_THE_IMAGE_LIES: ("calibration", "spacing", "image_origin_px"),
+    Remedy.NAME_THE_CALIBRATION: ("calibration",),
+    Remedy.NO_CALIBRATION: ("calibration",),
+    Remedy.TIME_OFFSET: ("time_offset", "rate"),
+    Remedy.IMAGE_RATE: ("rate",),
+    Remedy.NO_TIME_OFFSET: ("time_offset",),
+}
+"""The options that answer what an error asks with its remedy."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What an error asks: the option that answers, what is declared of it, and the answers there are, as far as they are known."""
+
+    name: str
+    rule: Rule
+    choices: tuple[str, ...]
+
+
+def questions_of(asking: object) -> tuple[Question, ...]:
+    """What an error or a sentence asks, the likeliest first; nothing where no option would help.
+
+    `choices` of its details answer what has none declared.
+    """
+    sentence = said(asking) if isinstance(asking, BaseException) else asking
+    if not isinstance(sentence, Sentence) or sentence.remedy not in ASKED:
+        return ()
+    known = sentence.details.get("choices")
+    others = tuple(map(str, known)) if isinstance(known, tuple | list) else ()
+    return tuple(Question(name, RULES[name], _choices(RULES[name]) or others) for name in ASKED[sentence.remedy])
+
+
+def _choices(rule: Rule) -> tuple[str, ...]:
+    return ("yes", "no") if rule["kind"] == FLAG else rule["choices"] or ()
+
+
+def answer(name: str, text: str) -> Any:
+    """The value of an option that a text means, several with commas or blanks between them; None of an empty text.
+
+    Raises
+    ------
+    SettingsError
+        When it is none.
+    """
+    rule, text = RULES[name], text.strip()
+    if not text:
+        return rule["default"]
+    if rule["kind"] == WORDS:
+        return tuple(word.strip() for word in text.split(",") if word.strip())
+    if rule["kind"] == FLAG:
+        return text == "yes"
+    try:
+        if rule["kind"] == NUMBERS:
+            return checked(name, [float(word) for word in text.replace(",", " ").split()], rule)
+        return checked(name, float(text) if rule["kind"] == NUMBER else text, rule)
+    except ValueError as error:
+        if isinstance(error, SettingsError):
+            raise
+        raise SettingsError(f"{rule['label'].rstrip(':')} must be numbers; got {shorten(text)!r}.") from None

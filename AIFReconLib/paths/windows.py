@@ -1,0 +1,134 @@
+"""Lines that are neighbors make a window: one answer for each, not ten beside each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from ..arrays import Bytes, Floats, Integers
+from .surroundings import Surroundings
+
+STATES = ("blocked", "not seen", "tight", "free")
+BLOCKED, NOT_SEEN, TIGHT, FREE = range(4)
+
+ROOM = 1.0
+"""mm of clearance below which a line is tight."""
+
+ENTRY_PITCH, END_PITCH = 2.0, 1.5
+"""mm between the points on the skin from which lines begin, and between those at which they end."""
+
+NEIGHBORS = 1.8
+"""Times that distance within which points are neighbors: the diagonal one still is."""
+
+FEWEST, MOST = 4, 3
+"""Lines that make a window, and windows that were not seen that are told at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Lines that are neighbors and all free, or all not seen, by the best of them; points in Reference, mm."""
+
+    name: str
+    is_free: bool  #: Seen, and not blocked; else part of every line was not seen
+    entry: Floats  #: (3,)
+    end: Floats  #: (3,)
+    clearance: float  #: mm. Distance from bone less the margin; of a window that was not seen from what bone is known.
+    seen: float  #: 0 to 1
+    width: tuple[float, float]  #: mm across all its lines where the best one is nearest to bone: the narrow and the wide way
+    lines: int
+
+    @property
+    def depth(self) -> float:
+        """mm from the skin to the end."""
+        return float(np.linalg.norm(self.end - self.entry))
+
+    @property
+    def direction(self) -> Floats:
+        """Unit vector of the line, (3,)."""
+        way: Floats = (self.end - self.entry) / self.depth
+        return way
+
+    def to_dict(self) -> dict[str, object]:
+        """All numbers by name, rounded to what they can mean."""
+        return {
+            "name": self.name,
+            "free": self.is_free,
+            "entry": np.round(self.entry, 2).tolist(),
+            "end": np.round(self.end, 2).tolist(),
+            "direction": np.round(self.direction, 5).tolist(),
+            "depth_mm": round(self.depth, 2),
+            "clearance_mm": round(self.clearance, 2) if self.is_free else None,
+            "seen": round(self.seen, 4),
+            "width_mm": [round(side, 1) for side in self.width],
+            "lines": self.lines,
+        }
+
+
+def states_of(clearance: Floats, seen: Floats) -> Bytes:
+    """`BLOCKED`, `NOT_SEEN`, `TIGHT` or `FREE`, (n,), of lines with these clearances, mm, and shares that were seen."""
+    open_ = np.where(seen < 1.0, NOT_SEEN, np.where(clearance < ROOM, TIGHT, FREE))
+    states: Bytes = np.where(clearance <= 0.0, BLOCKED, open_).astype(np.uint8)
+    return states
+
+
+def windows_of(
+    surroundings: Surroundings,
+    entries: Floats,
+    ends: Floats,
+    number: Integers,
+    last: Integers,
+    clearance: Floats,
+    seen: Floats,
+    states: Bytes,
+) -> tuple[Window, ...]:
+    """The windows among lines from ``entries[number]`` to ``ends[last]``: free ones by their clearance, then the largest not seen."""
+    found: list[Window] = []
+    for is_free, chosen in ((True, np.flatnonzero(states >= TIGHT)), (False, np.flatnonzero(states == NOT_SEEN))):
+        groups = _joined(entries, ends, number[chosen], last[chosen])
+        sizes = np.bincount(groups)
+        of_kind = []
+        for group in np.flatnonzero(sizes >= FEWEST):
+            lines = chosen[groups == group]
+            best = lines[clearance[lines].argmax()]
+            width = _width(surroundings, entries[number[lines]], ends[last[lines]], entries[number[best]], ends[last[best]])
+            of_kind.append((entries[number[best]], ends[last[best]], float(clearance[best]), float(seen[best]), width, len(lines)))
+        of_kind.sort(key=lambda one: -one[2] if is_free else -one[5])
+        for one in of_kind if is_free else of_kind[:MOST]:
+            found.append(Window(f"Path {len(found) + 1}", is_free, *one))
+    return tuple(found)
+
+
+def _joined(entries: Floats, ends: Floats, number: Integers, last: Integers) -> Integers:
+    """Which lines belong together, (n,) numbers of groups: neighbors begin in one place or side by side, and end so."""
+    place = np.full((len(entries), len(ends)), -1)
+    place[number, last] = np.arange(len(number))
+    begin, finish = _side_by_side(entries, ENTRY_PITCH), _side_by_side(ends, END_PITCH)
+    pairs = np.concatenate(
+        [np.stack([place[begin[0]][:, one], place[begin[1]][:, other]], axis=-1).reshape(-1, 2) for one, other in finish.T]
+    )
+    pairs = pairs[(pairs >= 0).all(axis=1)]
+    graph = scipy.sparse.coo_matrix((np.ones(len(pairs), bool), pairs.T), (len(number), len(number)))
+    groups: Integers = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
+    return groups
+
+
+def _side_by_side(points: Floats, pitch: float) -> Integers:
+    """Pairs of points in one place or side by side, in both orders, (2, n)."""
+    pairs = scipy.spatial.cKDTree(points).query_pairs(NEIGHBORS * pitch, output_type="ndarray")
+    each = np.arange(len(points))
+    return np.concatenate([pairs.T, pairs.T[::-1], np.stack([each, each])], axis=1)
+
+
+def _width(surroundings: Surroundings, entries: Floats, ends: Floats, entry: Floats, end: Floats) -> tuple[float, float]:
+    """How far lines lie apart where the line from `entry` to `end` is nearest to bone, mm: the narrow and the wide way."""
+    distance, _looks = surroundings.profile(entry[None], end[None])
+    narrow = (int(distance.argmin()) + 1) / distance.shape[1]
+    way = (end - entry) / np.linalg.norm(end - entry)
+    places = entries + narrow * (ends - entries)
+    places = places - places.mean(axis=0)
+    places = places - np.outer(places @ way, way)
+    across = np.linalg.svd(places, full_matrices=False)[2]
+    extents = sorted(float(np.ptp(places @ axis)) for axis in across[:2])
+    return extents[0], extents[1]

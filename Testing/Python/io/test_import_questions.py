@@ -1,0 +1,102 @@
+"""What files of images and poses leave open is asked as data: the option that answers, and the answers that are known."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import AIFReconLib.io.foreign
+from AIFReconLib.errors import AIFReconError, SettingsError
+from AIFReconLib.inspection.imported import check_import, import_files
+from AIFReconLib.io.foreign.options import ASKED, RULES, ImportOptions, answer, questions_of
+
+
+@pytest.fixture
+def images(tmp_path):
+    rows, columns = np.indices((60, 80))
+    lit = (rows > 10) & (rows < 50) & (columns > 15) & (columns < 65)
+    np.save(tmp_path / "images.npy", np.stack([np.where(lit, 60 + 5 * n + (rows + columns) % 30, 0) for n in range(12)]).astype(np.uint8))
+    return tmp_path / "images.npy"
+
+
+def table(images, heading, line):
+    path = images.with_name("poses.csv")
+    path.write_text("\n".join([heading, *(line.format(n=n, t=20 * n) for n in range(12))]))
+    return path
+
+
+def asked(images, poses, options):
+    """The questions that a try ends with, and its words."""
+    with pytest.raises(AIFReconError) as error:
+        import_files([images], poses, options)
+    return questions_of(error.value), str(error.value)
+
+
+PROBE = "Probe_x,Probe_y,Probe_z,Probe_qx,Probe_qy,Probe_qz,Probe_qw"
+IMAGE = ImportOptions(transform="ImageToTracker", spacing=(0.2, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("heading", "line", "name", "choices"),
+    [
+        ("x,y,z,rx,ry,rz", "0,0,{n},0,0,0.{n}", "euler_order", ("xyz", "zyx", "XYZ", "ZYX", "vector")),
+        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "ns")),
+        (f"{PROBE},{PROBE.replace('Probe', 'Patient')}", "0,0,{n},0,0,0,1,0,0,0,0,0,0,1", "tool", ("Probe", "Patient")),
+        ("x,y,z,qx,qy,qz,qw,state", "0,0,{n},0,0,0,1,Prima", "status_ok", ("Prima",)),
+        ("x,y,z,n0,n1,n2,n3,n4,n5,n6,n7,n8".replace("n", "rot"), "0,0,{n},1,0,0,0,1,0,0,0,1", "column_major", ("yes", "no")),
+        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m")),
+    ],
+)
+def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer_goes_on(images, heading, line, name, choices):
+    poses = table(images, heading, line)
+    questions, _words = asked(images, poses, IMAGE)
+    assert (questions[0].name, questions[0].choices) == (name, choices)
+    answered = replace(IMAGE, **{name: answer(name, choices[-1] if name in ("euler_order", "units") else choices[0])})
+    if name == "time_unit":
+        answered = replace(IMAGE, time_unit="ms")
+    if name == "euler_order":
+        assert asked(images, poses, answered)[0][0].name == "angle_unit"
+        answered = replace(answered, angle_unit="deg")
+    imported = import_files([images], poses, answered)
+    assert len(imported.sequence) == 12
+    assert check_import(imported, "sweep").drawing is not None
+
+
+def test_images_without_times_beside_more_poses_with_times_ask_for_their_rate(images):
+    poses = images.with_name("poses.csv")
+    poses.write_text("\n".join(["time_ms,x,y,z,qx,qy,qz,qw", *(f"{10 * n},0,0,{n / 8},0,0,0,1" for n in range(60))]))
+    questions, _words = asked(images, poses, IMAGE)
+    assert [question.name for question in questions] == ["rate"]
+    found = import_files([images], poses, replace(IMAGE, rate=answer("rate", "20"))).sequence
+    np.testing.assert_allclose([next(iter(r.transforms.values())).matrix[2, 3] for r in found.records], np.arange(12) * 5 / 8, atol=1e-9)
+
+
+def test_a_rigid_pose_of_an_image_asks_for_the_size_of_a_pixel(images):
+    poses = table(images, "x,y,z,qx,qy,qz,qw", "0,0,{n},0,0,0,1")
+    questions, words = asked(images, poses, ImportOptions(transform="ImageToTracker"))
+    assert [question.name for question in questions] == ["spacing"]
+    assert "the size of a pixel is not known" in words
+    np.testing.assert_allclose(answer("spacing", "0.2, 0.3"), (0.2, 0.3))
+
+
+@pytest.mark.parametrize(("name", "text"), [("spacing", "0.2"), ("spacing", "wide"), ("time_unit", "minutes"), ("rate", "fast")])
+def test_what_is_no_answer_is_a_sentence(name, text):
+    with pytest.raises(SettingsError, match="must be"):
+        answer(name, text)
+
+
+def test_every_remedy_of_the_import_is_answered_by_an_option_that_there_is():
+    folder = Path(AIFReconLib.io.foreign.__file__).parent
+    used = {
+        node.attr
+        for path in folder.rglob("*.py")
+        if path.name != "options.py"
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "Remedy"
+    }
+    assert used - {remedy.name for remedy in ASKED} == {"OPEN_IT"}
+    assert {name for names in ASKED.values() for name in names} <= {name for name, rule in RULES.items() if rule["label"]}
