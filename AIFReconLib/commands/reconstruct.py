@@ -7,15 +7,20 @@ import json
 import time
 from pathlib import Path
 
+import numpy as np
+
 from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
+from ..evaluation.preview import gray_window
 from ..guidance.coverage import coverage
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
+from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import check_volume_path, write_volume
-from ..progress import part
+from ..progress import Progress, part
+from ..provenance.record import settings_of
 from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
@@ -37,6 +42,8 @@ from ..terminal.reconstruction_options import (
 from ..terminal.remedies import IN_OPTIONS, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
+from ..worker.page import PageAbout, Pictured, tell
+from ..worker.reconstructing import plain_mean
 from .info import register_command
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
@@ -86,7 +93,12 @@ def add_to(commands: Commands) -> None:
     add_preview_option(volume)
     add_memory_option(volume)
     volume.add_argument("--dicom-study", type=Path, metavar="FILE", help="a DICOM file or folder of the study that .dcm outputs join")
-    volume.add_argument("--report", type=Path, metavar="FILE", help="also write a report of the tracking and of what was done, as JSON")
+    volume.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE",
+        help="also tell of the tracking and of what was done: .html, a page with pictures; .json, numbers",
+    )
     add_settings_options(parser)
     parser.show_first(*FIRST_OPTIONS, "report", "quiet")
     parser.set_defaults(run=run)
@@ -148,14 +160,57 @@ def run(arguments: argparse.Namespace) -> None:
         share.name: tracking_report(part_of_it, sweep_poses(part_of_it, recipe.image_to_reference, recipe.reference), result, number)
         for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.sweeps, strict=True))
     }
-    if arguments.report:
+    if arguments.report and not is_page(arguments.report):
         said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
         write_text(arguments.report, json.dumps(said, indent=2) + "\n")
+    if arguments.report and is_page(arguments.report):
+        with ProgressBar() as progress:
+            _write_page(arguments, sequence, recipe, result, tracking, labeled, progress)
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     if labeled is not None and not on_bone and arguments.bone_transform is None:
         print(f"  The CT was taken to lie in Reference already. Place it first: {register_command(arguments)}")
     print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
+
+
+def is_page(path: Path) -> bool:
+    """Whether a report of this name is for reading, and not for programs."""
+    return path.suffix.lower() in (".html", ".htm")
+
+
+def _write_page(
+    arguments: argparse.Namespace,
+    sequence: TrackedSequence,
+    recipe: Recipe,
+    result: Reconstruction,
+    tracking: dict[str, TrackingReport],
+    labeled: LabeledBone | None,
+    progress: Progress,
+) -> None:
+    """The page that the panel saves, with what was measured beside it where a method has raised bone."""
+    ct = read_ct(arguments.ct) if arguments.ct else None
+    place = np.eye(4) if labeled is None or labeled.labels_to_reference is None else labeled.labels_to_reference
+    weighs = method_named(result.method).needs_bone
+    about = PageAbout(
+        name=arguments.output.name,
+        method=result.method,
+        settings=json.dumps(settings_of(result.intensity)),
+        spacing=tuple(map(float, result.grid.spacing)),
+        tracking=tracking,
+        sequence=sequence,
+        recipe=recipe,
+        labels=None if labeled is None else labeled.labels,
+        labels_to_reference=place,
+        names={} if labeled is None else labeled.labels.names,
+        problem="No CT was given." if labeled is None else "",
+        pictured=Pictured(
+            result.intensity,
+            gray_window(result.intensity, result.mask),
+            plain_mean(sequence, recipe, result, part(progress, 0.0, 0.3)) if weighs else None,
+            None if ct is None else ct.placed_by(place),
+        ),
+    )
+    tell(about, arguments.report, IN_OPTIONS, part(progress, 0.3, 1.0))
 
 
 def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:

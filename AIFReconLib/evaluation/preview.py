@@ -67,6 +67,14 @@ class _Panel:
     outline: Mask | None = None
 
 
+def gray_window(volume: Volume, mask: Volume) -> tuple[float, float]:
+    """Gray levels to show black and white, of what was scanned: where a mask (on the same voxels) is not 0."""
+    some = max(volume.grid.voxels // LOOKED_AT, 1)
+    levels = volume.array.reshape(-1)[::some][mask.array.reshape(-1)[::some] != 0]
+    levels = levels[np.isfinite(levels)]
+    return (min(float(levels.min()), 0.0), float(np.quantile(levels, BRIGHTEST)) or 1.0) if levels.size else (0.0, 1.0)
+
+
 @own_looks()
 def preview(
     volume: Volume,
@@ -108,10 +116,7 @@ def preview(
     scanned = (volume.array if mask is None else mask.array) != 0
     center = middle_of_bone(volume, scanned, labels)
     seen = Volume(scanned.view(np.uint8), volume.ijk_to_reference)
-    some = max(volume.grid.voxels // LOOKED_AT, 1)
-    levels = volume.array.reshape(-1)[::some][scanned.reshape(-1)[::some]]
-    levels = levels[np.isfinite(levels)]
-    window = (min(float(levels.min()), 0.0), float(np.quantile(levels, BRIGHTEST)) or 1.0) if levels.size else (0.0, 1.0)
+    window = gray_window(volume, seen)
     patient = labels is not None or ct is not None if patient is None else patient
     ways = planes(patient)
     panels = [_cut_panel(volume, plane, center, window, seen, labels) for plane in ways]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -45,8 +45,7 @@ class PageAbout:
     method: str
     settings: str  #: Those that it says it was made with, as JSON
     spacing: tuple[float, ...]  #: mm
-    sweep: str  #: Its name
-    tracking: TrackingReport
+    tracking: Mapping[str, TrackingReport]  #: Of each sweep, by its name
     sequence: TrackedSequence
     recipe: Recipe
     labels: Volume | None = None  #: Of the CT, in coordinates of their own
@@ -70,27 +69,33 @@ def tell(about: PageAbout, path: Path | None = None, words: Mapping[Remedy, str]
     if path is not None:
         check_writable(path)
     report(progress, 0.0, "Drawing the pictures")
-    tracking, pictures = about.tracking, () if path is None else _pictures(about)
-    rows = tuple((name[:1].upper() + name[1:], value) for name, value in tracking.rows())
-    sections = [Section("Sweep", rows, tuple(advised(sentence, words) for sentence in tracking.findings()))]
+    pictures = () if path is None else _pictures(about)
+    sections = []
+    for name, tracking in about.tracking.items():
+        rows = tuple((row[:1].upper() + row[1:], value) for row, value in tracking.rows())
+        title = "Sweep" if len(about.tracking) == 1 else f"Sweep {name}"
+        sections.append(Section(title, rows, tuple(advised(sentence, words) for sentence in tracking.findings())))
     said = []
     for section, of_line in (_agreement(about, words, part(progress, 0.2, 0.6)), _coverage(about, words, part(progress, 0.6, 1.0))):
         sections += [] if section is None else [section]
         said += [of_line] if of_line else []
     versions = software_versions()
     voxels = f"voxels of {' x '.join(f'{size:.3g}' for size in about.spacing)} mm"
-    speed = "" if tracking.median_speed is None else f" at {tracking.median_speed:.0f} mm/s"
-    frames, software = f"{tracking.used} of {tracking.frames} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
+    speeds = [tracking.median_speed for tracking in about.tracking.values()]
+    speed = " at " + ", ".join(f"{speed:.0f}" for speed in speeds if speed is not None) + " mm/s" if any(speeds) else ""
+    used, all_ = (sum(getattr(tracking, name) for tracking in about.tracking.values()) for name in ("used", "frames"))
+    frames, software = f"{used} of {all_} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
     line = f"{about.name}: {'; '.join([frames, *said, voxels, software])}. Research use only: not for guiding a needle."
     if path is not None:
+        made_with = understood(Path(about.name), json.loads(about.settings), "", ()).recipe
         page = Report(
             title=about.name,
             date=f"{datetime.now():%Y-%m-%d %H:%M}",
             metrics={},
             frames=None,
             summary=line,
-            facts={"Sweep": about.sweep, "Voxels": voxels},
-            settings={about.method: understood(Path(about.name), json.loads(about.settings), "", ()).recipe},
+            facts={"Sweep": ", ".join(about.tracking), "Voxels": voxels},
+            settings={about.method: replace(made_with, method=about.method)},
             versions={**versions, **about.program},
             sections=(*pictures, *sections),
         )
@@ -110,7 +115,8 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
     labels = None if about.labels is None or about.labels_to_reference is None else about.labels.placed_by(about.labels_to_reference)
     bands = None if drawn.plain is None else Volume(raised_bands(drawn.shown, drawn.plain), drawn.shown.ijk_to_reference)
     kinds = [(about.method, Scene(drawn.shown, drawn.window, labels, drawn.ct, bands))]
-    said = ["Orange: bone of the CT. Where nothing was scanned the CT is seen, darker."]
+    said = ["Orange: bone of the CT."] if labels is not None else []
+    said += ["Where nothing was scanned the CT is seen, darker."] if drawn.ct is not None else []
     if drawn.plain is not None:
         kinds.append(("as measured", Scene(drawn.plain, drawn.window, labels, drawn.ct)))
         said.append(
@@ -170,7 +176,8 @@ def _coverage(about: PageAbout, words: Mapping[Remedy, str], progress: Progress 
         (name, *map(_percent, (share.met, share.below_45_deg, share.expected_visibility))) for name, share in [*by_name, ("all", found.all)]
     ]
     said = (
-        "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what faces the back.",
+        "Shares of the bone that some beam from the back could reach, its sides too. In Slicer the light “Coverage” counts only what faces "
+        "the back.",
         *(advised(note, words) for note in found.notes),
     )
     of_line = ", ".join(f"{name}: {_percent(share.met)}" for name, share in by_name)

@@ -123,7 +123,7 @@ def reconstructed(
     measured = surface = None
     if for_views and method_named(result.method).needs_bone:
         try:
-            measured = _measured(asked, result, part(progress, 0.8, 0.9))
+            measured = plain_mean(asked.sequence, asked.recipe, result, part(progress, 0.8, 0.9))
             surface = _surface(result, labeled, part(progress, 0.9, 0.95))
         except OperationCanceled:
             raise
@@ -296,13 +296,13 @@ def _one(
     return with_settings(result, of_map)
 
 
-def _measured(asked: Asked, result: Reconstruction, progress: Progress | None) -> Volume:
+def plain_mean(sequence: TrackedSequence, recipe: Recipe, result: Reconstruction, progress: Progress | None = None) -> Volume:
     """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
     from ..reconstruction import reconstruct
 
-    limit = result.hole_limit or asked.recipe.hole_limit
-    plain = replace(asked.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit)
-    return reconstruct(asked.sequence, plain, None, result.grid, beside=(), progress=progress).intensity
+    limit = result.hole_limit or recipe.hole_limit
+    plain = replace(recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit)
+    return reconstruct(sequence, plain, None, result.grid, beside=(), progress=progress).intensity
 
 
 def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> BoneSurface | None:

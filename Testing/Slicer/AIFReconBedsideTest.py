@@ -137,7 +137,12 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
         self.assertIn("%", self.ui.coverageVerdictLabel.text)
         self.assertNotEqual(self.levels()[2], "not yet")
-        tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(self.registration))
+        # They are saved with the result
+        levels, advised = self.levels(), self.ui.coverageVerdictLabel.text
+        tinyScene.saveAndOpenAgain(self)
+        self.assertEqual((self.levels(), self.ui.coverageVerdictLabel.text), (levels, advised))
+        place = self.widget._parameterNode.bone.GetParentTransformNode()
+        tinyScene.setMatrix(place, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(place))
         self.assertTrue(waitFor(lambda: self.levels()[1:] == ["not yet"] * 2))
         self.assertEqual(self.levels()[0], "good")
 

@@ -6,6 +6,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import numpy as np
 import slicer
@@ -224,6 +225,21 @@ class AIFReconPanelTest(unittest.TestCase):
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(parameters.output), voxels)
         again = self.widget.logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, alpha=0.4)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(again), voxels)
+
+    def test_what_was_said_goes_with_what_it_was_said_about(self):
+        from AIFReconGui import sampleData
+
+        from AIFReconLib.errors import OutputError
+
+        self.widget._recorded._report = "The scene was closed meanwhile."
+        self.widget._recorded.update("")
+        self.addInputs()
+        self.assertNotIn("meanwhile", self.ui.statusLabel.text)
+        slicer.mrmlScene.Clear()
+        failed = mock.patch.object(sampleData, "addPhantom", side_effect=OutputError("No space."))
+        with failed, mock.patch.object(slicer.util, "infoDisplay") as shown:
+            self.ui.sampleButton.click()
+        self.assertEqual(shown.call_args.args[0], "The sample patient could not be made.\n\nNo space.")
 
     def test_a_closed_scene_leaves_an_empty_panel(self):
         self.addInputs()

@@ -40,7 +40,7 @@ class RecordedPanel(PanelPart):
     def __init__(self, ui, work, refresh, logic):
         super().__init__(ui, work, refresh)
         self._logic = logic
-        self._report = ""
+        self._report, self._about = "", ()
         self._wasComplete = False
         ui.summaryLabel.visible = False
         self.lights = Lights(ui, logic.verdicts)
@@ -86,6 +86,9 @@ class RecordedPanel(PanelPart):
         parameters = self._parameterNode
         for follower in self._followers:
             follower.update()
+        if not self._work.isRunning and self._about != (about := _chosen(parameters)):
+            # What was said was about something else
+            self._report, self._about = "", about
         self._dependents()
         updateButtons(self._ui, self._logic, parameters, waits, self._report)
         self._fold(parameters)
@@ -125,7 +128,8 @@ class RecordedPanel(PanelPart):
 
     def onSample(self) -> None:
         """Make the simulated patient and reconstruct it."""
-        self._reconstruct(self._sample, _("The sweep of the sample is fast and thin on purpose: not all lights are green."))
+        thin = _("The sweep of the sample is fast and thin on purpose: not all lights are green.")
+        self._reconstruct(self._sample, thin, failure=_("The sample patient could not be made."))
 
     def onBoneFromCT(self) -> None:
         """Find the bone in the CT."""
@@ -155,7 +159,7 @@ class RecordedPanel(PanelPart):
         """Go back from the comparison."""
         self._logic.display.showOutput(self._parameterNode)
 
-    def _reconstruct(self, work, *more) -> None:
+    def _reconstruct(self, work, *more, failure: str = "") -> None:
         def told(parameters, progress) -> str:
             method, voxels, *notes = work(parameters, progress=part(progress, 0.0, 0.99)).split("\n")
             self._picture.show()
@@ -163,7 +167,7 @@ class RecordedPanel(PanelPart):
             say(self._ui.summaryLabel, f"{method}\n{voxels}")
             return "\n".join((_("Done."), *notes, *more))
 
-        failure = _("The volume could not be reconstructed.")
+        failure = failure or _("The volume could not be reconstructed.")
         if packagesAreThere(self._parameterNode, failure):
             self.lights.cancel()
             self._run(_("Reconstruction"), failure, told, offersSpeed=True)
@@ -189,6 +193,7 @@ class RecordedPanel(PanelPart):
         self._report = ""
         try:
             self._report = self._work.run(title, failure, done, self._parameterNode)
+            self._about = _chosen(self._parameterNode)
         finally:
             self._refresh()
         if ended and offersSpeed:
@@ -207,3 +212,8 @@ class RecordedPanel(PanelPart):
         names = ", ".join(node.GetName() for node in (parameters.sweep, parameters.ctVolume or parameters.bone) if node is not None)
         fold.text = _("Sweep and CT: {names}").format(names=shorten(names, LONGEST_NAMES)) if names else _("Sweep and CT")
         ui.sampleButton.visible = parameters.sweep is None and fileFrom(parameters.recordingPath) is None and not fold.collapsed
+
+
+def _chosen(parameters) -> tuple:
+    """What is chosen: what was said of it does not hold for other sweeps, CTs, or files."""
+    return (parameters.sweep, parameters.ctVolume, parameters.bone, parameters.recordingPath) if parameters is not None else ()

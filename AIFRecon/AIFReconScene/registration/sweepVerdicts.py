@@ -1,16 +1,19 @@
 """Tracking, registration and coverage of the sweep that was reconstructed last: three verdicts, for as long as they hold."""
 
+import json
+
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.guidance.seen import GuidanceSeen
-from AIFReconLib.inspection.verdicts import Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
+from AIFReconLib.inspection.verdicts import Level, Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
 from AIFReconLib.worker.evaluating import guidance_in_sweep, met_of_sweep
 
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
+from ..panelWords import inPanelWords
 from ..sweep.browserItems import checkRecorded
 from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from ..transforms import matrixToWorld
@@ -18,6 +21,9 @@ from ..work import inWorker, worker
 from .ctRegistration import rigidPlace
 
 TRACKING, REGISTRATION, COVERAGE = NAMES = ("tracking", "registration", "coverage")
+
+ATTRIBUTE = "AIFRecon.Verdicts"
+"""Of the volume that was reconstructed: its verdicts, for whoever opens the scene later."""
 
 
 class SweepVerdicts:
@@ -62,14 +68,15 @@ class SweepVerdicts:
         if asked is None or parameters.bone is None:
             return False
         task = worker.begin(met_of_sweep, asked.sequence, asked.bone.volume, asked.bone.to_reference, asked.recipe)
-        self._looking = task, _key(COVERAGE, parameters), boneNames(parameters.bone, list(parameters.boneSegments))
+        names = boneNames(parameters.bone, list(parameters.boneSegments))
+        self._looking = task, _key(COVERAGE, parameters), names, parameters.output
         return True
 
     def takeCoverage(self) -> bool:
         """Hear of it; whether nothing more is looked for."""
         if self._looking is None:
             return True
-        task, key, names = self._looking
+        task, key, names, output = self._looking
         if not task.is_done:
             return False
         self._looking = None
@@ -77,6 +84,7 @@ class SweepVerdicts:
             self._known[COVERAGE] = key, _verdictOn(task.result(), names)
         except AIFReconError as error:
             self._known[COVERAGE] = key, unknown(said(error))
+        self._keep(output)
         return True
 
     def cancelCoverage(self) -> None:
@@ -105,6 +113,15 @@ class SweepVerdicts:
 
     def _tell(self, name: str, parameters, verdict: Verdict) -> None:
         self._known[name] = _key(name, parameters), verdict
+        self._keep(parameters.output)
+
+    def _keep(self, output) -> None:
+        if output is not None:
+            told = {
+                name: (_lasting(key), told.level.value, told.finding, inPanelWords(told.advice))
+                for name, (key, told) in self._known.items()
+            }
+            output.SetAttribute(ATTRIBUTE, json.dumps(told))
 
     def _known_or(self, name: str, parameters) -> Verdict:
         if parameters.sweep is None:
@@ -113,9 +130,12 @@ class SweepVerdicts:
             return unknown("not known: select the bone of the CT under “Bone of CT”")
         if name != TRACKING and not isLabeled(parameters.bone):
             return unknown("not known: select a segmentation of the CT under “Bone of CT”")
+        asked = _key(name, parameters)
         key, verdict = self._known.get(name, (None, None))
-        if verdict is not None and key == _key(name, parameters):
+        if verdict is not None and key == asked:
             return verdict
+        if (kept := _keptWith(parameters.output).get(name)) and kept[0] == _lasting(asked):
+            return Verdict(Level(kept[1]), *kept[2:])
         return unknown("something has changed: press “Reconstruct” again" if verdict is not None else "known after “Reconstruct”")
 
 
@@ -123,13 +143,32 @@ def _key(name: str, parameters) -> tuple:
     """What a verdict is about: it does not hold when that changes."""
     sweeps = (sweepKey(parameters.sweep, parameters.imageSequence), *map(sweepKey, furtherSweeps(parameters)))
     if name == TRACKING:
-        return (name, *sweeps)
+        return sweeps, ()
     bone = parameters.bone
     try:
-        place = tuple(np.round(matrixToWorld(bone), 6).ravel())
+        place = tuple(map(float, np.round(matrixToWorld(bone), 6).ravel()))
     except AIFReconError:
         place = ()
-    return (name, *sweeps, bone.GetID(), tuple(parameters.boneSegments), place)
+    return sweeps, (bone.GetID(), tuple(parameters.boneSegments), place)
+
+
+def _lasting(key: tuple) -> list:
+    """What of a key a scene's file keeps as it was: sequences get other names when it is read."""
+    sweeps, bone = key
+    return _rounded(tuple((sweep[0], sweep[-1]) for sweep in sweeps) + bone)
+
+
+def _rounded(value):
+    """As JSON gives it back, with the digits that files keep."""
+    return [*map(_rounded, value)] if isinstance(value, tuple) else round(value, 3) if isinstance(value, float) else value
+
+
+def _keptWith(output) -> dict:
+    """The verdicts that are kept with a volume; none where nothing readable is."""
+    try:
+        return json.loads(output.GetAttribute(ATTRIBUTE)) if output is not None else {}
+    except (TypeError, ValueError):
+        return {}
 
 
 def _verdictOn(back: dict, names: dict, move: str = "") -> Verdict:
