@@ -277,8 +277,8 @@ def showVolumeRendering(node, on: bool):
 
     Notes
     -----
-    Made once, with an opacity that starts well up the window, above soft tissue and its bright speckles, so that bone stands out; later
-    calls leave what the user has changed.
+    Made once, with an opacity that starts high up the window: above tissue and the skin's line, as bright as which only bone is. Later calls
+    leave what the user has changed.
     """
     logic = slicer.app.applicationLogic().GetModuleLogic("VolumeRendering")
     display = logic.GetFirstVolumeRenderingDisplayNode(node)
@@ -300,7 +300,7 @@ def _likeUltrasound(display, node) -> None:
         return low + share * (high - low)
 
     opacity = vtk.vtkPiecewiseFunction()
-    for share, value in ((0.0, 0.0), (0.6, 0.0), (0.85, 0.25), (1.0, 0.8)):
+    for share, value in ((0.0, 0.0), (0.75, 0.0), (0.88, 0.25), (1.0, 0.8)):
         opacity.AddPoint(level(share), value)
     colors = vtk.vtkColorTransferFunction()
     for share, color in ((0.0, (0.4, 0.27, 0.18)), (0.6, (0.85, 0.68, 0.48)), (0.85, (0.97, 0.91, 0.78)), (1.0, (1.0, 1.0, 0.97))):

@@ -138,6 +138,15 @@ def test_volume_rendering_is_turned_on_and_off(logic, output):
     assert not display.GetVisibility()
 
 
+def test_the_rendering_hides_what_is_as_bright_as_skin(logic, output):
+    from AIFReconScene.display.sliceDisplay import showVolumeRendering
+
+    low, high = (getattr(output.GetDisplayNode(), f"GetWindowLevel{end}")() for end in ("Min", "Max"))
+    opacity = showVolumeRendering(output, True).GetVolumePropertyNode().GetScalarOpacity()
+    assert opacity.GetValue(low + 0.74 * (high - low)) == 0.0
+    assert opacity.GetValue(high) > 0.5
+
+
 def test_what_the_user_changes_in_the_rendering_stays(logic, output):
     from AIFReconScene.display.sliceDisplay import showVolumeRendering
 
