@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from AIFReconLib.compounding.evidence import VECTOR, ScanLines
@@ -48,6 +48,7 @@ def echoes(seed, dtype):
     return image.astype(dtype) if dtype == np.uint8 else (1.07 * image).astype(dtype)
 
 
+@settings(max_examples=40)
 @given(
     seed=st.integers(0, 10_000),
     count=st.integers(1, 5),
