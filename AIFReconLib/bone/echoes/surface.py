@@ -60,6 +60,10 @@ THICKNESS, REACH = 0.8, 2.0
 FARTHEST = 3.0
 """mm from the nearest echo beyond which nothing is said."""
 
+AGREED, PARALLEL = 0.2, 1e-6
+"""Part of how far beams are apart at the median voxel, from which on a place counts in full: what only one side has seen is bone less
+often, in a sweep from several. And how far they are apart, within a tenth of a degree, where the whole sweep came from one."""
+
 BYTES_PER_VOXEL = 80
 """While planes are laid: sums and their blurred forms for two moments at a time, distances, and the map."""
 
@@ -109,8 +113,9 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     Notes
     -----
     At each voxel near echoes, a plane is laid through those around it: by their Gaussian-weighted mean and covariance, along the direction
-    of its least spread, faced by the beams that saw them. With h the voxel's height over that plane and d its distance to the nearest
-    echo, P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2), T = `THICKNESS`, R = `REACH`. An echo counts by its score times its trust B / (B + 0.2 S),
+    of its least spread, faced by the beams that saw them. With h the voxel's height over that plane, d its distance to the nearest echo,
+    and a how far apart the beams are there (1 less the length of their mean),
+    P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2) min(1, a / (0.2 median(a))), T = `THICKNESS`, R = `REACH`. An echo counts by its score times its trust B / (B + 0.2 S),
     with B the scores of the echoes at its place and S those of the echoes in whose shadow it lies, per mm: echoes in the shadow of bone
     that other beams met before are reverberation more often than bone.
     """
@@ -150,8 +155,10 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     k, j, i = np.unravel_index(near, grid.shape)
     places = SPACING * (np.stack([i, j, k], axis=1) - 0.5 * (np.array(grid.size) - 1))
     height = ((places - mean) * normals).sum(axis=1)
+    apart = 1.0 - np.linalg.norm(moments[4:7], axis=0) / moments[0]
+    agreed = np.clip((apart + PARALLEL) / (AGREED * np.median(apart) + PARALLEL), 0.0, 1.0)
     probability, inside, slopes = np.zeros(grid.voxels, np.float32), np.zeros(grid.voxels, np.uint8), np.zeros((3, grid.voxels), np.float32)
-    probability[near] = np.exp(-0.5 * (height / THICKNESS) ** 2 - 0.5 * (away / REACH) ** 2)
+    probability[near] = np.exp(-0.5 * (height / THICKNESS) ** 2 - 0.5 * (away / REACH) ** 2) * agreed
     inside[near] = height > 0
     slopes[:, near] = normals.T
     report(progress, 1.0, "Laid echoes together")

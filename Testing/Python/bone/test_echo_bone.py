@@ -210,6 +210,23 @@ def test_surface_directions_point_along_the_beam_where_it_meets_the_surface_at_a
     assert placed.directions_reference[k, j, i] @ (pose[:3, 1] / np.linalg.norm(pose[:3, 1])) > 0.97
 
 
+def test_what_only_one_side_has_seen_counts_less_where_others_were_seen_from_several():
+    """Two plates: one seen from two sides, the other from one alone."""
+    y, x = np.mgrid[0.0:20.0:0.5, 0.0:20.0:0.5].reshape(2, -1)
+    plate = np.stack([x, y, np.zeros_like(x)], axis=1)
+    left, right = (np.tile((way, 0.0, np.sqrt(1 - way**2)), (len(plate), 1)) for way in (-0.3, 0.3))
+    apart = (60.0, 0.0, 0.0)
+
+    def echoes(points, beams) -> SweepEchoes:
+        return SweepEchoes(points, beams, np.full(len(points), 0.6, np.float32), np.zeros(len(points), np.int64))
+
+    twice, once = SweepEchoes.joined([echoes(plate, left), echoes(plate, right)]), echoes(plate + apart, left)
+    middles = np.array([(10.0, 10.0, 0.0), (70.0, 10.0, 0.0)])
+    assert at(surface_of(SweepEchoes.joined([twice, once])).probability, middles).round(2).tolist() == [1.0, 0.0]
+    # A sweep from one side alone has nothing else to go by
+    assert at(surface_of(once).probability, middles[1:]).round(2).tolist() == [1.0]
+
+
 def test_a_frame_that_cannot_be_placed_takes_no_part():
     sequence, poses, imaging = oblique_sweep()
     broken = poses.image_to_reference.copy()
