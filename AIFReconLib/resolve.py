@@ -15,8 +15,8 @@ from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
 from .holes.filling import HoleFilling
 from .imaging.beams import LINEAR, SECTOR, ProbeGeometry
-from .imaging.detection import detect_imaging
 from .imaging.images import ImageStack
+from .imaging.recognized import recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import Sentence, said
@@ -237,7 +237,7 @@ def _asked_probe(
     if known is None:
         if images is None:
             raise SettingsError("A sector probe has an apex, which is not known before the scan.", Remedy.NAME_THE_PROBE)
-        known = detect_imaging(images, pixel).probe
+        known = recognized(images, pixel).probe
     if known.kind != SECTOR:
         raise SettingsError("The images or the configuration show a linear probe, not a sector.", Remedy.NAME_THE_PROBE)
     return known
@@ -280,7 +280,7 @@ def _about_black_surround(sequence: TrackedSequence, region: ImageRegion, pixel:
     if region.fan is not None or not region.mask(columns, rows).all():
         return ()
     try:
-        lit = detect_imaging(sequence.images, pixel).region.mask(columns, rows)
+        lit = recognized(sequence.images, pixel).region.mask(columns, rows)
     except BeamGeometryError:
         return ()
     if lit.mean() > MOST_OF_AN_IMAGE:
@@ -316,7 +316,7 @@ def recognized_imaging(
     """
     region, probe = region or configuration.imaged_region, probe or configuration.probe
     try:
-        detected = detect_imaging(images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+        detected = recognized(images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
     except BeamGeometryError:
         if need_probe and probe is None:
             raise

@@ -10,7 +10,7 @@ from ..arrays import Floats
 from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformName, TransformStatus
 from ..geometry.transforms import pixel_spacing
-from ..imaging.detection import detect_imaging
+from ..imaging.recognized import recognized
 from ..message import Sentence, columns, said
 from ..progress import Progress
 from ..remedies import Remedy
@@ -140,7 +140,7 @@ def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> 
         apex = f", apex at column {probe.apex_px[0]:.1f}, row {probe.apex_px[1]:.1f}" if probe.apex_px else ""
         return f"{probe.kind}{apex} (configuration)"
     try:
-        return f"{detect_imaging(sequence.images, spacing).description} (recognized in the images)"
+        return f"{recognized(sequence.images, spacing).description} (recognized in the images)"
     except BeamGeometryError:
         return None
     except SequenceFormatError as error:

@@ -12,7 +12,7 @@ from ..errors import AIFReconError, BeamGeometryError, SettingsError
 from ..geometry.mechanism import Mechanism
 from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import pixel_spacing
-from ..imaging.detection import detect_imaging
+from ..imaging.recognized import recognized
 from ..io.foreign.calibration import read_calibration
 from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, ImportSettings, import_sequence
 from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
@@ -129,7 +129,7 @@ def check_import(imported: Imported, name: str) -> Checked:
     if not len(poses.usable):
         return Checked(("no drawing: no frame has a valid pose",), None, reference)
     try:
-        seen = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
+        seen = recognized(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
         region, probe = seen.region, f"recognized in the images, blue in the drawing: {seen.description}"
     except BeamGeometryError as error:
         region, probe = None, said(error)

@@ -183,11 +183,11 @@ def recognized_clip(sequence: TrackedSequence) -> tuple[float, ...]:
 
     Raises AIFReconError when no frame can be placed, nothing is recognized, or a sector, which needs no rectangle.
     """
-    from ..imaging.detection import detect_imaging
+    from ..imaging.recognized import recognized
 
     poses = sweep_poses(sequence)
     first = poses.require_usable(sequence.name)[0]
-    seen = detect_imaging(sequence.images, pixel_spacing(poses.image_to_reference[first]))
+    seen = recognized(sequence.images, pixel_spacing(poses.image_to_reference[first]))
     clip = seen.region.clip
     if clip is None or seen.region.fan is not None:
         raise BeamGeometryError(f"{sequence.name}: {seen.description} was recognized, whose pixels are told by it; no rectangle is needed.")

@@ -60,7 +60,7 @@ THICKNESS, REACH = 0.8, 2.0
 FARTHEST = 3.0
 """mm from the nearest echo beyond which nothing is said."""
 
-AGREED, PARALLEL = 0.2, 1e-6
+AGREED, PARALLEL = 0.1, 1e-6
 """Part of how far beams are apart at the median voxel, from which on a place counts in full: what only one side has seen is bone less
 often, in a sweep from several. And how far they are apart, within a tenth of a degree, where the whole sweep came from one."""
 
@@ -115,9 +115,9 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     At each voxel near echoes, a plane is laid through those around it: by their Gaussian-weighted mean and covariance, along the direction
     of its least spread, faced by the beams that saw them. With h the voxel's height over that plane, d its distance to the nearest echo,
     and a how far apart the beams are there (1 less the length of their mean),
-    P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2) min(1, a / (0.2 median(a))), T = `THICKNESS`, R = `REACH`. An echo counts by its score times its trust B / (B + 0.2 S),
-    with B the scores of the echoes at its place and S those of the echoes in whose shadow it lies, per mm: echoes in the shadow of bone
-    that other beams met before are reverberation more often than bone.
+    P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2) min(1, a / (0.1 median(a))), T = `THICKNESS`, R = `REACH`. An echo counts by its score
+    times its trust B / (B + 0.2 S), with B the scores of the echoes at its place and S those of the echoes in whose shadow it lies, per
+    mm: echoes in the shadow of bone that other beams met before are reverberation more often than bone.
     """
     report(progress, 0.0, "Laying echoes together")
     grid = _grid_around(echoes.points)
