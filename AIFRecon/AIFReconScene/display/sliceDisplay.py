@@ -277,8 +277,8 @@ def showVolumeRendering(node, on: bool):
 
     Notes
     -----
-    Made once, with an opacity that starts high up the window: above tissue and the skin's line, as bright as which only bone is. Later calls
-    leave what the user has changed.
+    Made once, with an opacity that starts high up the window: above tissue and the line of the skin. Later calls leave what the user has
+    changed.
     """
     logic = slicer.app.applicationLogic().GetModuleLogic("VolumeRendering")
     display = logic.GetFirstVolumeRenderingDisplayNode(node)
