@@ -16,7 +16,7 @@ from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import BeamGeometryError
 from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
-from .change import extremes, standing_out
+from .change import extremes, is_sharp, standing_out
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
 from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_sector, has_ragged_narrow_side
@@ -31,6 +31,9 @@ CLOSED_PX, OPENED_PX = 4, 2
 
 LEVELS = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4)
 """Parts of the brightest pixel by which one must change between frames: noise and compressed video change too."""
+
+ARC_LEVEL = 0.2
+"""The part at which the ends of a rectangle are looked at once more, as the rim of a dark near field may hide an arc."""
 
 JOINED_PX, RINGING_PART = 7, 0.01
 """Steps over which changing parts belong together; part of the largest one that others have at least, where they count too."""
@@ -168,7 +171,7 @@ def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> Dete
     sides = _straight_sides(box)
     upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
     if box.mean() > FULL_BOX or upright:
-        return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
+        return _rectangle(brightest, lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
     if sides is None:
         raise _unrecognized("its outline is neither a rectangle nor a sector")
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
@@ -207,10 +210,13 @@ def _by_what_changes(
             narrow = (box[1] - box[0]) * spacing[0] < NARROWEST * (box[3] - box[2]) * spacing[1]
             if narrow or has_bent_ends(largest, box):
                 return None
-            if (sides_cut_off or is_cut_off(largest)) and not has_level_end(_with_ringing(area)):
+            must_be_level = sides_cut_off or is_cut_off(largest)
+            if must_be_level and not has_level_end(_with_ringing(area)):
                 continue
             if boxes and _overlap(box, boxes[-1]) > SAME:
-                return _upright(box)
+                higher = _changed_area(change, ARC_LEVEL * brightest.max())
+                bent = not must_be_level and higher.any() and has_bent_ends(_largest(higher), box)
+                return None if bent else _upright(box)
             boxes.append(box)
             continue
         evidence = evidence or standing_out(change, brightest)
@@ -257,7 +263,7 @@ def _doubt(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> fl
     What noise or compression does to an outline depends on the level; what the probe does, does not.
     """
     apart = float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
-    if one.dark_side or other.dark_side:
+    if (one.dark_side or other.dark_side) and one.far_end_seen and other.far_end_seen:
         apart = max(apart, abs(one.radii[1] - other.radii[1]))
     return math.hypot(apart, one.apex_error, other.apex_error)
 
@@ -332,7 +338,7 @@ def _robust_line(rows: Integers, columns: Integers) -> tuple[float, float] | Non
     return (offset, slope) if near.mean() >= ON_LINE else None
 
 
-def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
+def _rectangle(brightest: Numbers, lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
     height, width = box.shape
     left, right = 0, width - 1
     if sides is not None:
@@ -351,6 +357,9 @@ def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
         raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
+    shown = brightest[top : bottom + 1, left : right + 1]
+    columns, rows = (np.flatnonzero(is_sharp(shown.mean(axis=axis))) for axis in (0, 1))
+    left, right, top, bottom = left + int(columns[0]), left + int(columns[-1]), top + int(rows[0]), top + int(rows[-1])
     clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
     words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}"
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
