@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ..arrays import Numbers
+from ..arrays import Mask, Numbers
 from .images import ImageStack
 from .outline import BORDER_PX
 
@@ -45,7 +45,12 @@ def standing_out(change: Numbers, brightest: Numbers) -> list[Numbers]:
     border[BORDER_PX:-BORDER_PX, BORDER_PX:-BORDER_PX] = False
     still = brightest[border & (change <= STILL * brightest.max(initial=0))]
     surround = float(np.quantile(still, SURROUND)) if still.size else 0.0
-    nearby = scipy.ndimage.maximum_filter(change, 2 * BLOCK_PX + 1)
-    sharp: Numbers = np.where(change > np.multiply(LEAST_SHARP, nearby), change, 0)
+    sharp: Numbers = np.where(is_sharp(change), change, 0)
     dark = brightest < surround / 2
     return [np.maximum(sharp, np.where(dark, np.subtract(surround, brightest), 0)), sharp] if dark.any() else [sharp]
+
+
+def is_sharp(values: Numbers) -> Mask:
+    """Which values of an image, or along a line of it, are no noise that compressed video makes beside greater ones."""
+    sharp: Mask = values > np.multiply(LEAST_SHARP, scipy.ndimage.maximum_filter(values, 2 * BLOCK_PX + 1))
+    return sharp

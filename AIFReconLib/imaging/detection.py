@@ -16,7 +16,7 @@ from ..arrays import Floats, Integers, Mask, Numbers
 from ..errors import BeamGeometryError
 from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
-from .change import extremes, standing_out
+from .change import extremes, is_sharp, standing_out
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
 from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_sector, has_ragged_narrow_side
@@ -29,23 +29,22 @@ LIT = 0.01
 CLOSED_PX, OPENED_PX = 4, 2
 """Steps by which gaps between lit pixels are closed, and thin lines dropped."""
 
-LEVELS = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4)
-"""Parts of the brightest pixel by which one must change between frames: noise and compressed video change too."""
+LEVELS, ARC_LEVEL = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4), 0.2
+"""Parts of the brightest pixel by which one must change: noise and video change too; at the last, ends are once more looked at for arcs."""
 
 JOINED_PX, RINGING_PART = 7, 0.01
 """Steps over which changing parts belong together; part of the largest one that others have at least, where they count too."""
 
-TALLEST_TRACE = 0.1
-"""Height of a band that runs from border to border, as a part of the image's, up to which it is none."""
-
-SMALLEST_PART, SAME = 0.02, 0.9
-"""Part of an image that must change, and overlap of rectangles that are one."""
+TALLEST_TRACE, SMALLEST_PART, SAME = 0.1, 0.02, 0.9
+"""Part of an image's height up to which a band from border to border is none, part that must change, and overlap of boxes that are one."""
 
 SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.5, 0.8
 """mm of `_doubt` about two levels below which no others are tried, and beyond which, and this many pixels, the probe is not told."""
 
 LARGEST_CHANGE = 0.2
 """mm by which an apex may differ and still be the same."""
+
+BY_CHANGE = ", by what changes between frames"
 
 Box = tuple[int, int, int, int]
 """First and last column, first and last row."""
@@ -65,11 +64,9 @@ LINE_TOLERANCE_PX, ON_LINE, FEWEST_POINTS, MOST_ROUNDS = 2.0, 0.75, 10, 5
 FULL_BOX, FILLED, EXPLAINED_BOX, EXPLAINED_SECTOR = 0.97, 0.7, 0.9, 0.95
 """Parts of a box that are lit where it is a rectangle at once, and of what was fitted at least; of what is lit that must lie in it."""
 
-WIDEST_AT_TOP, MIDDLE = 0.2, 0.25
-"""Parts of the height in which the widest row is the top of upright sides, and of a sector's angles that are its middle."""
-
-DIRECTIONS = 64
-"""Directions in which the outer radius of a sector is looked for."""
+WIDEST_AT_TOP, MIDDLE, DIRECTIONS = 0.2, 0.25, 64
+"""Parts of the height in which the widest row is the top of upright sides, and of a sector's angles that are its middle; directions in
+which the outer radius of a sector is looked for."""
 
 
 class _SidesCutOff(BeamGeometryError):
@@ -144,9 +141,9 @@ def _changed_area(change: Numbers, level: float) -> Mask:
 
 
 def _stands_still(found: DetectedImaging, change: Numbers, brightest: Numbers) -> bool:
-    """Whether most of what changes lies elsewhere: then what was found is a panel or a picture beside the ultrasound."""
+    """Whether most of what changes lies elsewhere, or most of what was found does not: then a panel or a picture is, or is in it."""
     changed, kept = _changed_and_kept(found, change, brightest)
-    return bool(2 * (changed & kept).sum() < changed.sum())
+    return bool(2 * (changed & kept).sum() < max(changed.sum(), kept.sum() * changed.any()))
 
 
 def _differ(one: DetectedImaging, other: DetectedImaging, shape: tuple[int, ...], spacing: tuple[float, float]) -> bool:
@@ -168,7 +165,7 @@ def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> Dete
     sides = _straight_sides(box)
     upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
     if box.mean() > FULL_BOX or upright:
-        return _rectangle(lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
+        return _rectangle(brightest, lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
     if sides is None:
         raise _unrecognized("its outline is neither a rectangle nor a sector")
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
@@ -207,10 +204,13 @@ def _by_what_changes(
             narrow = (box[1] - box[0]) * spacing[0] < NARROWEST * (box[3] - box[2]) * spacing[1]
             if narrow or has_bent_ends(largest, box):
                 return None
-            if (sides_cut_off or is_cut_off(largest)) and not has_level_end(_with_ringing(area)):
+            must_be_level = sides_cut_off or is_cut_off(largest)
+            if must_be_level and not has_level_end(_with_ringing(area)):
                 continue
             if boxes and _overlap(box, boxes[-1]) > SAME:
-                return _upright(box)
+                higher = _changed_area(change, ARC_LEVEL * brightest.max())
+                bent = not must_be_level and higher.any() and has_bent_ends(_largest(higher), box)
+                return None if bent else _upright(box, change, BY_CHANGE)
             boxes.append(box)
             continue
         evidence = evidence or standing_out(change, brightest)
@@ -257,7 +257,7 @@ def _doubt(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> fl
     What noise or compression does to an outline depends on the level; what the probe does, does not.
     """
     apart = float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
-    if one.dark_side or other.dark_side:
+    if (one.dark_side or other.dark_side) and one.far_end_seen and other.far_end_seen:
         apart = max(apart, abs(one.radii[1] - other.radii[1]))
     return math.hypot(apart, one.apex_error, other.apex_error)
 
@@ -270,10 +270,14 @@ def _overlap(one: Box, other: Box) -> float:
     return both / (sizes - both)
 
 
-def _upright(box: Box) -> DetectedImaging:
+def _upright(box: Box, values: Numbers, how: str = "") -> DetectedImaging:
+    """A linear image without the noise of compressed video around its `values`."""
     left, right, top, bottom = box
+    shown = values[top : bottom + 1, left : right + 1]
+    columns, rows = (np.flatnonzero(is_sharp(shown.mean(axis=axis))) for axis in (0, 1))
+    left, right, top, bottom = left + int(columns[0]), left + int(columns[-1]), top + int(rows[0]), top + int(rows[-1])
     clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
-    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}, by what changes between frames"
+    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}{how}"
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
@@ -285,7 +289,7 @@ def _as_imaging(one: SectorFit, other: SectorFit, shape: tuple[int, ...], spacin
     # At a higher level less of the far field changes
     fan = Fan(fit.apex_px, fit.angles_deg, (min(one.radii[0], other.radii[0]), max(one.radii[1], other.radii[1])), spacing)
     dark = "" if fit.dark_side is None else f"; its {fit.dark_side} side is dark and taken to be as wide as the other"
-    words = f"{_sector_words(fit.apex_px, fit.angles_deg)}, by what changes between frames{dark}"
+    words = f"{_sector_words(fit.apex_px, fit.angles_deg)}{BY_CHANGE}{dark}"
     return DetectedImaging(ProbeGeometry(SECTOR, fit.apex_px), ImageRegion(clip, fan), words)
 
 
@@ -332,7 +336,7 @@ def _robust_line(rows: Integers, columns: Integers) -> tuple[float, float] | Non
     return (offset, slope) if near.mean() >= ON_LINE else None
 
 
-def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
+def _rectangle(brightest: Numbers, lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
     height, width = box.shape
     left, right = 0, width - 1
     if sides is not None:
@@ -351,9 +355,7 @@ def _rectangle(lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
         raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
-    clip = ClipRectangle((float(left), float(top)), (float(right - left), float(bottom - top)))
-    words = f"a linear probe, columns {left} to {right}, rows {top} to {bottom}"
-    return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
+    return _upright((left, right, top, bottom), brightest)
 
 
 def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:

@@ -236,7 +236,7 @@ def _fitted(outline: Outline, apex: Floats, seen: list[bool] | None = None) -> _
         near = [points[np.abs(_off(points, part, apex, values[part])) <= tolerance] for part, points in enumerate(parts)]
         used = _enough(outline, near, values, apex)
         if dark is not None:
-            used[dark] = _ringing_shows(_off(parts[dark], dark, apex, values[dark]) * (1, -1)[dark])
+            used[dark] = _ringing_shows(_off(parts[dark], dark, apex, values[dark]) * (1, -1)[dark], tolerance)
         flat = _flat_top(outline.top, near[NEAR])
         if flat is not None:
             used[NEAR] = False
@@ -307,9 +307,9 @@ def _enough(outline: Outline, near: list[Floats], values: list[float], apex: Flo
     return used
 
 
-def _ringing_shows(inward: Floats) -> bool:
+def _ringing_shows(inward: Floats, tolerance: float) -> bool:
     """Whether a dark side shows where the probe's face rings: some rows end on it and below they end far inward, not little by little."""
-    on, between = (np.abs(inward) <= TOLERANCES_PX[-1]).sum(), ((inward > TOLERANCES_PX[-1]) & (inward <= STEP_PX)).sum()
+    on, between = (np.abs(inward) <= tolerance).sum(), ((inward > tolerance) & (inward <= STEP_PX)).sum()
     return bool(on >= FEWEST_ROWS and between <= MOST_BETWEEN * on)
 
 
@@ -350,7 +350,8 @@ def _checked(fit: _Fit, seen: list[bool], outline: Outline, pixels: Floats, spac
         return None
     if not fit.used[NEAR]:
         first = max(fit.flat - fit.apex[1], 0.0) if fit.flat is not None else float(np.quantile(radius, 0.001))
-    cut_off = len(outline.bottom) < CUT_OFF * np.ptp(pixels[:, 0])
+    # What rings ends above, where a dark side begins
+    cut_off = np.count_nonzero(outline.bottom[:, 1] > pixels[:, 1].mean()) < CUT_OFF * np.ptp(pixels[:, 0])
     if not fit.used[FAR]:
         last = float(radius.max()) if cut_off else _last_filled(radius, angle, (left, right))
     margin = _margin(radius)

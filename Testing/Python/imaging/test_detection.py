@@ -171,6 +171,13 @@ def test_a_rectangle_with_a_dark_bottom_keeps_its_columns():
     assert (found.probe.kind, kept[0], kept[-1]) == (LINEAR, 80, 250)
 
 
+def test_a_rectangle_is_taken_without_the_noise_of_compressed_video_around_it():
+    noise = np.random.default_rng(RNG_SEED).integers(0, 8, (8, ROWS, COLUMNS)).astype(np.uint8)
+    images = np.where(rectangle(), images_of(rectangle(), frames=8), np.where(rectangle(75, 255, 3, 235), noise, 0))
+    found = detect_imaging(images)
+    np.testing.assert_array_equal(found.region.mask(COLUMNS, ROWS), rectangle())
+
+
 def blob(seed: int, size: float) -> np.ndarray:
     noise = ndimage.gaussian_filter(np.random.default_rng(seed).standard_normal((ROWS, COLUMNS)), size)
     return noise > np.quantile(noise, 0.6)

@@ -1,4 +1,4 @@
-"""Thirteen of the made screens of a scanner, and the judge that tells right from wrong."""
+"""Some of the made screens of a scanner, and the judge that tells right from wrong."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from study.screen_cases import DECOYS, decoy, screen
 from study.screens import REFUSED, RIGHT, WRONG, judged, judged_finding
 
-SEEDS = (0, 2, 4, 5, 7, 8, 10, 12, 58, 99, 104, 148, 191)
+SEEDS = (0, 2, 4, 5, 7, 8, 10, 12, 58, 99, 104, 148, 191, 1084, 30187, 40115, 80079)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -31,6 +31,14 @@ def test_what_shows_no_probe_is_refused(seed):
 
 def test_the_middle_of_a_sector_that_the_border_cuts_off_below_is_refused():
     assert judged(decoy(30027))[0] == REFUSED
+
+
+def test_a_sector_whose_sides_are_covered_is_refused_where_only_a_higher_level_shows_its_arc():
+    assert judged(decoy(40015))[0] == REFUSED
+
+
+def test_a_box_most_of_which_stands_still_is_refused():
+    assert judged(decoy(80260))[0] == REFUSED
 
 
 def test_the_judge_sees_an_apex_that_is_off_by_more_than_half_a_millimeter():
