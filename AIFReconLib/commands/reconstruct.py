@@ -12,8 +12,6 @@ import numpy as np
 from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
-from ..evaluation.preview import gray_window
-from ..guidance.coverage import coverage
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
@@ -42,8 +40,6 @@ from ..terminal.reconstruction_options import (
 from ..terminal.remedies import IN_OPTIONS, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
-from ..worker.page import PageAbout, Pictured, tell
-from ..worker.reconstructing import plain_mean
 from .info import register_command
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
@@ -188,6 +184,10 @@ def _write_page(
     progress: Progress,
 ) -> None:
     """The page that the panel saves, with what was measured beside it where a method has raised bone."""
+    from ..evaluation.preview import gray_window
+    from ..worker.page import PageAbout, Pictured, tell
+    from ..worker.reconstructing import plain_mean
+
     ct = read_ct(arguments.ct) if arguments.ct else None
     place = np.eye(4) if labeled is None or labeled.labels_to_reference is None else labeled.labels_to_reference
     weighs = method_named(result.method).needs_bone
@@ -215,6 +215,8 @@ def _write_page(
 
 def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
     """What the sweep met of the labeled bone, for the report; nothing without labels, or where the beams are not known."""
+    from ..guidance.coverage import coverage
+
     if labeled is None:
         return {}
     try:
