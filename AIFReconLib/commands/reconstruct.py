@@ -10,7 +10,6 @@ from pathlib import Path
 from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
-from ..guidance.coverage import coverage
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..io.disk.atomic import check_writable, write_text
@@ -162,6 +161,9 @@ def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe)
     """What the sweep met of the labeled bone, for the report; nothing without labels, or where the beams are not known."""
     if labeled is None:
         return {}
+    # Nothing else here needs it, and loading it takes as long as a small sweep
+    from ..guidance.coverage import coverage
+
     try:
         found = coverage(sequence, labeled.labels, labeled.labels_to_reference, recipe=recipe)
     except (BeamGeometryError, GeometryError) as problem:

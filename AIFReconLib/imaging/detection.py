@@ -92,10 +92,15 @@ class DetectedImaging:
 def detect_imaging(images: ImageStack, spacing: tuple[float, float] = (1.0, 1.0)) -> DetectedImaging:
     """Recognize a linear or sector image by its black surround, or by what changes between frames where other things stand around it.
 
-    `images` are (frames, rows, columns), `spacing` is (x, y) in mm: a sector is round in mm.
+    `images` are (frames, rows, columns), read ones are looked at once; `spacing` is (x, y) in mm: a sector is round in mm.
 
     Raises BeamGeometryError when the outline is neither a rectangle nor a sector.
     """
+    known: dict[tuple[float, float], DetectedImaging] = getattr(images, "recognized", {})
+    return known.get(spacing) or known.setdefault(spacing, _detected(images, spacing))
+
+
+def _detected(images: ImageStack, spacing: tuple[float, float]) -> DetectedImaging:
     if len(images) == 0:
         raise _unrecognized("there are none")
     darkest, brightest = extremes(images)

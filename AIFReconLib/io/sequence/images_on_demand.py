@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import operator
+from functools import cached_property
 
 import numpy as np
 
 from ...arrays import Numbers, NumberType
+from ...imaging.detection import DetectedImaging
 
 
 class ImagesOnDemand:
@@ -14,6 +16,11 @@ class ImagesOnDemand:
 
     shape: tuple[int, ...]
     dtype: NumberType
+
+    @cached_property
+    def recognized(self) -> dict[tuple[float, float], DetectedImaging]:
+        """What `detect_imaging` has found in them, by the size of a pixel; they do not change."""
+        return {}
 
     def __len__(self) -> int:
         return self.shape[0]

@@ -13,6 +13,7 @@ from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.imaging.beams import LINEAR, SECTOR
 from AIFReconLib.imaging.detection import DetectedImaging, detect_imaging
+from AIFReconLib.io.sequence.images_on_demand import ImagesOnDemand
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.resolve import resolve_imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
@@ -100,6 +101,32 @@ def test_a_sector_that_is_asked_for_is_found_by_the_size_of_its_pixels():
     imaging = resolve_imaging(sequence, sweep_poses(sequence, reference="Tracker"), True, ReconstructionSettings(probe=SECTOR))
     assert imaging.known_probe() == detect_imaging(images, spacing).probe
     assert imaging.known_probe() != detect_imaging(images).probe
+
+
+class CountedImages(ImagesOnDemand):
+    """Images that count how often one is read."""
+
+    def __init__(self, images: np.ndarray):
+        self.images, self.read = images, 0
+        self.shape, self.dtype = images.shape, images.dtype
+
+    def _image(self, index: int) -> np.ndarray:
+        self.read += 1
+        return self.images[index].copy()
+
+
+def test_images_of_a_file_are_looked_at_once():
+    images = CountedImages(images_of(sector()))
+    first = detect_imaging(images, (0.3, 0.3))
+    read = images.read
+    assert detect_imaging(images, (0.3, 0.3)) == first
+    assert images.read == read
+
+
+def test_images_of_a_file_are_looked_at_again_with_pixels_of_another_size():
+    images = CountedImages(images_of(sector((160.0, -40.0), (-20.0, 20.0), (18.0, 78.0), (0.15, 0.3))))
+    assert detect_imaging(images, (0.15, 0.3)) == detect_imaging(images.images, (0.15, 0.3))
+    assert detect_imaging(images) == detect_imaging(images.images) != detect_imaging(images, (0.15, 0.3))
 
 
 def draw_text(images):
