@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import scipy
 
 from ..arrays import Integers, Mask
 
@@ -60,8 +59,14 @@ def _areas(mask: Mask) -> tuple[Integers, Integers, Integers]:
     below = np.maximum(last - first, 0)
     upper = np.repeat(np.arange(len(runs)), below)
     lower = np.arange(below.sum()) - np.repeat(np.cumsum(below) - below, below) + np.repeat(first, below)
-    joined = scipy.sparse.coo_array((np.ones(len(upper), np.int8), (upper, lower)), shape=(len(runs),) * 2)
-    _, area = scipy.sparse.csgraph.connected_components(joined, directed=False)
+    # The first run of an area is its number, and then these are counted through
+    area = np.arange(len(runs))
+    while (apart := area[upper] != area[lower]).any():
+        one, other = area[upper[apart]], area[lower[apart]]
+        np.minimum.at(area, np.maximum(one, other), np.minimum(one, other))
+        while ((jump := area[area]) != area).any():
+            area = jump
+    _, area = np.unique(area, return_inverse=True)
     return runs, area, np.bincount(area, weights=stops - starts)
 
 
