@@ -145,6 +145,9 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
     asked = ALL if echoes.timed else np.arange(len(PARAMETERS)) < len(PARAMETERS) - 1
     none = Correction.none(echoes.center)
     placed = echoes.placed(none)
+    if start is None and check(placed, bone, np.eye(4)).enough:
+        # The CT lies on the sweep as it is
+        start = np.eye(4)
     places = [start]
     if start is None:
         found = search(placed, bone, anywhere(placed, bone), part(progress, 0.0, 0.3))

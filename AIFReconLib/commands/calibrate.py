@@ -48,7 +48,12 @@ def add_to(commands: Commands) -> None:
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write: configuration (.xml) or correction (.tfm)")
     what.add_argument("--check", action="store_true", help="only say what is probably wrong, if anything is; without a CT, too")
-    parser.add_argument("--bone-transform", type=Path, metavar="START", help="CT -> Reference to start from; default: look for it")
+    parser.add_argument(
+        "--bone-transform",
+        type=Path,
+        metavar="START",
+        help="CT -> Reference to start from; default: look for it, unless it lies on the sweep",
+    )
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, for the log book")
     parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone before and after")
     add_tracking_options(parser, several=True)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, wrongly_calibrated
 
+from AIFReconLib.calibration import calibration
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
 from AIFReconLib.calibration.check import _sizes, crossing, mirrored, quarter_turns
 from AIFReconLib.calibration.echoes import Correction, Track
@@ -65,6 +66,12 @@ def test_a_right_calibration_is_left_where_it_is(true, bone):
     before = misplaced(true, true, Correction.none(true.center), found.given.labels_to_reference)
     assert np.median(misplaced(true, true, found.correction, found.labels_to_reference)) < np.median(before) + 0.2
     assert any("no need to change it" in line for line in findings(found))
+
+
+def test_a_ct_that_lies_on_the_sweep_is_not_looked_for_elsewhere(true, bone, monkeypatch):
+    """Other bone beside it, which the CT does not hold, would lead the search away."""
+    monkeypatch.setattr(calibration, "search", None)
+    assert calibrate_echoes(true, bone).accepted
 
 
 def test_one_angle_is_refused(true, bone):
