@@ -12,6 +12,8 @@ STUDY_OUTPUT ?= study-output
 REAL_BONE_OUTPUT ?= real-bone-output
 FUZZ_SECONDS ?= 600
 FAULTS_SECONDS ?= 3600
+# As the command line does: see AIFReconLib/machine/processes.py
+export OPENBLAS_NUM_THREADS ?= 1
 # Tests of the module wait much: one process more than processors
 SPREAD := --numprocesses=$$(($$(getconf _NPROCESSORS_ONLN) + 1)) --dist=worksteal
 

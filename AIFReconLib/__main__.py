@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import sys
 
+from .machine.processes import ENVIRONMENT
 from .terminal.signals import OrderlyEnd, orderly_end
 
 LEAST_ADDRESS_SPACE = 800 * 2**20
 """Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""
-
-AMPLE_ADDRESS_SPACE = 4 * 2**30
-"""Bytes below which the linear algebra behind numpy, which takes some for every core, is held to one thread."""
 
 _INTERRUPTED = "Interrupted. No file is left half-written."
 
@@ -27,6 +25,8 @@ def main() -> int:
     end = OrderlyEnd()
     try:
         with orderly_end(end):
+            for name, value in ENVIRONMENT.items():
+                os.environ.setdefault(name, value)
             if problem := _too_little_address_space():
                 return _fail(problem, 2)
             from .commands.parser import load, named
@@ -54,10 +54,8 @@ def main() -> int:
 
 
 def _too_little_address_space() -> str:
-    """Why the libraries cannot be loaded, if so; where there is just enough for them, they are told to be modest."""
+    """Why the libraries cannot be loaded, if so."""
     space = _address_space()
-    if space < AMPLE_ADDRESS_SPACE:
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if space >= LEAST_ADDRESS_SPACE:
         return ""
     least, given = LEAST_ADDRESS_SPACE // 2**20, int(space) // 2**20

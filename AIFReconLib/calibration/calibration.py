@@ -124,7 +124,8 @@ def calibrate(
     labels : Volume of integers
         Of any bone that the sweep shows: the patient's spine, a phantom, a dry bone in water.
     start : (4, 4) array or None, mm
-        labels_to_reference, about right; None: the place is looked for, the labels' axes being the patient's.
+        labels_to_reference, about right; None: where they lie if that is on the sweep, else the place is looked for, their axes being the
+        patient's.
     recipe : Recipe or None
         As in `reconstruct`.
 

@@ -1,4 +1,4 @@
-"""Processes of their own for what may crash: a model, ITK's reader of HDF5."""
+"""What processes of ours have in common, and those for what may crash: a model, ITK's reader of HDF5."""
 
 from __future__ import annotations
 
@@ -10,6 +10,10 @@ from pathlib import Path
 
 NO_WINDOW = getattr(subprocess, "CREATE_NO_WINDOW", 0)
 """Windows would open one."""
+
+ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1"}
+"""Of every process of ours, where the user has not said otherwise. Our matrices are small: numpy's helpers for products wait busily for the
+next one, and take the cores from the threads that work."""
 
 
 def python_program() -> str:

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..errors import WorkerDiedError
-from ..machine.processes import NO_WINDOW, python_program
+from ..machine.processes import ENVIRONMENT, NO_WINDOW, python_program
 from ..progress import Progress, report
 from .calls import Call, Cancel, Forget, Kept, Logged, Message, Report, Returned
 from .channel import Channel, connected
@@ -23,9 +23,6 @@ from .serving import LIBRARY, TracebackInWorker, main
 
 LOOK_EVERY = 0.02
 """s between two reports to who waits."""
-
-ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1"}
-"""Where the user has not said otherwise: beside a scan, numpy's helpers for small products would wait busily for the next one."""
 
 LONGEST_SILENCE = 5.0
 """s for which a worker may take nothing of what it is sent, or stop in the middle of an answer: one that was stopped is ended then."""

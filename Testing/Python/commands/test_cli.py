@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import subprocess
@@ -234,3 +235,17 @@ def test_a_shell_is_told_how_a_line_may_go_on(tmp_path):
     program = "from AIFReconLib.commands.parser import main; main()"
     subprocess.run([sys.executable, "-c", program], env={**os.environ, **asked}, capture_output=True)
     assert answer.read_text().strip() == "reconstruct"
+
+
+@pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])
+def test_small_products_take_one_thread_unless_the_user_says_otherwise(given, expected, monkeypatch):
+    """Two for each of them took longer than one, and the cores from the threads that work."""
+    from AIFReconLib import __main__ as program
+
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    monkeypatch.setattr(sys, "argv", ["aifrecon", "--version"])
+    with contextlib.suppress(SystemExit):
+        program.main()
+    assert os.environ["OPENBLAS_NUM_THREADS"] == expected
