@@ -9,16 +9,20 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arrays import Matrix
 from ..compounding.methods.table import method_named
 from ..errors import AIFReconError
+from ..geometry.labels import Labels
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
 from ..io.transform.files import read_transform
 from ..message import columns
 from ..progress import Progress, part
+from ..recipe.recipe import Recipe
 from ..reconstruction import Plan, plan
 from ..registration.labeled_bone import LabeledBone
+from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from
 from ..terminal.recipe_options import add_imaging_options, recipe_from
@@ -80,6 +84,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
     bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
+    bone += _calibration(sequence, labels, placed, recipe) if labels is not None and places else []
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
@@ -109,6 +114,16 @@ def _bone(labeled: LabeledBone | None, method: str) -> tuple[list[str], bool]:
     agreement = None if comparison is None else comparison.agreement
     lines = labeled.lines(method) if method_named(method).needs_bone else []
     return [*map(in_options, (*labeled.labels.notes, *lines))], agreement is None or agreement.enough
+
+
+def _calibration(sequence: TrackedSequence, labels: Labels, placed: Matrix | None, recipe: Recipe) -> list[str]:
+    """What the bone of a CT that lies on the sweep says of its calibration; nothing where the sweep cannot tell."""
+    from ..calibration.check import check_calibration
+
+    try:
+        return list(map(in_options, check_calibration(sequence, labels, np.eye(4) if placed is None else placed, recipe=recipe)))
+    except AIFReconError as error:
+        return [f"Calibration: cannot be told. {in_options(error)}"]
 
 
 def _facts(planned: Plan) -> list[tuple[str, str]]:

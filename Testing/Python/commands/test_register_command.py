@@ -218,7 +218,9 @@ def test_info_gives_the_way_from_a_ct_that_is_not_registered_to_the_volume(patie
     assert main([*then[then.index("reconstruct") :], "--spacing", "2"]) == 0
     assert "CT and sweep agree" in capsys.readouterr().out
     assert main(["info", *given, "--bone-transform", "CTToReference.tfm", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["plan"]["first"] == []
+    plan = json.loads(capsys.readouterr().out)["plan"]
+    assert plan["first"] == []
+    assert any(line.startswith("Calibration: agrees with this sweep within 0.") for line in plan["bone"])
 
 
 def test_what_does_not_go_together_is_said(patient, tmp_path, capsys):
