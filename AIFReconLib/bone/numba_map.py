@@ -25,7 +25,8 @@ def smoothed(values: Singles, step: int, result: Singles) -> None:
 
 @compiled
 def look_up(
-    arrays: tuple[Singles, Singles, Singles],
+    flat: Singles,
+    arrays: tuple[Singles, Singles],
     slopes: Singles | None,
     box: tuple[tuple[int, int, int], tuple[int, int], tuple[int, int], tuple[int, int]],
     starts: Floats,
@@ -43,8 +44,10 @@ def look_up(
 
     Parameters
     ----------
-    arrays : probability and potential [k, j, i], to_reference (3, 3), float32, of `BoneAtVoxels`
-    slopes : (3, k, j, i) float32 array, or None where they are the Sobel gradient of the potential
+    flat : (k j i,) float32 array
+        The probability of `BoneAtVoxels`.
+    arrays : potential [k, j, i] and to_reference (3, 3), float32, of `BoneAtVoxels`
+    slopes : (3 k j i,) float32 array, or None where they are the Sobel gradient of the potential
     box : shape, planes, rows and columns of the `MapCoordinates`
     starts, matrix : float64 arrays of the `MapCoordinates`
     voxels : (m,) int64 array, flat [k, j, i]
@@ -55,14 +58,16 @@ def look_up(
     directions : (m, 3) float32 array
         Results.
     """
-    source, potential, turn = arrays
+    potential, turn = arrays
     shape, in_planes, in_rows, in_columns = box
-    planes, rows, columns = source.shape
-    patch, rise, summed = np.zeros(64, np.float32), np.zeros(64, np.float32), np.zeros(64, np.float32)
+    planes, rows, columns = potential.shape
+    patch, rise, summed = np.empty(64, np.float32), np.empty(64, np.float32), np.empty(64, np.float32)
     slope, cube = np.empty(3, np.float32), np.empty(8, np.float32)
-    flat = source.ravel()
-    rises = flat if slopes is None else slopes.ravel()
-    seen = np.zeros(REMEMBERED, np.int64)
+    rises = flat if slopes is None else slopes
+    # A loop compiles in a fraction of the time of `zeros`
+    seen = np.empty(REMEMBERED, np.int64)
+    for n in range(REMEMBERED):
+        seen[n] = 0
     for n in range(voxels.size):
         # Pixels of a frame meet a voxel several times
         before = seen[voxels[n] % REMEMBERED]

@@ -77,7 +77,7 @@ def fill_holes(
     reach = np.abs(offsets).max(axis=0)
     compiled = None if engine == "numpy" or reach.max() > LONGEST_REACH else optional_module("AIFReconLib.holes.numba_nearest")
     if compiled is not None and values.flags.c_contiguous and mask.flags.c_contiguous:
-        fill_plane = partial(compiled.fill_plane, values, mask, offsets, *_by_rows(offsets, distances))
+        fill_plane = partial(compiled.fill_plane, values.reshape(-1), mask.reshape(-1), mask, offsets, *_by_rows(offsets, distances))
         return _fill_compiled(fill_plane, mask, reach, threads, progress)
     edge = np.maximum(BLOCK, 2 * reach)
     blocks = list(itertools.product(*(range(0, n, e) for n, e in zip(mask.shape, edge, strict=True))))

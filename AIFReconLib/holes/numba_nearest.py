@@ -18,7 +18,8 @@ FEW = 6
 
 @compiled
 def fill_plane(
-    values: Numbers,
+    flat_values: Numbers,
+    flat_mask: Bytes,
     mask: Bytes,
     offsets: Integers,
     rows_kj: Integers,
@@ -34,8 +35,9 @@ def fill_plane(
 
     Parameters
     ----------
-    values : [k, j, i] array
-    mask : [k, j, i] uint8 array
+    flat_values : (voxels,) array
+    flat_mask, mask : (voxels,) and [k, j, i] uint8 arrays of the same memory
+        To make it flat here would take as long to compile as the search.
     offsets : (n, 3) int64 array, [k, j, i]
         The neighbors, in the order in which they are asked.
     rows_kj : (rows, 2) int64 array, [k, j]
@@ -57,14 +59,13 @@ def fill_plane(
     """
     planes, rows, columns = mask.shape
     count, reach = offsets.shape[0], lengths.shape[1] - 2
-    reach_k, reach_j = 0, 0
+    reach_k, reach_j = rows_kj[0, 0], rows_kj[0, 1]
     for n in range(len(rows_kj)):
         reach_k, reach_j = max(reach_k, rows_kj[n, 0]), max(reach_j, rows_kj[n, 1])
     high = low + steps.shape[0]
     flat_steps = np.empty(count, np.int64)
     for n in range(count):
         flat_steps[n] = (offsets[n, 0] * rows + offsets[n, 1]) * columns + offsets[n, 2]
-    flat_values, flat_mask = values.ravel(), mask.ravel()
     asked = np.empty(columns, np.bool_)
     filled, noted = 0, vain[0] >= PATIENCE
     tried = min(FEW, count) if noted else count

@@ -12,7 +12,7 @@ from numba import njit
 
 logger = logging.getLogger(__name__)
 
-__all__ = ["VERSION", "compiled", "inlined"]
+__all__ = ["VERSION", "called", "compiled", "inlined"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 """A loop over arrays; compiled, it is called as before."""
@@ -21,7 +21,8 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 if logging.getLogger("numba").level == logging.NOTSET:
     logging.getLogger("numba").setLevel(logging.WARNING)
 
-_OPTIONS = {"nogil": True, "error_model": "numpy", "fastmath": False}
+# Nothing but Python calls kernels
+_OPTIONS = {"no_cfunc_wrapper": True, "nogil": True, "error_model": "numpy", "fastmath": False}
 
 
 def compiled(function: Kernel) -> Kernel:
@@ -31,7 +32,7 @@ def compiled(function: Kernel) -> Kernel:
     -----
     numba keeps it beside the source, else in the user's cache folder (or where NUMBA_CACHE_DIR says). Where neither can be written to
     it is compiled anew in every process. Kept code that is damaged, and a disk that is full, cost time and nothing else. A kernel calls
-    only `inlined` functions of its own file, because the kept code is told to be out of date by that file alone.
+    only `called` and `inlined` functions of its own file, because the kept code is told to be out of date by that file alone.
     """
     try:
         dispatcher = njit(cache=True, **_OPTIONS)(function)
@@ -52,6 +53,18 @@ def inlined(function: Kernel) -> Kernel:
     rows of a few hundred pixels are handed over, that is a fifth of the time.
     """
     kernel: Kernel = njit(inline="always", **_OPTIONS)(function)
+    return kernel
+
+
+def called(function: Kernel) -> Kernel:
+    """`function` of numbers alone, to be called by a `compiled` one of the same file.
+
+    Notes
+    -----
+    There are no references to count. For numba to make it part of its callers, wherever they call it, would take longer than all else
+    of some kernels; what returns several numbers is slower called than `inlined`.
+    """
+    kernel: Kernel = njit(no_cpython_wrapper=True, **_OPTIONS)(function)
     return kernel
 
 

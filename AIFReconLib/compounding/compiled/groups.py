@@ -64,8 +64,8 @@ coordinates : (2, pixels) float64, column and row where they truly are, empty wh
 importance : (pixels,) float32, empty where all count alike.
 """
 
-Places = tuple[Integers, Integers, Integers, Integers, Integers, Integers, Singles]
-"""pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged, behind : of `ScanLines`."""
+Places = tuple[Integers, Integers, Integers, Integers, Integers, Singles, Singles, Singles]
+"""pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged, behind : of `ScanLines`; certain : (lines,), ones."""
 
 Lengths = tuple[int, int, int, int, int]
 """taps, depth, crest, pace, paces : of `ScanLines`."""
@@ -73,12 +73,15 @@ Lengths = tuple[int, int, int, int, int]
 Expected = tuple[Singles, Corner, Singles, Integers]
 """The CT's word. probability : (voxels,) float32, of a map of size (i, j, k); expected_at, expected_of_line : of `ScanLines`."""
 
-Room = tuple[Numbers, Numbers, Singles, Singles]
+Room = tuple[Numbers, Numbers, Singles, Singles, Singles, Singles, Integers]
 """To work in.
 
-For a copy of the image, flat; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and
-brightness, then onset, there, (samples, padded) float32.
+For a copy of the image, flat, finite; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and
+brightness, then onset, there, (samples, padded) float32, and both once more, flat; for the numbers of the CT's voxels at a place.
 """
+
+Cleared = tuple[Singles, Singles, tuple[Singles, ...]]
+"""To work in, 0 at first: (lines + 2,), (depth / pace + 1, lines), and eight of (lines,), float32."""
 
 Results = tuple[Singles, NDArray[np.uint32], Singles]
 """What is found.

@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Floats, Integers, Matrix, Numbers, NumberType, Singles
-from ...machine.numba_compile import compiled, inlined
+from ...machine.numba_compile import called, compiled, inlined
 from ..evidence import UNEXPECTED, Scales, ScanLines
-from .groups import Corner, Evidence, Expected, Lengths, Places, Results, Room
+from .groups import Cleared, Corner, Evidence, Expected, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 EXTRA = np.float32(UNEXPECTED)
 
 
-@inlined
+@called
 def limited(value: np.float32) -> np.float32:
     """`value` within 0 to 1."""
     value = value if value > ZERO else ZERO
@@ -57,15 +57,8 @@ def read_lines(pixels: Numbers, places: Integers, lit: Integers, first_lit: Inte
 
 
 @inlined
-def sum_rows(one: Numbers, other: Numbers, third: Numbers, total: Singles) -> None:
-    """total = (one + other) + third. Few arrays in each loop, here and below, so that compilers make vectors of them."""
-    for line in range(total.size):
-        total[line] = (np.float32(one[line]) + np.float32(other[line])) + np.float32(third[line])
-
-
-@inlined
 def add_two_rows(total: Singles, one: Numbers, other: Numbers) -> None:
-    """total = (total + one) + other."""
+    """total = (total + one) + other. Few arrays in each loop, here and below, so that compilers make vectors of them."""
     for line in range(total.size):
         total[line] = (total[line] + np.float32(one[line])) + np.float32(other[line])
 
@@ -167,7 +160,7 @@ def keep_best(
     take(merit, best, merit, best)
 
 
-@inlined
+@called
 def strength_of(echo: np.float32, shadow: np.float32, trust: np.float32, scales: Scales) -> np.float32:
     """How surely an echo over a shadow is bone, where the CT says `trust`."""
     per_span, dark, least, tissue, unsure, per_contrast = scales[6], scales[7], scales[8], scales[9], scales[10], scales[11]
@@ -197,7 +190,6 @@ def hand_out(
 
 @compiled
 def judge(
-    image: Numbers,
     places: Places,
     ct: Expected,
     matrix: Matrix,
@@ -205,19 +197,19 @@ def judge(
     scales: Scales,
     whole: bool,
     room: Room,
+    cleared: Cleared,
     results: Results,
 ) -> int:
     """Reach and onset of one frame.
 
     Parameters
     ----------
-    image : (rows, columns) uint8 or float32 array, finite
     matrix : (4, 4) float64 array
         From the image to the CT's voxels.
     whole : bool
         Whether all pixels are whole numbers, small enough for their sums to be exact.
     room : Room
-        Best the same every time, so that it is in the cache.
+        Best the same every time, so that it is in the cache. It begins with the image.
 
     Returns
     -------
@@ -227,42 +219,33 @@ def judge(
     Notes
     -----
     One pass up the samples, in rows that lie side by side in memory: an onset is known once a line has been seen whole. The CT is asked
-    only where an echo would be the best of its line so far if bone were expected there.
+    only where an echo would be the best of its line so far if bone were expected there. Memory comes from the caller, as to compile
+    calls of numpy takes numba a second.
     """
-    pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged, behind = places
+    pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged, behind, certain = places
     taps, depth, crest, pace, paces = lengths
     per_tap, per_line, per_reached, least, kept, new = scales[0], scales[1], scales[2], scales[3], scales[4], scales[5]
     reach, begins, onset = results
     samples, count = pixel_of_sample.shape
     half = taps // 2
-    judged_before = judged.astype(np.float32)
-    pixels, read, sampled_reach, bright = room
-    # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
-    copy(image.ravel(), pixels)
+    pixels, read, sampled_reach, bright, flat_reach, flat_bright, numbers = room
     read_lines(pixels, pixel_of_sample, lit, first_lit, read)
     # Sums along the lines, with one more before the first and after the last, so that all have neighbors
-    total = np.zeros(count + 2, np.float32)
-    summed = False
-    most, level, merit, best, place, shadow, trust, believed = np.zeros((8, count), np.float32)
-    certain, numbers, asked_at = np.ones(count, np.float32), np.empty(ct[2].shape[2], np.int64), -1
-    ring = depth // pace + 1
-    largest = np.zeros((ring, count), np.float32)
+    total, largest, of_lines = cleared
+    most, level, merit, best, place, shadow, trust, believed = of_lines
+    summed, asked_at, ring = False, -1, largest.shape[0]
     for sample in range(samples - 1, -1, -1):
         start, stop = active[sample, 0], active[sample, 1]
         if start >= stop:
             continue
         sums, top = total[start + 1 : stop + 1], max(sample - half, 0)
-        first_tap = taps if whole and summed else 1
-        for tap in range(first_tap, taps, 2):
-            one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
-            if tap == 1:
-                sum_rows(read[top, start:stop], read[one, start:stop], read[other, start:stop], sums)
-            else:
-                add_two_rows(sums, read[one, start:stop], read[other, start:stop])
-        if taps == 1:
-            copy(read[sample, start:stop], sums)
-        elif first_tap == taps:
+        if whole and summed and taps > 1:
             slide_sum(sums, read[top, start:stop], read[min(sample + half + 1, samples - 1), start:stop])
+        else:
+            copy(read[top, start:stop], sums)
+            for tap in range(1, taps, 2):
+                one, other = min(max(sample - half + tap, 0), samples - 1), min(max(sample - half + tap + 1, 0), samples - 1)
+                add_two_rows(sums, read[one, start:stop], read[other, start:stop])
         summed = True
         total[0], total[count + 1] = total[1], total[count]
         here = bright[sample, start:stop]
@@ -278,13 +261,13 @@ def judge(
             later = largest[(turn + depth // pace) % ring, start:stop]
             worth, before = merit[start:stop], best[start:stop]
             # With less of the CT's word nothing is worth more, to the last bit: rounding keeps order
-            compare(np.float32(sample), judged_before[start:stop], here, later, certain[start:stop], scales, worth)
+            compare(np.float32(sample), judged[start:stop], here, later, certain[start:stop], scales, worth)
             if any_wins(worth, before):
                 if turn // paces != asked_at:
                     asked_at = turn // paces
                     ask(ct, matrix, asked_at, numbers, believed)
                 said = believed[start:stop]
-                compare(np.float32(sample), judged_before[start:stop], here, later, said, scales, worth)
+                compare(np.float32(sample), judged[start:stop], here, later, said, scales, worth)
                 keep_best(np.float32(sample), worth, later, said, before, place[start:stop], shadow[start:stop], trust[start:stop])
     for line in range(count):
         if best[line] > ZERO:
@@ -294,7 +277,7 @@ def judge(
                 if active[sample, 0] <= line < active[sample, 1]:
                     bright[sample, line] = strength
                     sampled_reach[sample, line] *= ONE - TWO * np.float32(strength > ZERO)
-    return hand_out(sampled_reach.ravel(), bright.ravel(), sample_of_pixel, reach, begins, onset)
+    return hand_out(flat_reach, flat_bright, sample_of_pixel, reach, begins, onset)
 
 
 class FrameJudge:
@@ -310,9 +293,12 @@ class FrameJudge:
     """
 
     def __init__(self, scan_lines: ScanLines, dtype: NumberType, maximum: float, places: int):
-        self.scan_lines = scan_lines
-        self._dtype, self._scales = dtype, scan_lines.scales(maximum)
-        self._reach, self._onset = np.empty((2, places, scan_lines.sample_of_pixel.size), np.float32)
+        self.scan_lines = lines = scan_lines
+        self._dtype, self._scales = dtype, lines.scales(maximum)
+        shown = lines.lit, lines.first_lit, lines.active, lines.judged.astype(np.float32), lines.behind
+        self._places = lines.pixel_of_sample, lines.padded_sample_of_pixel, *shown, np.ones(lines.shape[1], np.float32)
+        self._lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
+        self._reach, self._onset = np.empty((2, places, lines.sample_of_pixel.size), np.float32)
         self._expected, self._cosine = np.empty((2, *self._reach.shape), np.float32)
         self._begins, self._onsets = np.empty(self._reach.shape, np.uint32), np.zeros(places, np.int64)
         self._rooms: list[Room] = []
@@ -328,15 +314,18 @@ class FrameJudge:
             room = self._rooms.pop()
         except IndexError:
             shape = lines.shape[0], lines.padded
+            reach, bright = np.empty((2, *shape), np.float32)
             flat, read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
-            room = flat, read, np.empty(shape, np.float32), np.empty(shape, np.float32)
-        shown = lines.lit, lines.first_lit, lines.active, lines.judged, lines.behind
-        places = lines.pixel_of_sample, lines.padded_sample_of_pixel, *shown
-        lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
+            room = flat, read, reach, bright, reach.reshape(-1), bright.reshape(-1), np.empty(lines.expected_at.shape[2], np.int64)
+        # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
+        np.copyto(room[0], image.reshape(-1))
+        count = lines.shape[1]
+        largest = np.zeros((lines.depth // lines.pace + 1, count), np.float32)
+        cleared = np.zeros(count + 2, np.float32), largest, tuple(np.zeros((8, count), np.float32))
         results = self._reach[frame], self._begins[frame], self._onset[frame]
         k, j, i = probability.shape
         ct = probability.reshape(-1), (i, j, k), lines.expected_at, lines.expected_of_line
-        onsets = judge(image, places, ct, image_to_map, lengths, self._scales, self._dtype == np.uint8, room, results)
+        onsets = judge(self._places, ct, image_to_map, self._lengths, self._scales, self._dtype == np.uint8, room, cleared, results)
         self._rooms.append(room)
         self._onsets[frame] = onsets
         return self._begins[frame, :onsets]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Floats, Integers, Matrix, Numbers, Singles
-from ...machine.numba_compile import compiled, inlined
+from ...machine.numba_compile import called, compiled, inlined
 from .groups import AifFactors, Bone, Evidence, Frames, Slab, Voxels, WeightedFactors, Whole
 
 ZERO, ONE, ONCE = np.float32(0), np.float32(1), np.uint32(1)
@@ -33,7 +33,7 @@ HIT = np.uint32(2**20)
 """`HIT` of the state."""
 
 
-@inlined
+@called
 def first_column(step: float, base: float, bound: float, rising: bool, low: Whole, high: Whole) -> Whole:
     """The first column of [low, high] at which a coordinate that rises has reached `bound`, or one that falls is below it.
 
