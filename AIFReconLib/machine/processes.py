@@ -1,4 +1,4 @@
-"""Processes of their own for what may crash: a model, ITK's reader of HDF5."""
+"""Processes of their own for what may crash, a model or ITK's reader of HDF5, and for what may take its time: compiling."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from pathlib import Path
 NO_WINDOW = getattr(subprocess, "CREATE_NO_WINDOW", 0)
 """Windows would open one."""
 
+Process = subprocess.Popen[bytes]
+
 
 def python_program() -> str:
     """The Python that runs this, or within Slicer, whose program is another, the one that Slicer brings; empty where there is none."""
@@ -19,3 +21,20 @@ def python_program() -> str:
     # What is taken for the program there may be another Python, found by its name
     brought = shutil.which("PythonSlicer") if "SLICER_HOME" in os.environ or not is_python else None
     return brought or (program if is_python else "")
+
+
+def start_python(module: str, function: str, *words: str, stream: int = subprocess.DEVNULL) -> Process:
+    """Call one of the library's functions with these words in a process of its own, which reads from and writes to `stream`.
+
+    Raises OSError where the system starts none. It imports from where this one does, and an interrupt is for this one alone.
+    """
+    last = 1 + len(words)
+    code = f"import sys; sys.path[:] = sys.argv[{last}:]; from {module} import {function}; {function}(*sys.argv[1:{last}])"
+    return subprocess.Popen(
+        [python_program(), "-c", code, *words, *sys.path],
+        stdin=stream,
+        stdout=stream,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        creationflags=NO_WINDOW,
+    )
