@@ -11,6 +11,7 @@ import numpy as np
 
 from .arrays import Integers, NumberType
 from .bone.map import BoneMap
+from .compounding.compiled.aside import compiled_aside
 from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from .compounding.finishing.results import Results, bytes_of_results
 from .compounding.intake import ImageKind, require_kinds
@@ -255,13 +256,16 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
-    sequence, labeled = joined(sequence), None
-    asked = recipe or Recipe()
+    sequence, asked = joined(sequence), recipe or Recipe()
     if isinstance(bone, LabeledBone | Volume):
         require_kinds(recipe=recipe, grid=grid)
         labeled = (LabeledBone(bone) if isinstance(bone, Volume) else bone).of_sweep(sequence, asked)
-        bone = labeled.map(asked.method_for(True), part(progress, 0.0, 0.1))
-        progress = part(progress, 0.1, 1.0)
+        with compiled_aside(asked, sequence.images.dtype):
+            bone = labeled.map(asked.method_for(True), part(progress, 0.0, 0.1))
+            result = reconstruct(sequence, recipe, bone, grid, beside=beside, memory=memory, progress=part(progress, 0.1, 1.0))
+        result = with_settings(result, labeled.settings(result.method))
+        warn_of_disagreement(labeled.comparison())
+        return replace(result, said=(*result.said, *labeled.labels.notes, *labeled.lines(result.method)))
     require_kinds(recipe=recipe, bone=bone, grid=grid)
     report(progress, 0.0, "Looking at the sweep")
     prepared = _prepare(sequence, asked, bone is not None, grid, beside)
@@ -287,10 +291,6 @@ def reconstruct(
     logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     result = with_origin(result, imaging, asked, settings, sequence.configuration, input_files(sequence))
-    if labeled is not None:
-        result = with_settings(result, labeled.settings(result.method))
-        result = replace(result, said=(*result.said, *labeled.labels.notes, *labeled.lines(result.method)))
-        warn_of_disagreement(labeled.comparison())
     return replace(
         result,
         said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *result.said),

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 
+from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
@@ -26,7 +28,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.options import Commands, names_labels, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
@@ -129,17 +131,18 @@ def run(arguments: argparse.Namespace) -> None:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
-        labeled = labeled_bone_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
-        bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.05, 0.1))
-        result = reconstruct(
-            sequence,
-            recipe,
-            bone,
-            grid_from(arguments),
-            beside=[name for name in BESIDE if getattr(arguments, name)],
-            memory=arguments.memory,
-            progress=part(progress, 0.1, 0.95),
-        )
+        with compiled_aside(recipe, sequence.images.dtype) if names_labels(arguments) else nullcontext():
+            labeled = labeled_bone_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
+            bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.05, 0.1))
+            result = reconstruct(
+                sequence,
+                recipe,
+                bone,
+                grid_from(arguments),
+                beside=[name for name in BESIDE if getattr(arguments, name)],
+                memory=arguments.memory,
+                progress=part(progress, 0.1, 0.95),
+            )
         result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")

@@ -1,4 +1,4 @@
-"""What processes of ours have in common, and those for what may crash: a model, ITK's reader of HDF5."""
+"""What processes of ours have in common, and those for what may crash, a model or ITK's reader of HDF5, or take its time: compiling."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1"}
 """Of every process of ours, where the user has not said otherwise. Our matrices are small: numpy's helpers for products wait busily for the
 next one, and take the cores from the threads that work."""
 
+Process = subprocess.Popen[bytes]
+
 
 def python_program() -> str:
     """The Python that runs this, or within Slicer, whose program is another, the one that Slicer brings; empty where there is none."""
@@ -23,3 +25,20 @@ def python_program() -> str:
     # What is taken for the program there may be another Python, found by its name
     brought = shutil.which("PythonSlicer") if "SLICER_HOME" in os.environ or not is_python else None
     return brought or (program if is_python else "")
+
+
+def start_python(module: str, function: str, *words: str, stream: int = subprocess.DEVNULL) -> Process:
+    """Call one of the library's functions with these words in a process of its own, which reads from and writes to `stream`.
+
+    Raises OSError where the system starts none. It imports from where this one does, and an interrupt is for this one alone.
+    """
+    last = 1 + len(words)
+    code = f"import sys; sys.path[:] = sys.argv[{last}:]; from {module} import {function}; {function}(*sys.argv[1:{last}])"
+    return subprocess.Popen(
+        [python_program(), "-c", code, *words, *sys.path],
+        stdin=stream,
+        stdout=stream,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        creationflags=NO_WINDOW,
+    )

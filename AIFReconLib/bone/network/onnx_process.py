@@ -19,7 +19,7 @@ import numpy as np
 
 from ...arrays import Numbers, Singles
 from ...errors import ModelError
-from ...machine.processes import NO_WINDOW, python_program
+from ...machine.processes import Process, start_python
 from ...message import shorten
 
 LONGEST = 30.0
@@ -47,17 +47,8 @@ class ModelProcess:
 
     def __init__(self, path: Path, data: bytes, threads: int):
         self._path, self._turn = path, threading.Lock()
-        code = f"import sys; sys.path[:] = sys.argv[1:]; from {__name__} import serve; serve()"
         try:
-            self._process = subprocess.Popen(
-                [python_program(), "-c", code, *sys.path],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.DEVNULL,
-                # Ctrl-C is for who waits
-                start_new_session=True,
-                creationflags=NO_WINDOW,
-            )
+            self._process = start_python(__name__, serve.__name__, stream=subprocess.PIPE)
         except OSError as error:
             raise ModelError(f"{path}: no process can be started to run the model ({error!s}). Close other programs.") from None
         self.end = weakref.finalize(self, _end, self._process)
@@ -101,7 +92,7 @@ class ModelProcess:
             ) from None
 
 
-def _end(process: subprocess.Popen[bytes]) -> None:
+def _end(process: Process) -> None:
     process.kill()
     # Closes its streams, one of which may still hold what it was to be told
     with contextlib.suppress(OSError), process:

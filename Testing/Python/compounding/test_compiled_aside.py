@@ -1,0 +1,104 @@
+"""What is compiled aside is the code that a job asks for; without it the job is the same."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+pytest.importorskip("numba", reason="numba is not installed")
+from AIFReconLib.compounding.compiled.aside import compiled_aside
+from AIFReconLib.machine import numba_compile
+from AIFReconLib.recipe.recipe import Recipe
+
+JOB = """
+import numpy as np
+from AIFReconLib import LabeledBone, ProbeGeometry, Recipe, TrackedSequence, Volume, VoxelGrid, reconstruct
+from AIFReconLib.compounding.compiled import aside, numba_evidence
+from AIFReconLib.holes import numba_nearest
+
+if __name__ == "__main__":
+    kind = np.dtype({kind!r})
+    if {beforehand}:
+        with aside.compiled_aside(Recipe(), kind) as process:
+            process.wait()
+    {before}
+    rng = np.random.default_rng(3)
+    images = rng.integers(0, 200, (6, 90, 70)).astype(kind)
+    images[:, 40:46] = 250
+    images[:, 46:] //= 8
+    poses = np.tile(np.diag([0.5, 0.5, 0.5, 1.0]), (6, 1, 1))
+    poses[:, :3, 2] = (0.0, 0.0, 0.5)
+    poses[:, 2, 3] = 1.5 * np.arange(6)
+    poses[:, [1, 2]] = poses[:, [2, 1]]
+    labels = np.zeros((60, 10, 40), np.uint8)
+    labels[20:30] = 1
+    grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (40, 10, 60), 1.0)
+    recipe = Recipe(method="weighted", probe="linear", hole_limit=2.0, clip_px=(0, 0, 70, 90), bone_sigma_mm=2.0)
+    made = reconstruct(TrackedSequence.from_arrays(images, poses), recipe, LabeledBone(Volume(labels, grid.ijk_to_reference)), grid)
+    voxels = made.intensity.array
+    missed = [sum(kernel.stats.cache_misses.values()) for kernel in (numba_evidence.judge, numba_nearest.fill_plane)]
+    print(made.frames_inserted, voxels.any(), hash(voxels.tobytes()), *missed)
+"""
+
+
+def told_by_job(folder, kind, beforehand=False, before="pass") -> list[str]:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONHASHSEED": "0", "NUMBA_NUM_THREADS": "2"}
+    program = JOB.format(kind=kind, beforehand=beforehand, before=before)
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory) -> list[str]:
+    """What a job tells that finds all of the code."""
+    return told_by_job(tmp_path_factory.mktemp("kept"), "uint8", beforehand=True)
+
+
+def test_a_job_finds_what_was_compiled_aside(told):
+    frames, voxels, _, *missed = told
+    assert (frames, voxels) == ("6", "True")
+    assert missed == ["0", "0"]
+
+
+def test_images_of_real_numbers_find_theirs(tmp_path):
+    assert told_by_job(tmp_path, "float32", beforehand=True)[3:] == ["0", "0"]
+
+
+def test_a_job_is_the_same_where_what_compiles_aside_is_ended(tmp_path, told):
+    killed = "start = aside.start_python; aside.start_python = lambda *a, **k: (p := start(*a, **k)).kill() or p"
+    ended = told_by_job(tmp_path, "uint8", before=killed)
+    assert ended[:3] == told[:3]
+    assert ended[3:] == ["1", "1"]
+
+
+def started(monkeypatch, recipe, *, kept=False, cores="2"):
+    """The process that is started for a job, ended again; None where there is none."""
+    monkeypatch.setenv("NUMBA_NUM_THREADS", cores)
+    monkeypatch.setattr(numba_compile, "is_kept", lambda kernel: kept)
+    with compiled_aside(recipe, np.dtype(np.uint8)) as process:
+        assert process is None or process.poll() is None
+    return process
+
+
+def test_what_compiles_is_ended_with_the_job(monkeypatch):
+    process = started(monkeypatch, Recipe())
+    assert process is not None
+    assert process.poll() is not None
+
+
+@pytest.mark.parametrize(
+    ("recipe", "surroundings"),
+    [
+        (Recipe(), {"kept": True}),
+        (Recipe(), {"cores": "1"}),
+        (Recipe(method="aif"), {}),
+        (Recipe(engine="numpy"), {}),
+    ],
+    ids=["kept", "one core", "other kernels", "no kernels"],
+)
+def test_nothing_is_started_where_it_would_be_in_vain(monkeypatch, recipe, surroundings):
+    assert started(monkeypatch, recipe, **surroundings) is None
