@@ -110,6 +110,7 @@ format: setup
 # of disk, 11 of memory and minutes; BENCH=growth; BENCH=limits
 bench: setup
 	@$(BIN)/python Testing/benchmark $(or $(BENCH),--pages)
+	@$(if $(BENCH),,$(BIN)/python Testing/benchmark commands --pages)
 
 study: setup
 	@$(BIN)/python Testing/study methods --pages --output "$(STUDY_OUTPUT)"

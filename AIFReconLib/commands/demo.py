@@ -9,7 +9,10 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
+import numpy as np
+
 from ..bone.map import BoneMap
+from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import evaluate
@@ -82,7 +85,8 @@ def run(arguments: argparse.Namespace) -> None:
     require_matplotlib()
     folder: Path = arguments.output
     check_simulated_folder(folder, [*FILES, "comparison.png", "metrics.csv", "report.html", *(f"reconstruction-{m}.nrrd" for m in METHODS)])
-    with ProgressBar() as progress:
+    # While the patient is simulated, what the last method needs is compiled
+    with ProgressBar() as progress, compiled_aside(Recipe(), np.dtype(np.uint8)):
         files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5))
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)

@@ -43,7 +43,6 @@ from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
 
 from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, recorded, turned
-from .first_result import seconds_to_first_result
 from .table import BenchmarkResult, Timing
 
 NUMPY_SHARE = 8
@@ -85,7 +84,7 @@ def benchmark(
     repeats : int
     spacings : tuple of float, mm
     voxels : int
-        Size of the volumes whose holes are filled and bone mapped; 0 leaves these, files and the first result out.
+        Size of the volumes whose holes are filled and bone mapped; 0 leaves these and files out.
     data : Path or None
         Folder of real recordings.
     progress : Progress or None
@@ -105,7 +104,6 @@ def benchmark(
         timings += _measured(_volume_jobs(voxels), repeats, lambda f: report(progress, 0.7 + 0.2 * f, "Holes and bone"))
         with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
             timings += _measured(_file_jobs(Path(folder)), repeats, lambda f: report(progress, 0.9 + 0.05 * f, "Reading files"))
-        timings += _first_results()
     if data is not None:
         timings += _measured(_recording_jobs(data), repeats, lambda f: report(progress, 0.95 + 0.05 * f, "Real recordings"))
     report(progress, 1.0, "Done")
@@ -268,16 +266,6 @@ def _recording_jobs(data: Path) -> list[Job]:
 
             jobs.append((work, Timing(f"file to volume, {recording}", engine, usable_cores(), None, 0.0), 0))
     return jobs
-
-
-def _first_results() -> list[Timing]:
-    if not _numba_threads():
-        return []
-    compiling, kept = seconds_to_first_result()
-    return [
-        Timing("first result, all to be compiled", "numba", usable_cores(), None, compiling),
-        Timing("first result, compiled before", "numba", usable_cores(), None, kept),
-    ]
 
 
 def main(words: list[str] | None = None) -> int:

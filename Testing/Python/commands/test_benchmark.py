@@ -23,7 +23,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from benchmark import limits, speed, spine
+from benchmark import commands, limits, speed, spine
 from benchmark.cases import turned
 
 LOOPS = optional_module("benchmark.numba_yardstick")
@@ -59,11 +59,24 @@ def test_there_is_a_yardstick_for_every_method():
 
 
 def test_everything_is_measured(monkeypatch):
-    monkeypatch.setattr(speed, "seconds_to_first_result", lambda: (2.0, 1.0))
     monkeypatch.setattr(speed, "FILE_FRAMES", 2)
     result = speed.benchmark(2, 1, (4.0,), voxels=8000)
     found = {timing.what.split(",")[0] for timing in result.timings}
     assert {"average", "weighted", "hole filling", "bone map from labels", "bone map onto a grid", "reading"} <= found
+
+
+def test_commands_are_timed_with_nothing_compiled_and_after(monkeypatch):
+    monkeypatch.setattr(commands, "FRAMES", 9)
+    monkeypatch.setattr(commands, "LEAST_OF", 1)
+    rows = commands.measure(None, ("--help", "info"))
+    assert [name for name, *_ in rows] == ["`--help`", "`info`"]
+    assert all(0.01 < seconds < 600 for _, *row in rows for seconds in row)
+    assert commands.markdown(rows).count("\n") == 3
+
+
+def test_a_command_that_fails_has_no_time(tmp_path):
+    with pytest.raises(subprocess.CalledProcessError):
+        commands.timed(["info", str(tmp_path / "none.mha")], tmp_path)
 
 
 def test_what_a_process_takes_is_told(tmp_path):
