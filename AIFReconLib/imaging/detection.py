@@ -38,7 +38,7 @@ JOINED_PX, RINGING_PART = 7, 0.01
 TALLEST_TRACE, SMALLEST_PART, SAME = 0.1, 0.02, 0.9
 """Part of an image's height up to which a band from border to border is none, part that must change, and overlap of boxes that are one."""
 
-SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.5, 0.8
+SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.6, 0.8
 """mm of `_doubt` about two levels below which no others are tried, and beyond which, and this many pixels, the probe is not told."""
 
 LARGEST_CHANGE = 0.2
