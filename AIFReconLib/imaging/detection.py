@@ -19,7 +19,7 @@ from .beams import LINEAR, SECTOR, ProbeGeometry
 from .change import extremes, is_sharp, standing_out
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
-from .outline import BORDER_PX, MOST_LOPSIDED_DEG, SectorFit, fit_sector, has_ragged_narrow_side
+from .outline import BORDER_PX, MOST_LOPSIDED_DEG, STEP_PX, SectorFit, fit_sector, has_ragged_narrow_side
 from .rectangle import SMOOTH_LOWER, SMOOTH_UPPER, fit_rectangle, has_bent_ends, has_level_end, is_bent, is_cut_off
 from .region import ClipRectangle, Fan, ImageRegion
 
@@ -38,7 +38,7 @@ JOINED_PX, RINGING_PART = 7, 0.01
 TALLEST_TRACE, SMALLEST_PART, SAME = 0.1, 0.02, 0.9
 """Part of an image's height up to which a band from border to border is none, part that must change, and overlap of boxes that are one."""
 
-SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.5, 0.8
+SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.6, 0.8
 """mm of `_doubt` about two levels below which no others are tried, and beyond which, and this many pixels, the probe is not told."""
 
 LARGEST_CHANGE = 0.2
@@ -198,24 +198,27 @@ def _by_what_changes(
         area = _changed_area(change, level)
         if area.sum() < SMALLEST_PART * area.size:
             break
-        largest = _largest(area)
-        box = fit_rectangle(largest)
+        shown, more = _largest(area), _with_ringing(area)
+        box, wider = fit_rectangle(shown), fit_rectangle(more, has_level_face=True)
+        if wider is not None and (box is None or wider[1] - wider[0] > box[1] - box[0] + STEP_PX):
+            box, shown = wider, more
         if box is not None:
             narrow = (box[1] - box[0]) * spacing[0] < NARROWEST * (box[3] - box[2]) * spacing[1]
-            if narrow or has_bent_ends(largest, box):
+            if narrow or has_bent_ends(shown, box):
                 return None
-            must_be_level = sides_cut_off or is_cut_off(largest)
-            if must_be_level and not has_level_end(_with_ringing(area)):
+            must_be_level = sides_cut_off or is_cut_off(shown)
+            if must_be_level and not has_level_end(more):
                 continue
             if boxes and _overlap(box, boxes[-1]) > SAME:
                 higher = _changed_area(change, ARC_LEVEL * brightest.max())
-                bent = not must_be_level and higher.any() and has_bent_ends(_largest(higher), box)
+                part = _largest(higher) if higher.any() and not must_be_level else None
+                bent = part is not None and has_bent_ends(part, fit_rectangle(part) or box)
                 return None if bent else _upright(box, change, BY_CHANGE)
             boxes.append(box)
             continue
         evidence = evidence or standing_out(change, brightest)
-        shown = (_surest_sector(_changed_area(out, level), spacing) for out in evidence)
-        fits += next(([sector] for sector in shown if sector), [])
+        sectors = (_surest_sector(_changed_area(out, level), spacing) for out in evidence)
+        fits += next(([sector] for sector in sectors if sector), [])
         pair = min(combinations(fits, 2), key=lambda two: _doubt(two[0], two[1], spacing), default=None)
         if pair is not None and _doubt(*pair, spacing) < SURE_ENOUGH:
             break

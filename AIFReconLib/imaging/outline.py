@@ -27,7 +27,7 @@ STEEPEST_DEG, UPRIGHT_DEG = 75.0, 1.7
 SHORTEST_SIDE, SHORTEST_ARC = 0.2, 0.2
 """Parts of a side's height and of an arc's width that must be seen for it to count."""
 
-FEWEST_ROWS, MOST_BETWEEN, STEP_PX = 8, 0.5, 6.0
+FEWEST_RINGING, MOST_BETWEEN, STEP_PX = 8, 0.5, 6.0
 """Rows of a dark side that the ringing at the probe's face must show, and how many as many may lie near that side and not on it."""
 
 MOST_OUTSIDE = 0.02
@@ -146,6 +146,7 @@ def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
     # One pixel in four is enough
     rows, columns = 2 * np.array(np.nonzero(area[::2, ::2]))
     pixels = np.stack([columns * aspect, rows], axis=1).astype(np.float64)
+    best: SectorFit | None = None
     for start, mirrored in _starts(outline):
         seen, apex = mirrored, start
         if seen is None:
@@ -158,9 +159,12 @@ def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
         if fit is None or (mirrored is not None and not all(fit.used[:NEAR])):
             continue
         found = _checked(fit, seen, outline, pixels, spacing)
-        if found is not None:
-            return found
-    return None
+        if found is not None and (best is None or found.apex_error < best.apex_error):
+            best = found
+        # From here the ringing of a dark side may not show, and from another start it does
+        if found is not None and all(fit.used[:NEAR]):
+            break
+    return best
 
 
 def has_ragged_narrow_side(area: Mask, fan: Fan) -> bool:
@@ -193,8 +197,8 @@ def _starts(outline: Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
         if line is None or sign * line[1] < steep:
             continue
         offset, slope, _ = line
-        if len(others) >= FEWEST_ROWS:
-            outermost = -sign * float(np.sort(-sign * (others[:, 0] + slope * others[:, 1]))[-FEWEST_ROWS // 2])
+        if len(others) >= FEWEST_RINGING:
+            outermost = -sign * float(np.sort(-sign * (others[:, 0] + slope * others[:, 1]))[-FEWEST_RINGING // 2])
             y = (outermost - offset) / (2 * slope)
             yield np.array([offset + slope * y, y]), [side == LEFT, side == RIGHT]
         rows = top + 10 - np.geomspace(1, 4000, 120)
@@ -236,7 +240,7 @@ def _fitted(outline: Outline, apex: Floats, seen: list[bool] | None = None) -> _
         near = [points[np.abs(_off(points, part, apex, values[part])) <= tolerance] for part, points in enumerate(parts)]
         used = _enough(outline, near, values, apex)
         if dark is not None:
-            used[dark] = _ringing_shows(_off(parts[dark], dark, apex, values[dark]) * (1, -1)[dark], tolerance)
+            used[dark] = ringing_shows(_off(parts[dark], dark, apex, values[dark]) * (1, -1)[dark], tolerance)
         flat = _flat_top(outline.top, near[NEAR])
         if flat is not None:
             used[NEAR] = False
@@ -307,10 +311,10 @@ def _enough(outline: Outline, near: list[Floats], values: list[float], apex: Flo
     return used
 
 
-def _ringing_shows(inward: Floats, tolerance: float) -> bool:
+def ringing_shows(inward: Floats, tolerance: float) -> bool:
     """Whether a dark side shows where the probe's face rings: some rows end on it and below they end far inward, not little by little."""
     on, between = (np.abs(inward) <= tolerance).sum(), ((inward > tolerance) & (inward <= STEP_PX)).sum()
-    return bool(on >= FEWEST_ROWS and between <= MOST_BETWEEN * on)
+    return bool(on >= FEWEST_RINGING and between <= MOST_BETWEEN * on)
 
 
 def _flat_top(top: Floats, on_arc: Floats) -> float | None:

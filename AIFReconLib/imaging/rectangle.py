@@ -7,7 +7,19 @@ import math
 import numpy as np
 
 from ..arrays import Integers, Mask
-from .outline import BORDER_PX, CUT_OFF, MOST_OUTSIDE, UPRIGHT_DEG, most_at, outline_of, straightest
+from .outline import (
+    BORDER_PX,
+    CUT_OFF,
+    FEWEST_RINGING,
+    MOST_OUTSIDE,
+    NEAR,
+    STEP_PX,
+    UPRIGHT_DEG,
+    most_at,
+    outline_of,
+    ringing_shows,
+    straightest,
+)
 
 EDGE_PARTS, FEWEST_PARTS = 16, 5
 """Parts of an upper or lower edge, whose median rows are looked at."""
@@ -15,7 +27,7 @@ EDGE_PARTS, FEWEST_PARTS = 16, 5
 SMALLEST_BEND_PX, SMOOTH_PX = 1.2, 0.4
 """How far the middle of an edge must be from its ends to be bent, and how near the edge to its arc, or that as a part of its depth:"""
 
-SMOOTH_UPPER, SMOOTH_NEAR, SMOOTH_LOWER = 0.5, 0.1, 0.06
+SMOOTH_UPPER, SMOOTH_NEAR, SMOOTH_LOWER = 0.5, 0.1, 0.08
 """An upper edge on black, one of what changes, which may be ragged where the near field is dark, and a lower edge."""
 
 FEWEST_ROWS, CRISP, LEVEL = 5, 0.5, 0.8
@@ -42,30 +54,43 @@ def is_bent(edge: Integers, smooth: float, only_down: bool = True) -> bool:
     return False
 
 
-def fit_rectangle(area: Mask) -> tuple[int, int, int, int] | None:
+def fit_rectangle(area: Mask, has_level_face: bool = False) -> tuple[int, int, int, int] | None:
     """First and last column, first and last row of the upright rectangle that an area is part of; None where that cannot be told.
 
     Two sides that are straight along most of their length and stand upright tell it, or one and a level end.
+    That it `has_level_face` may be asked for: of what lies apart, such a face belongs to it.
     """
     outline = outline_of(area, 1.0)
     rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.sum(axis=0) >= FEWEST_ROWS)
     if not columns.size or min(rows.size, columns.size) < 40:
         return None
-    bounds, crisp = [float(columns[0]), float(columns[-1]), float(rows[0]), float(rows[-1])], []
+    bounds, parts = [float(columns[0]), float(columns[-1]), float(rows[0]), float(rows[-1])], []
     ends = ((outline.left, 0, rows), (outline.right, 0, rows), (outline.top, 1, columns), (outline.bottom, 1, columns))
     for number, (points, axis, all_) in enumerate(ends):
         place, count = most_at(points[:, axis], 1.5)
-        crisp.append(count >= CRISP * all_.size)
-        if crisp[-1]:
+        parts.append(count / all_.size)
+        if parts[-1] >= CRISP:
             bounds[number] = place + (0.5 if number % 2 == 0 else -0.5)
     lines = [straightest(outline.left, -1), straightest(outline.right, 1)]
     lean = [None if line is None or line[2] < CRISP * rows.size else abs(math.degrees(math.atan(line[1]))) for line in lines]
+    # Of a dark side only what rings along a level face is seen, without a gap
+    level = parts[NEAR] * columns.size >= LEVEL * np.ptp(columns)
+    if has_level_face and not level:
+        return None
+    for side, points in enumerate((outline.left, outline.right)):
+        inward = np.abs(points[:, 0] - columns[-side]) - 0.5
+        rings = level and parts[side] < LEVEL and ringing_shows(inward[: 2 * FEWEST_RINGING], 1.5) and ringing_shows(inward, 1.5)
+        if rings and not (parts[side] >= CRISP and abs(bounds[side] - columns[-side]) < STEP_PX):
+            parts[side], bounds[side], lean[side] = 1.0, float(columns[-side]), None
+    crisp = [part >= CRISP for part in parts]
     upright = [seen and degrees is not None and degrees < UPRIGHT_DEG / 2 for seen, degrees in zip(crisp, lean, strict=False)]
     if sum(crisp) < 2 or not any(upright) or any(degrees is not None and degrees > UPRIGHT_DEG for degrees in lean):
         return None
     left, right, top, bottom = (round(bound) for bound in bounds)
     within = area[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
-    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or (left < BORDER_PX and right >= area.shape[1] - BORDER_PX):
+    # What two borders cut off may be a picture of anything
+    cut_off = left < BORDER_PX, right >= area.shape[1] - BORDER_PX, top < BORDER_PX
+    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or sum(cut_off) > 1:
         return None
     return left, right, top, bottom
 

@@ -16,7 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from study.screen_cases import DECOYS, decoy, screen
 from study.screens import REFUSED, RIGHT, WRONG, judged, judged_finding
 
-SEEDS = (0, 2, 4, 5, 7, 8, 10, 12, 58, 99, 104, 148, 191, 1084, 30187, 40115, 80079)
+SEEDS = (0, 2, 4, 5, 7, 8, 10, 12, 58, 62, 99, 104, 148, 191, 1084, 30073, 30140, 30187, 40028, 40115, 80079, 80131, 80473, 80516)
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -35,6 +35,18 @@ def test_the_middle_of_a_sector_that_the_border_cuts_off_below_is_refused():
 
 def test_a_sector_whose_sides_are_covered_is_refused_where_only_a_higher_level_shows_its_arc():
     assert judged(decoy(40015))[0] == REFUSED
+
+
+def test_a_narrow_middle_of_a_sector_whose_noise_hides_its_arc_at_lower_levels_is_refused():
+    assert judged(decoy(50027))[0] == REFUSED
+
+
+def test_a_clock_beside_the_middle_of_a_sector_is_no_end_of_a_strip():
+    assert judged(decoy(30031))[0] == REFUSED
+
+
+def test_a_moving_picture_that_two_borders_and_a_trace_bound_is_refused():
+    assert judged(decoy(80342))[0] == REFUSED
 
 
 def test_a_box_most_of_which_stands_still_is_refused():
