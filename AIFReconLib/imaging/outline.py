@@ -191,13 +191,15 @@ def _starts(outline: Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
     if lines[0] is not None and lines[1] is not None and lines[1][1] - lines[0][1] > 2 * steep:
         y = (lines[0][0] - lines[1][0]) / (lines[1][1] - lines[0][1])
         yield np.array([lines[0][0] + lines[0][1] * y, y]), None
+    alike = None not in lines and abs(sum(math.atan(line[1]) for line in lines if line)) < math.radians(MOST_LOPSIDED_DEG)
     top = float(min(outline.left[:, 1].min(initial=np.inf), outline.right[:, 1].min(initial=np.inf)))
     for side, sign in ((LEFT, -1), (RIGHT, 1)):
         line, others = lines[side], outline.parts[1 - side]
         if line is None or sign * line[1] < steep:
             continue
         offset, slope, _ = line
-        if len(others) >= FEWEST_RINGING:
+        # Where both sides lean alike none is dark: what lies outside is a clock or text
+        if len(others) >= FEWEST_RINGING and not alike:
             outermost = -sign * float(np.sort(-sign * (others[:, 0] + slope * others[:, 1]))[-FEWEST_RINGING // 2])
             y = (outermost - offset) / (2 * slope)
             yield np.array([offset + slope * y, y]), [side == LEFT, side == RIGHT]
