@@ -22,7 +22,8 @@ from AIFReconLib.commands.benchmark import busy_share, busy_warning, machine
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.message import columns
 
-FRAMES, PATIENTS_PATH = 144, "multi-angle"
+FRAMES = 144
+
 LEAST_OF = 3
 """Runs after the first, of which the least counts."""
 
@@ -34,7 +35,7 @@ Row = tuple[str, float, float, float, float]
 
 def commands(folder: Path, data: Path | None) -> dict[str, list[str]]:
     """The words of each command by what is said of it. A simulated patient is made in the folder."""
-    made = write_simulated_patient(folder, path=PATIENTS_PATH, frames=FRAMES)
+    made = write_simulated_patient(folder, frames=FRAMES)
     sweep = [str(made.sequence), "--config", str(made.configuration)]
     bone = ["--bone-labels", str(made.labels), "--bone-transform", str(made.ct_to_reference)]
     result = {
