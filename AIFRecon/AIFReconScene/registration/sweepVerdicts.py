@@ -134,8 +134,9 @@ class SweepVerdicts:
         key, verdict = self._known.get(name, (None, None))
         if verdict is not None and key == asked:
             return verdict
-        if (kept := _keptWith(parameters.output).get(name)) and kept[0] == _lasting(asked):
-            return Verdict(Level(kept[1]), *kept[2:])
+        kept = _keptWith(parameters.output, name, asked)
+        if kept is not None:
+            return kept
         return unknown("something has changed: press “Reconstruct” again" if verdict is not None else "known after “Reconstruct”")
 
 
@@ -163,12 +164,13 @@ def _rounded(value):
     return [*map(_rounded, value)] if isinstance(value, tuple) else round(value, 3) if isinstance(value, float) else value
 
 
-def _keptWith(output) -> dict:
-    """The verdicts that are kept with a volume; none where nothing readable is."""
+def _keptWith(output, name: str, key: tuple) -> Verdict | None:
+    """The verdict that is kept with a volume, if it is about this; None where nothing readable is."""
     try:
-        return json.loads(output.GetAttribute(ATTRIBUTE)) if output is not None else {}
-    except (TypeError, ValueError):
-        return {}
+        about, level, finding, advice = json.loads(output.GetAttribute(ATTRIBUTE))[name]
+        return Verdict(Level(level), str(finding), str(advice)) if about == _lasting(key) else None
+    except (AttributeError, LookupError, TypeError, ValueError):
+        return None
 
 
 def _verdictOn(back: dict, names: dict, move: str = "") -> Verdict:
