@@ -145,6 +145,10 @@ class AIFReconBedsideTest(unittest.TestCase):
         tinyScene.setMatrix(place, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(place))
         self.assertTrue(waitFor(lambda: self.levels()[1:] == ["not yet"] * 2))
         self.assertEqual(self.levels()[0], "good")
+        for unreadable in ("no JSON", "[]", '{"coverage": 1}', '{"coverage": [[], "worse", "", ""]}'):
+            self.widget._parameterNode.output.SetAttribute("AIFRecon.Verdicts", unreadable)
+            self.widget._recorded.update("")
+            self.assertEqual(self.levels()[2], "not yet", unreadable)
 
     def test_a_ct_that_lies_elsewhere_is_red_with_the_button_that_places_it(self):
         self.addInputs()
