@@ -26,7 +26,7 @@ help:
 	@echo "make coverage     all tests, and which lines of the library they run"
 	@echo "make slicer-test  only the self tests of the Slicer module, on real MRML nodes and Qt, without Slicer"
 	@echo "make screenshots  the module's panel and views as pictures, into Resources/Screenshots/"
-	@echo "make figures      the pictures of docs/method.md, into docs/images/ (minutes)"
+	@echo "make figures      the pictures of docs/parameters.md and the bone in 3D, into docs/images/ (minutes)"
 	@echo "make docs         the site with its gallery and API reference, into build/site/ (minutes)"
 	@echo "make wheel-test   build wheel and source, check them, and run the README's Python lines in an empty environment"
 	@echo "make setup        install what all of these need, into $(VENV)/"
@@ -82,6 +82,7 @@ screenshots: setup
 
 figures: setup
 	@$(BIN)/python Testing/figures/parameters.py
+	@$(BIN)/python Testing/figures/shown_bone.py
 
 lint: setup
 	@$(BIN)/python -m ruff check --quiet .
