@@ -6,6 +6,7 @@ import argparse
 import signal
 import sys
 import time
+from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -25,7 +26,6 @@ from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.joint_source import JointSource
 from ..live.wire.sources import MessageSource, StreamStatistics
-from ..machine.threads import pause
 from ..message import one_line, shorten
 from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..registration.labeled_bone import LabeledBone
@@ -45,6 +45,7 @@ from ..terminal.reconstruction_options import (
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_tracking_options
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
+from ..terminal.signals import heard_in_pauses
 from ..terminal.status_line import StatusLine
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .reconstruct import FIRST_OPTIONS, describe
@@ -233,15 +234,17 @@ def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.N
     try:
         with session:
             try:
-                _wait_for_images(session, client, arguments)
-                first_frame = time.monotonic()
-                if session.grid is None:
-                    seconds = f"{arguments.scout_seconds:g} s"
-                    status.say(f"Connected. Move the probe over the whole region: the first {seconds} find the box.")
-                    _scout(session, arguments, first_frame, status)
-                    _use_scouted_grid(session, status)
-                while not pause(POLL, unless=session.finished) and not _is_over(session, arguments, first_frame):
-                    status.show(session)
+                with heard_in_pauses() as pause:
+                    _wait_for_images(session, client, arguments, pause)
+                    first_frame = time.monotonic()
+                    if session.grid is None:
+                        seconds = f"{arguments.scout_seconds:g} s"
+                        status.say(f"Connected. Move the probe over the whole region: the first {seconds} find the box.")
+                        _scout(session, arguments, first_frame, status, pause)
+                        _use_scouted_grid(session, status)
+                    while not _is_over(session, arguments, first_frame):
+                        pause(POLL)
+                        status.show(session)
             except KeyboardInterrupt as end:
                 told_by = int(end.args[0]) if end.args else int(signal.SIGINT)
                 status.clear()
@@ -254,14 +257,18 @@ def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.N
         status.clear()
 
 
-def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.Namespace) -> None:
+def _wait_for_images(
+    session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.Namespace, pause: Callable[[float], None]
+) -> None:
     """Return when there are images of the one device that is meant; else say what the server sends."""
     deadline = time.monotonic() + DEVICE_TIMEOUT
-    while session.latest is None and not pause(POLL, unless=session.finished):
+    while session.latest is None and not session.finished.is_set():
+        pause(POLL)
         if time.monotonic() > deadline:
             raise _no_images(session, client.statistics, arguments)
     settled = time.monotonic() + SETTLING
-    while arguments.image is None and time.monotonic() < settled and not pause(POLL, unless=session.finished):
+    while arguments.image is None and time.monotonic() < settled and not session.finished.is_set():
+        pause(POLL)
         images = [device for device, types in session.devices().items() if "IMAGE" in types]
         if len(images) > 1:
             raise LiveConnectionError(f"The server sends images of several devices: {', '.join(images)}. Choose one with --image.")
@@ -290,10 +297,13 @@ def _no_images(session: LiveSession, stream: StreamStatistics, arguments: argpar
     return LiveConnectionError(f"The server at {arguments.host}:{arguments.port} sends no {wanted}. It sends {sends}. {advice}")
 
 
-def _scout(session: LiveSession, arguments: argparse.Namespace, first_frame: float, status: StatusLine) -> None:
+def _scout(
+    session: LiveSession, arguments: argparse.Namespace, first_frame: float, status: StatusLine, pause: Callable[[float], None]
+) -> None:
     """Wait until the box can be found."""
     began = None
-    while not pause(POLL, unless=session.finished) and not _is_over(session, arguments, first_frame):
+    while not _is_over(session, arguments, first_frame):
+        pause(POLL)
         status.show(session)
         if began is None and session.scouted:
             began = time.monotonic()
@@ -312,6 +322,8 @@ def _use_scouted_grid(session: LiveSession, status: StatusLine) -> None:
 
 def _is_over(session: LiveSession, arguments: argparse.Namespace, first_frame: float) -> bool:
     """Whether the time is up, or there is nothing left to do: a recording goes on after the reconstruction has failed."""
+    if session.finished.is_set():
+        return True
     if session.error is not None and (session.recorder is None or session.recording_failure):
         return True
     return arguments.seconds is not None and time.monotonic() - first_frame >= arguments.seconds

@@ -132,7 +132,7 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:
         pass  # whoever read the output has gone, as `head` does
     except RuntimeError as error:
-        # Of a lock that the interrupt kept from being taken, as in `orderly_end.pause`
+        # Of a lock that the interrupt kept from being taken
         if isinstance(error.__context__, KeyboardInterrupt):
             return _fail(_INTERRUPTED, end.exit_code)
         # The interpreter has no class for a limit on threads

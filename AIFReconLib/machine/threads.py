@@ -106,24 +106,3 @@ def optional_module(name: str) -> ModuleType | None:
     except Exception:
         logger.warning("numba is installed but %s does not work; numpy and scipy stand in", name, exc_info=True)
         return None
-
-
-def pause(seconds: float, unless: threading.Event) -> bool:
-    """Wait in the main thread, so that an interrupt always comes out as `KeyboardInterrupt`.
-
-    `Event.wait` may turn it into a RuntimeError: a signal that comes while its lock is taken again leaves it with a lock to release
-    that it does not hold.
-
-    Parameters
-    ----------
-    seconds : float, s
-    unless : threading.Event
-        Nothing is waited for when it is set; setting it does not end a wait that has begun.
-
-    Returns
-    -------
-    is_set : bool
-    """
-    if not unless.is_set():
-        time.sleep(seconds)
-    return unless.is_set()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -77,3 +78,35 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def heard_in_pauses() -> Iterator[Callable[[float], None]]:
+    """Within the block a signal to end is heard in the waits alone for which it hands out a function: it takes seconds, and raises there.
+
+    Elsewhere an exception could come between the taking of a lock and the block that gives it back: whoever wants the lock next waits
+    forever, as a scan's threads then would. What came after the last wait is heard at the end of the block.
+    """
+    came: list[int] = []
+
+    def hear() -> None:
+        if came:
+            number = came.pop()
+            held[number](number, None)
+
+    def wait(seconds: float) -> None:
+        hear()
+        time.sleep(seconds)
+        hear()
+
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, *SIGNALS)}
+    in_main = threading.current_thread() is threading.main_thread()
+    held = {number: handler for number, handler in handlers.items() if in_main and callable(handler)}
+    for number in held:
+        signal.signal(number, lambda number, _frame: came.append(number))
+    try:
+        yield wait
+    finally:
+        for number, handler in held.items():
+            signal.signal(number, handler)
+    hear()

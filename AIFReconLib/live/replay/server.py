@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from ...errors import LiveConnectionError, SettingsError
-from ...machine.threads import pause
 from ...sweep.frames import TrackedSequence
 from ..wire.connection import POLL, check_port
 from ..wire.encoding import encode_status
@@ -173,8 +172,8 @@ class ReplayServer:
         AIFReconError
             When the recording turned out to be damaged.
         """
-        while not pause(POLL, unless=self._ended):
-            pass
+        while not self._ended.is_set():  # whose own wait may turn an interrupt into an error of its lock
+            time.sleep(POLL)
         self.wait()
 
     def __enter__(self) -> ReplayServer:

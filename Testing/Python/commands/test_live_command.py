@@ -179,16 +179,18 @@ def test_a_recording_goes_on_after_an_error(serve, live, results, monkeypatch):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent differently there")
 def test_ctrl_c_saves_what_there_is(serve, live, results):
+    recorded = results / "scan.recording.mhd"
     arguments = live(serve(loop=True), "--output", results / "v.nrrd", "--record", results / "scan.mhd")
     child = subprocess.Popen(
         [sys.executable, "-m", "AIFReconLib", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=os.environ
     )
-    with child:
-        while not (results / "scan.recording.mhd").exists() or len(read_sequence(results / "scan.recording.mhd")) < 5:
-            assert child.poll() is None
-            time.sleep(0.05)
+    try:
+        until(lambda: child.poll() is not None or (recorded.exists() and len(read_sequence(recorded)) >= 5))
         child.send_signal(signal.SIGINT)
-        out, error = child.communicate()
+        out, error = child.communicate(timeout=LONG)
+    finally:
+        child.kill()
+        child.communicate()
     assert child.returncode == 0, (out, error)
     assert out.endswith("Scan ended, volume saved.\n")
     assert read_volume(results / "v.nrrd").array.any()
@@ -216,7 +218,7 @@ def test_a_program_that_is_told_to_end_saves_the_volume_and_says_by_what(serve, 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent differently there")
 def test_ctrl_c_before_a_frame_has_come_is_one_sentence(live, results, capsys, monkeypatch):
-    monkeypatch.setattr("AIFReconLib.commands.live.pause", lambda *_, **__: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr("AIFReconLib.commands.live._wait_for_images", lambda *_: signal.raise_signal(signal.SIGINT))
     with ScriptedServer() as server:
         threading.Thread(target=server.accept, daemon=True).start()
         assert main(live(server, "--output", results / "v.nrrd")) == 130

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import gc
 import io
 import os
 import signal
@@ -26,9 +25,9 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import check_volume_path, read_volume
 from AIFReconLib.live.session.recording import Recorder
-from AIFReconLib.machine.threads import in_parts, pause
+from AIFReconLib.machine.threads import in_parts
 from AIFReconLib.terminal.console import ProgressBar
-from AIFReconLib.terminal.signals import orderly_end
+from AIFReconLib.terminal.signals import heard_in_pauses, orderly_end
 
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX")
 
@@ -131,39 +130,22 @@ def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function
         signal.signal(signal.SIGINT, before)
 
 
-def interrupted_at(event: int, call) -> bool:
-    """Whether `call` had that many events of a trace; it is interrupted there, wherever a signal could come.
-
-    Nothing is collected meanwhile: what Python runs then of other tests' leavings is traced as well, and loses an interrupt.
-    """
-    left, before, collects = event, sys.gettrace(), gc.isenabled()
-
-    def trace(*_):
-        nonlocal left
-        left -= 1
-        if left == 0:
-            raise KeyboardInterrupt
-        return trace
-
-    gc.disable()
-    sys.settrace(trace)
-    try:
-        call()
-    finally:
-        sys.settrace(before)
-        if collects:
-            gc.enable()
-    return left <= 0
-
-
-def test_an_interrupt_comes_out_of_a_pause_wherever_it_falls():
-    for event in range(1, 1000):
-        try:
-            assert not interrupted_at(event, lambda: pause(0.001, unless=threading.Event()))
-            break
-        except KeyboardInterrupt:
-            continue
-    assert 5 < event < 1000
+@posix
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("waits", [True, False])
+def test_a_scan_hears_an_interrupt_where_it_holds_nothing(number, waits):
+    passed = []
+    with orderly_end() as end, suppress(KeyboardInterrupt):
+        with heard_in_pauses() as pause:
+            pause(0.0)
+            signal.raise_signal(number)
+            passed.append((end.told, "where it came"))
+            if waits:
+                pause(0.0)
+                passed.append((end.told, "the wait"))
+        passed.append((end.told, "the block"))
+    assert passed == [(False, "where it came")]
+    assert end.exit_code == 128 + number
 
 
 def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, results, monkeypatch, capsys):
