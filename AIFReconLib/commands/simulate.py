@@ -18,6 +18,7 @@ from ..guidance.plan import passes_of
 from ..io.disk.atomic import write_text
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
+from ..machine.threads import usable_cores
 from ..progress import Progress, part
 from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
@@ -172,7 +173,7 @@ def write_simulated_patient(
     phantom.ct.write(files.ct)
     phantom.labels.write(files.labels)
     write_transform(phantom.ct_to_reference, files.ct_to_reference)
-    sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, progress=part(progress, 0.25, 0.9))
+    sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, processes=usable_cores(), progress=part(progress, 0.25, 0.9))
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
     return SimulatedFiles(

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
-from ..arrays import Floats, Integers, Mask, Numbers
+from ..arrays import Floats, Mask, Numbers
 from ..errors import BeamGeometryError
 from ..remedies import Remedy
 from .beams import LINEAR, SECTOR, ProbeGeometry
@@ -20,7 +20,20 @@ from .change import extremes, is_sharp, standing_out
 from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
 from .outline import BORDER_PX, MOST_LOPSIDED_DEG, STEP_PX, SectorFit, fit_sector, has_ragged_narrow_side
-from .rectangle import SMOOTH_LOWER, SMOOTH_UPPER, fit_rectangle, has_bent_ends, has_level_end, is_bent, is_cut_off
+from .rectangle import (
+    SMOOTH_LOWER,
+    SMOOTH_UPPER,
+    Box,
+    Sides,
+    fit_rectangle,
+    has_bent_ends,
+    has_level_end,
+    is_bent,
+    is_cut_off,
+    overlap,
+    straight_sides,
+    without_trace,
+)
 from .region import ClipRectangle, Fan, ImageRegion
 
 LIT = 0.01
@@ -35,19 +48,16 @@ LEVELS, ARC_LEVEL = (0.024, 0.05, 0.1, 0.2, 0.28, 0.4), 0.2
 JOINED_PX, RINGING_PART = 7, 0.01
 """Steps over which changing parts belong together; part of the largest one that others have at least, where they count too."""
 
-TALLEST_TRACE, SMALLEST_PART, SAME = 0.1, 0.02, 0.9
-"""Part of an image's height up to which a band from border to border is none, part that must change, and overlap of boxes that are one."""
+SMALLEST_PART, SAME = 0.02, 0.9
+"""Part of an image that must change, and overlap of boxes that are one."""
 
 SURE_ENOUGH, LARGEST_DOUBT, LARGEST_DOUBT_PX = 0.35, 0.6, 0.8
 """mm of `_doubt` about two levels below which no others are tried, and beyond which, and this many pixels, the probe is not told."""
 
-LARGEST_CHANGE = 0.2
-"""mm by which an apex may differ and still be the same."""
+LARGEST_CHANGE, WRONG = 0.2, 0.5
+"""mm by which an apex may differ and still be the same, and by which it is another."""
 
 BY_CHANGE = ", by what changes between frames"
-
-Box = tuple[int, int, int, int]
-"""First and last column, first and last row."""
 
 NARROWEST = 0.45
 """Width of a linear image by its depth: what is narrower may be the middle of a sector whose sides were covered, straight to a pixel."""
@@ -58,23 +68,15 @@ MOST_STILL = 0.02
 VERTICAL_SLOPE = 0.03
 """Sides that lean less than this (columns per row) are those of a linear probe."""
 
-LINE_TOLERANCE_PX, ON_LINE, FEWEST_POINTS, MOST_ROUNDS = 2.0, 0.75, 10, 5
-"""How far a side may be from its straight line, the part of it that must be on it, its points, and rounds in which those are chosen."""
-
 FULL_BOX, FILLED, EXPLAINED_BOX, EXPLAINED_SECTOR = 0.97, 0.7, 0.9, 0.95
 """Parts of a box that are lit where it is a rectangle at once, and of what was fitted at least; of what is lit that must lie in it."""
 
-WIDEST_AT_TOP, MIDDLE, DIRECTIONS = 0.2, 0.25, 64
-"""Parts of the height in which the widest row is the top of upright sides, and of a sector's angles that are its middle; directions in
-which the outer radius of a sector is looked for."""
+MIDDLE, DIRECTIONS = 0.25, 64
+"""Part of a sector's angles that is its middle; directions in which the outer radius of a sector is looked for."""
 
 
 class _SidesCutOff(BeamGeometryError):
     """What stands on black has upright sides and is no linear image."""
-
-
-Sides = tuple[tuple[float, float], tuple[float, float]]
-"""Left and right side of a lit area, each as (column at row 0, columns per row)."""
 
 
 @dataclass(frozen=True)
@@ -162,7 +164,7 @@ def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> Dete
     rows = np.flatnonzero(lit.any(axis=1))
     columns = np.flatnonzero(lit.any(axis=0))
     box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    sides = _straight_sides(box)
+    sides = straight_sides(box)
     upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
     if box.mean() > FULL_BOX or upright:
         return _rectangle(brightest, lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
@@ -194,7 +196,8 @@ def _by_what_changes(
     boxes: list[Box] = []
     pair: tuple[SectorFit, SectorFit] | None = None
     evidence: list[Numbers] = []
-    for level in np.multiply(LEVELS, brightest.max(initial=0)):
+    levels = iter(np.multiply(LEVELS, brightest.max(initial=0)))
+    for level in levels:
         area = _changed_area(change, level)
         if area.sum() < SMALLEST_PART * area.size:
             break
@@ -209,7 +212,7 @@ def _by_what_changes(
             must_be_level = sides_cut_off or is_cut_off(shown)
             if must_be_level and not has_level_end(more):
                 continue
-            if boxes and _overlap(box, boxes[-1]) > SAME:
+            if boxes and overlap(box, boxes[-1]) > SAME:
                 higher = _changed_area(change, ARC_LEVEL * brightest.max())
                 part = _largest(higher) if higher.any() and not must_be_level else None
                 bent = part is not None and has_bent_ends(part, fit_rectangle(part) or box)
@@ -217,23 +220,33 @@ def _by_what_changes(
             boxes.append(box)
             continue
         evidence = evidence or standing_out(change, brightest)
-        sectors = (_surest_sector(_changed_area(out, level), spacing) for out in evidence)
-        fits += next(([sector] for sector in sectors if sector), [])
+        fits += _sector_at(level, evidence, spacing)
         pair = min(combinations(fits, 2), key=lambda two: _doubt(two[0], two[1], spacing), default=None)
         if pair is not None and _doubt(*pair, spacing) < SURE_ENOUGH:
             break
     if pair is None or _doubt(*pair, spacing) > max(LARGEST_DOUBT, LARGEST_DOUBT_PX * max(spacing)):
         return None
+    # Noise of compressed video may move two levels alike; one that it does not reach is surer
+    best = min(pair, key=lambda fit: fit.apex_error)
+    for fit in chain(fits, *(_sector_at(level, evidence, spacing) for level in levels)):
+        if fit.apex_error < best.apex_error and _apart(fit, best, spacing) > WRONG:
+            return None
     return _as_imaging(*pair, change.shape, spacing)
 
 
 def _largest(area: Mask) -> Mask:
-    return _without_trace(area & largest_area(closed(area, JOINED_PX)))
+    return without_trace(area & largest_area(closed(area, JOINED_PX)))
 
 
 def _with_ringing(area: Mask) -> Mask:
     """Without specks; ringing at the probe's face may stand apart from the rest."""
-    return _without_trace(area & large_areas(closed(area, JOINED_PX), RINGING_PART))
+    return without_trace(area & large_areas(closed(area, JOINED_PX), RINGING_PART))
+
+
+def _sector_at(level: float, evidence: list[Numbers], spacing: tuple[float, float]) -> list[SectorFit]:
+    """The sector by the first evidence that shows one at this level, if any."""
+    sectors = (_surest_sector(_changed_area(out, level), spacing) for out in evidence)
+    return next(([sector] for sector in sectors if sector), [])
 
 
 def _surest_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
@@ -246,12 +259,9 @@ def _surest_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None
     return min((fit for n, fit in enumerate(both) if fit and (n == 0 or fit.far_end_seen)), key=lambda fit: fit.apex_error, default=None)
 
 
-def _without_trace(area: Mask) -> Mask:
-    """An area without a narrow band below that runs from border to border, as a trace of the heart's beat."""
-    last = int(np.flatnonzero(area.any(axis=1))[-1])
-    across = area[last::-1, :BORDER_PX].any(axis=1) & area[last::-1, -BORDER_PX:].any(axis=1)
-    height = int(across.argmin())
-    return area if height > TALLEST_TRACE * len(area) else np.where(np.arange(len(area))[:, None] > last - height, False, area)
+def _apart(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> float:
+    """How far two apexes are apart, mm."""
+    return float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
 
 
 def _doubt(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> float:
@@ -259,18 +269,10 @@ def _doubt(one: SectorFit, other: SectorFit, spacing: tuple[float, float]) -> fl
 
     What noise or compression does to an outline depends on the level; what the probe does, does not.
     """
-    apart = float(np.hypot(*(np.subtract(one.apex_px, other.apex_px) * spacing)))
+    apart = _apart(one, other, spacing)
     if (one.dark_side or other.dark_side) and one.far_end_seen and other.far_end_seen:
         apart = max(apart, abs(one.radii[1] - other.radii[1]))
     return math.hypot(apart, one.apex_error, other.apex_error)
-
-
-def _overlap(one: Box, other: Box) -> float:
-    """The part of two rectangles that both have."""
-    left, right, top, bottom = (pick(bounds) for pick, bounds in zip((max, min, max, min), zip(one, other, strict=True), strict=True))
-    both = max(right - left, 0) * max(bottom - top, 0)
-    sizes = sum((box[1] - box[0]) * (box[3] - box[2]) for box in (one, other))
-    return both / (sizes - both)
 
 
 def _upright(box: Box, values: Numbers, how: str = "") -> DetectedImaging:
@@ -298,45 +300,6 @@ def _as_imaging(one: SectorFit, other: SectorFit, shape: tuple[int, ...], spacin
 
 def _sector_words(apex: tuple[float, float], angles: tuple[float, float]) -> str:
     return f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
-
-
-def _straight_sides(box: Mask) -> Sides | None:
-    """Left and right side of a lit box as (column at row 0, columns per row); None where they are not straight."""
-    height, width = box.shape
-    left = box.argmax(axis=1)
-    right = width - 1 - box[:, ::-1].argmax(axis=1)
-    row = np.arange(height)
-    sides = []
-    for edge, outermost in ((left, left.min()), (right, right.max())):
-        # Below its widest row a sector is bounded by its arc, not by its side
-        widest = int(np.flatnonzero(np.abs(edge - outermost) <= 1)[0])
-        last = height if widest < WIDEST_AT_TOP * height else widest + 1
-        line = _robust_line(row[:last], edge[:last])
-        if line is None:
-            return None
-        sides.append(line)
-    return sides[0], sides[1]
-
-
-def _robust_line(rows: Integers, columns: Integers) -> tuple[float, float] | None:
-    """Column at row 0 and columns per row of the line that most points are on; None when fewer than `ON_LINE` are."""
-    if rows.size < FEWEST_POINTS:
-        return None
-    y, x = rows.astype(np.float64), columns.astype(np.float64)
-    step = max(y.size // 3, 1)
-    slope = float(np.median((x[step:] - x[:-step]) / (y[step:] - y[:-step])))
-    offset = float(np.median(x - slope * y))
-    before: Mask | None = None
-    for _ in range(MOST_ROUNDS):
-        near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
-        if near.sum() < FEWEST_POINTS:
-            return None
-        if before is not None and np.array_equal(near, before):
-            break
-        before = near
-        slope, offset = (float(v) for v in np.polyfit(y[near], x[near], 1))
-    near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
-    return (offset, slope) if near.mean() >= ON_LINE else None
 
 
 def _rectangle(brightest: Numbers, lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:

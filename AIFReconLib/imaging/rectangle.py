@@ -21,6 +21,21 @@ from .outline import (
     straightest,
 )
 
+Box = tuple[int, int, int, int]
+"""First and last column, first and last row."""
+
+Sides = tuple[tuple[float, float], tuple[float, float]]
+"""Left and right side of a lit area, each as (column at row 0, columns per row)."""
+
+LINE_TOLERANCE_PX, ON_LINE, FEWEST_POINTS, MOST_ROUNDS = 2.0, 0.75, 10, 5
+"""How far a side may be from its straight line, the part of it that must be on it, its points, and rounds in which those are chosen."""
+
+WIDEST_AT_TOP = 0.2
+"""Part of the height in which the widest row is the top of upright sides."""
+
+TALLEST_TRACE = 0.1
+"""Part of an image's height up to which a band from border to border is no ultrasound."""
+
 EDGE_PARTS, FEWEST_PARTS = 16, 5
 """Parts of an upper or lower edge, whose median rows are looked at."""
 
@@ -54,7 +69,7 @@ def is_bent(edge: Integers, smooth: float, only_down: bool = True) -> bool:
     return False
 
 
-def fit_rectangle(area: Mask, has_level_face: bool = False) -> tuple[int, int, int, int] | None:
+def fit_rectangle(area: Mask, has_level_face: bool = False) -> Box | None:
     """First and last column, first and last row of the upright rectangle that an area is part of; None where that cannot be told.
 
     Two sides that are straight along most of their length and stand upright tell it, or one and a level end.
@@ -95,7 +110,7 @@ def fit_rectangle(area: Mask, has_level_face: bool = False) -> tuple[int, int, i
     return left, right, top, bottom
 
 
-def has_bent_ends(area: Mask, box: tuple[int, int, int, int]) -> bool:
+def has_bent_ends(area: Mask, box: Box) -> bool:
     """Whether the near or the far end of an area in a rectangle is an arc, as of a sector whose sides were covered."""
     left, right, top, bottom = (max(bound, 0) for bound in box)
     shown = area[top : bottom + 1, left : right + 1]
@@ -113,3 +128,58 @@ def has_level_end(area: Mask) -> bool:
     outline = outline_of(area, 1.0)
     end = outline.top if is_cut_off(area) else outline.bottom
     return bool(most_at(end[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
+
+
+def overlap(one: Box, other: Box) -> float:
+    """The part of two rectangles that both have."""
+    left, right, top, bottom = (pick(bounds) for pick, bounds in zip((max, min, max, min), zip(one, other, strict=True), strict=True))
+    both = max(right - left, 0) * max(bottom - top, 0)
+    sizes = sum((box[1] - box[0]) * (box[3] - box[2]) for box in (one, other))
+    return both / (sizes - both)
+
+
+def without_trace(area: Mask) -> Mask:
+    """An area without a narrow band below that runs from border to border, as a trace of the heart's beat."""
+    last = int(np.flatnonzero(area.any(axis=1))[-1])
+    across = area[last::-1, :BORDER_PX].any(axis=1) & area[last::-1, -BORDER_PX:].any(axis=1)
+    height = int(across.argmin())
+    return area if height > TALLEST_TRACE * len(area) else np.where(np.arange(len(area))[:, None] > last - height, False, area)
+
+
+def straight_sides(box: Mask) -> Sides | None:
+    """Left and right side of a lit box as (column at row 0, columns per row); None where they are not straight."""
+    height, width = box.shape
+    left = box.argmax(axis=1)
+    right = width - 1 - box[:, ::-1].argmax(axis=1)
+    row = np.arange(height)
+    sides = []
+    for edge, outermost in ((left, left.min()), (right, right.max())):
+        # Below its widest row a sector is bounded by its arc, not by its side
+        widest = int(np.flatnonzero(np.abs(edge - outermost) <= 1)[0])
+        last = height if widest < WIDEST_AT_TOP * height else widest + 1
+        line = _robust_line(row[:last], edge[:last])
+        if line is None:
+            return None
+        sides.append(line)
+    return sides[0], sides[1]
+
+
+def _robust_line(rows: Integers, columns: Integers) -> tuple[float, float] | None:
+    """Column at row 0 and columns per row of the line that most points are on; None when fewer than `ON_LINE` are."""
+    if rows.size < FEWEST_POINTS:
+        return None
+    y, x = rows.astype(np.float64), columns.astype(np.float64)
+    step = max(y.size // 3, 1)
+    slope = float(np.median((x[step:] - x[:-step]) / (y[step:] - y[:-step])))
+    offset = float(np.median(x - slope * y))
+    before: Mask | None = None
+    for _ in range(MOST_ROUNDS):
+        near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
+        if near.sum() < FEWEST_POINTS:
+            return None
+        if before is not None and np.array_equal(near, before):
+            break
+        before = near
+        slope, offset = (float(v) for v in np.polyfit(y[near], x[near], 1))
+    near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
+    return (offset, slope) if near.mean() >= ON_LINE else None

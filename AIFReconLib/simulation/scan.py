@@ -7,6 +7,7 @@ that tilts turn about the target as those of a wearable or hand-held probe do.
 from __future__ import annotations
 
 import math
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,8 +20,9 @@ from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..progress import Progress, report
 from ..sweep.frames import FrameRecord, TrackedSequence
+from .images import Images
 from .phased_array import PhasedArray
-from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
+from .ultrasound import UltrasoundEffects, UltrasoundTarget
 
 FRAME_RATE = 20.0
 """Hz."""
@@ -278,9 +280,10 @@ def simulate_sweep(
     errors: TrackingErrors | None = None,
     effects: UltrasoundEffects | None = None,
     seed: int = 0,
+    processes: int = 1,
     progress: Progress | None = None,
 ) -> TrackedSequence:
-    """The recording of a scan, as Plus would write it.
+    """The recording of a scan, as Plus would write it; several `processes` draw its images.
 
     Returns
     -------
@@ -303,10 +306,12 @@ def simulate_sweep(
     reference_to_tracker = tracker_poses(path.timestamps)
     statuses = _dropouts(len(path), errors.dropout, rng)
     images = np.empty((len(path), probe.rows, probe.columns), dtype=np.uint8)
+    with closing(Images(phantom, true_probe, probe_to_reference, seed, effects).drawn(processes)) as drawn:
+        for n in range(len(path)):
+            report(progress, n / len(path), "Simulating ultrasound frames")
+            images[n] = next(drawn)
     records = []
     for n, timestamp in enumerate(path.timestamps):
-        report(progress, n / len(path), "Simulating ultrasound frames")
-        images[n] = simulate_frame(phantom, true_probe, probe_to_reference[n], np.random.default_rng([seed, 31, n]), effects)
         shake = np.eye(4)
         shake[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(errors.noise_deg) * rng.standard_normal(3)).as_matrix()
         shake[:3, 3] = errors.noise * rng.standard_normal(3)

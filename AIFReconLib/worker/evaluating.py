@@ -17,6 +17,7 @@ from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.seen import GuidanceSeen, Share
+from ..machine.threads import usable_cores
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
@@ -99,7 +100,9 @@ def simulated_patient(
     anatomy = LumbarAnatomy.from_seed(seed, vertebrae=vertebrae)
     phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=place, progress=part(progress, 0.0, 0.55))
     probe = PhasedArray()
-    sweep = simulate_sweep(phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, progress=part(progress, 0.55, 1.0))
+    sweep = simulate_sweep(
+        phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, processes=usable_cores(), progress=part(progress, 0.55, 1.0)
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "PlusDeviceSet.xml"
         path.write_text(plus_configuration_xml(probe), encoding="utf-8")
