@@ -14,12 +14,12 @@ import numpy as np
 from ..bone.map import BoneMap
 from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
+from ..compounding.state import Reconstruction
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import IN_WORDS, BoneMetrics, achieved, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
-from ..geometry.volume import Volume
 from ..guidance.coverage import Coverage, coverage
 from ..guidance.seen import Share
 from ..io.disk.atomic import write_text
@@ -86,7 +86,8 @@ def run(arguments: argparse.Namespace) -> None:
     folder: Path = arguments.output
     check_simulated_folder(folder, [*FILES, "comparison.png", "metrics.csv", "report.html", *(f"reconstruction-{m}.nrrd" for m in METHODS)])
     # While the patient is simulated, what the last method needs is compiled
-    with ProgressBar() as progress, compiled_aside(Recipe(), np.dtype(np.uint8)):
+    bar = ProgressBar()
+    with bar as progress, compiled_aside(Recipe(), np.dtype(np.uint8)):
         files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5))
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)
@@ -96,8 +97,8 @@ def run(arguments: argparse.Namespace) -> None:
         met = coverage(sequence, labels, progress=part(progress, 0.57, 0.6))
         metrics: dict[str, BoneMetrics] = {}
         settings: dict[str, Recipe] = {}
-        shown: dict[str, Volume] = {}
-        for number, method in enumerate(METHODS):
+
+        def made(number: int, method: str) -> Reconstruction:
             step = part(progress, 0.6 + 0.35 * number / len(METHODS), 0.6 + 0.35 * (number + 1) / len(METHODS))
             asked = Recipe(method=method, spacing=SPACING, hole_limit=HOLE_LIMIT)
             settings[method] = resolve_settings(asked, sequence.configuration, True)
@@ -105,13 +106,22 @@ def run(arguments: argparse.Namespace) -> None:
             result = reconstruct(sequence, settings[method], bone, beside=(), progress=part(step, 0.0, 0.8))
             result.intensity.write(folder / f"reconstruction-{method}.nrrd")
             metrics[method] = evaluate(result.intensity, truth, result.mask)
-            if method in COMPARED_METHODS:
-                shown[method] = result.intensity
-        progress(0.95, "Drawing")
+            return result
+
+        # What the picture shows comes first, and the picture before the rest
+        results = {method: made(number, method) for number, method in enumerate(COMPARED_METHODS)}
+        result = results[COMPARED_METHODS[0]]
         figure = folder / "comparison.png"
         ct = read_volume(files.ct).placed_by(ct_to_reference)
         title = f"Simulated lumbar spine, {len(sequence)} tracked frames"
+        shown = {method: one.intensity for method, one in results.items()}
         compare_figure(figure, ct, shown, files.center_ras, bone=labels, mask=result.mask, title=title)
+        bar.clear()
+        print(f"look at {figure}; the other methods and the report follow", flush=True)
+        others = [method for method in METHODS if method not in results]
+        for number, method in enumerate(others, len(results)):
+            made(number, method)
+        metrics = {method: metrics[method] for method in METHODS}
         write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted))
         size = " x ".join(str(n) for n in result.grid.size)
         report = _report(arguments.seed, files, metrics, settings, result.frames_inserted, size, met)

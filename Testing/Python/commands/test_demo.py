@@ -51,6 +51,10 @@ def rows(folder):
         return {row["volume"]: row for row in csv.DictReader(file)}
 
 
+def test_the_demo_says_where_its_picture_is_before_the_rest_is_made(printed, folder):
+    assert printed[0] == f"look at {folder / 'comparison.png'}; the other methods and the report follow"
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_demo_writes_a_volume_for_every_method(folder, method):
     assert read_volume(folder / f"reconstruction-{method}.nrrd").array.max() > 150

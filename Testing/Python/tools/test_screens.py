@@ -53,6 +53,10 @@ def test_a_box_most_of_which_stands_still_is_refused():
     assert judged(decoy(80260))[0] == REFUSED
 
 
+def test_a_sector_of_which_a_surer_level_tells_another_apex_is_refused():
+    assert judged(screen(110121))[0] == REFUSED
+
+
 def test_the_judge_sees_an_apex_that_is_off_by_more_than_half_a_millimeter():
     made = screen(4)
     found = detect_imaging(made.images, made.spacing)
