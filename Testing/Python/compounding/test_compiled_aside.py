@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from waiting import until
 
 pytest.importorskip("numba", reason="numba is not installed")
 from AIFReconLib.compounding.compiled.aside import compiled_aside
@@ -45,11 +46,20 @@ if __name__ == "__main__":
 """
 
 
-def told_by_job(folder, kind, beforehand=False, before="pass") -> list[str]:
+def started_job(folder, kind, beforehand=False, before="pass") -> subprocess.Popen:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONHASHSEED": "0", "NUMBA_NUM_THREADS": "2"}
     program = JOB.format(kind=kind, beforehand=beforehand, before=before)
-    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
-    return done.stdout.split()
+    return subprocess.Popen([sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def told_by(job) -> list[str]:
+    said, error = job.communicate()
+    assert job.returncode == 0, error
+    return said.split()
+
+
+def told_by_job(*asked, **options) -> list[str]:
+    return told_by(started_job(*asked, **options))
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +83,21 @@ def test_a_job_is_the_same_where_what_compiles_aside_is_ended(tmp_path, told):
     ended = told_by_job(tmp_path, "uint8", before=killed)
     assert ended[:3] == told[:3]
     assert ended[3:] == ["1", "1"]
+
+
+def test_two_jobs_at_once_that_find_nothing_kept_are_right(tmp_path, told):
+    jobs = [started_job(tmp_path, "uint8") for _ in range(2)]
+    assert [told_by(job)[:3] for job in jobs] == [told[:3]] * 2
+    assert told_by_job(tmp_path, "uint8") == told
+
+
+def test_after_a_job_that_was_killed_while_it_compiled_the_next_is_whole(tmp_path, told):
+    job = started_job(tmp_path, "uint8")
+    assert until(lambda: job.poll() is not None or any(tmp_path.rglob("*.nbc")))
+    job.kill()
+    job.communicate()
+    assert job.returncode < 0  # it was at work
+    assert told_by_job(tmp_path, "uint8")[:3] == told[:3]
 
 
 def started(monkeypatch, recipe, *, kept=False, cores="2"):
