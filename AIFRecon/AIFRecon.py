@@ -74,8 +74,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.__init__(self, parent)
         VTKObservationMixin.__init__(self)
         self._isSetUp = False
-        self._parameterNode = None
-        self._parameterNodeTags = None
+        self._parameterNode = self._parameterNodeTags = None
 
     # ---- life of the panel
 
@@ -116,8 +115,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
 
     def cleanup(self) -> None:
         """Let go of everything; called when the application closes or the module is reloaded."""
-        if not self._isSetUp:
-            return  # the .ui file could not be loaded, or all is let go of already
+        if not self._isSetUp:  # the .ui file could not be loaded, or all is let go of already
+            return
         self._isSetUp = False
         self._work.close()
         self._live.close(sceneStays=True)
@@ -154,6 +153,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def onSceneIsNew(self, caller, event) -> None:
         """Begin anew with what the scene holds after it was closed, or after another was loaded into it."""
         if self.parent.isEntered:
+            self.logic.display.showUnseen(self.logic.getParameterNode())
             self.initializeParameterNode()
 
     def initializeParameterNode(self) -> None:

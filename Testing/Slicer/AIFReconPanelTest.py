@@ -226,6 +226,18 @@ class AIFReconPanelTest(unittest.TestCase):
         again = self.widget.logic.reconstruct(parameters.sweep, parameters.bone, spacing=1.0, alpha=0.4)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(again), voxels)
 
+    def test_of_a_scene_that_is_loaded_beside_itself_the_later_one_is_shown_whole(self):
+        self.addInputs()
+        self.ui.applyButton.click()
+        first = self.parameters.output
+        told = self.ui.trackingVerdictLabel.text, self.ui.registrationVerdictLabel.text
+        tinyScene.saveAndOpenAgain(self, beside=True)
+        later = self.widget._parameterNode.output
+        self.assertEqual((later is first, later.GetName()), (False, first.GetName()))
+        shown = {each.GetForegroundVolumeID() for each in slicer.util.getNodesByClass("vtkMRMLSliceCompositeNode")}
+        self.assertEqual(shown - {None}, {later.GetID()})
+        self.assertEqual((self.ui.trackingVerdictLabel.text, self.ui.registrationVerdictLabel.text), told)
+
     def test_what_was_said_goes_with_what_it_was_said_about(self):
         from AIFReconGui import sampleData
 

@@ -45,13 +45,14 @@ def recordElsewhere(test) -> None:
     scene.SetURL("")
 
 
-def saveAndOpenAgain(test) -> None:
-    """Save the scene, close it, and load it from its file."""
+def saveAndOpenAgain(test, beside=False) -> None:
+    """Save the scene, close it, and load it from its file; or load it beside what there is."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "scene.mrb"
         test.assertTrue(slicer.mrmlScene.WriteToMRB(str(path)))
-        slicer.mrmlScene.Clear()
-        test.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), True))
+        if not beside:
+            slicer.mrmlScene.Clear()
+        test.assertTrue(slicer.mrmlScene.ReadFromMRB(str(path), not beside))
 
 
 def rotation(axis: int, degrees: float) -> np.ndarray:

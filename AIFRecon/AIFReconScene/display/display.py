@@ -41,6 +41,11 @@ class SceneDisplay:
             sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
             self.update(parameters)
 
+    def showUnseen(self, parameters) -> None:
+        """Show the output where no view does, as after a scene was loaded into one that shows its own."""
+        if parameters.output is not None and parameters.output.GetImageData() is not None and not sliceDisplay.isShown(parameters.output):
+            self.showOutput(parameters)
+
     def showComparison(self, comparison, parameters, progress=None) -> None:
         """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""
         volumes = [(node, method) for method, node in comparison.volumes.items()]

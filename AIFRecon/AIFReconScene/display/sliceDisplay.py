@@ -50,6 +50,11 @@ def showOverCT(outputNode, ctNode=None, opacity: float = 1.0, views=MAIN_VIEWS, 
             _fit(sliceLogic, outputNode)
 
 
+def isShown(volumeNode) -> bool:
+    """Whether any slice view shows a volume, over another or alone."""
+    return any(volumeNode.GetID() in (each.GetBackgroundVolumeID(), each.GetForegroundVolumeID()) for each in _composites())
+
+
 def showBackground(volumeNode) -> None:
     """Show a volume in the background of the red, yellow and green views, and all of it in those that did not show it."""
     for sliceLogic in _sliceLogics(MAIN_VIEWS):

@@ -22,8 +22,9 @@ from .ctRegistration import rigidPlace
 
 TRACKING, REGISTRATION, COVERAGE = NAMES = ("tracking", "registration", "coverage")
 
-ATTRIBUTE = "AIFRecon.Verdicts"
-"""Of the volume that was reconstructed: its verdicts, for whoever opens the scene later."""
+ATTRIBUTE, ROLE = "AIFRecon.Verdicts", "AIFRecon.Judged"
+"""Of the volume that was reconstructed: its verdicts, for whoever opens the scene later, and references to the nodes that they are about,
+which stay right where a scene is loaded into another and its nodes get other IDs."""
 
 
 class SweepVerdicts:
@@ -117,8 +118,11 @@ class SweepVerdicts:
 
     def _keep(self, output) -> None:
         if output is not None:
+            for nodeID in (each for key, _told in self._known.values() for each in _nodesOf(key)):
+                if nodeID not in _judged(output):
+                    output.AddNodeReferenceID(ROLE, nodeID)
             told = {
-                name: (_lasting(key), told.level.value, told.finding, inPanelWords(told.advice))
+                name: (_lasting(key, output), told.level.value, told.finding, inPanelWords(told.advice))
                 for name, (key, told) in self._known.items()
             }
             output.SetAttribute(ATTRIBUTE, json.dumps(told))
@@ -153,10 +157,23 @@ def _key(name: str, parameters) -> tuple:
     return sweeps, (bone.GetID(), tuple(parameters.boneSegments), place)
 
 
-def _lasting(key: tuple) -> list:
-    """What of a key a scene's file keeps as it was: sequences get other names when it is read."""
+def _nodesOf(key: tuple) -> list[str]:
+    """IDs of the nodes that a key names: sweeps, and the bone where there is one."""
     sweeps, bone = key
-    return _rounded(tuple((sweep[0], sweep[-1]) for sweep in sweeps) + bone)
+    return [*(sweep[0] for sweep in sweeps), *bone[:1]]
+
+
+def _judged(output) -> list[str]:
+    """IDs of the nodes that a volume's verdicts are about."""
+    return [output.GetNthNodeReferenceID(ROLE, n) for n in range(output.GetNumberOfNodeReferences(ROLE))]
+
+
+def _lasting(key: tuple, output) -> list:
+    """What of a key a scene's file keeps as it was, nodes by their place among the references: sequences get other names."""
+    sweeps, bone = key
+    judged = _judged(output)
+    nodes = tuple(judged.index(each) if each in judged else each for each in _nodesOf(key))
+    return _rounded((nodes, tuple(sweep[-1] for sweep in sweeps), bone[1:]))
 
 
 def _rounded(value):
@@ -168,7 +185,7 @@ def _keptWith(output, name: str, key: tuple) -> Verdict | None:
     """The verdict that is kept with a volume, if it is about this; None where nothing readable is."""
     try:
         about, level, finding, advice = json.loads(output.GetAttribute(ATTRIBUTE))[name]
-        return Verdict(Level(level), str(finding), str(advice)) if about == _lasting(key) else None
+        return Verdict(Level(level), str(finding), str(advice)) if about == _lasting(key, output) else None
     except (AttributeError, LookupError, TypeError, ValueError):
         return None
 
