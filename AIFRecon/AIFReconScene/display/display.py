@@ -8,6 +8,7 @@ from AIFReconLib.worker.reconstructing import imaging_of
 
 from ..inputs.parameters import ProbeShape, regionFrom, settingsFrom
 from ..panelWords import inPanelWords
+from ..sceneNodes import nodesOfClass
 from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
 from ..work import inWorker
@@ -42,9 +43,14 @@ class SceneDisplay:
             self.update(parameters)
 
     def showUnseen(self, parameters) -> None:
-        """Show the output where no view does, as after a scene was loaded into one that shows its own."""
-        if parameters.output is not None and parameters.output.GetImageData() is not None and not sliceDisplay.isShown(parameters.output):
-            self.showOutput(parameters)
+        """Show the output where no view does, as after a scene was loaded into one that shows its own: bone of the same name steps back."""
+        output, bone = parameters.output, parameters.bone
+        if output is None or output.GetImageData() is None or sliceDisplay.isShown(output):
+            return
+        for each in nodesOfClass("vtkMRMLSegmentationNode", slicer.mrmlScene):
+            if bone is not None and each is not bone and each.GetName() == bone.GetName():
+                each.SetDisplayVisibility(False)
+        self.showOutput(parameters)
 
     def showComparison(self, comparison, parameters, progress=None) -> None:
         """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""
