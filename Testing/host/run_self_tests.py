@@ -3,11 +3,13 @@
     python Testing/host/run_self_tests.py [-k WORD ...] [--list]
 
 The exit status is 0 when all passed, 1 when one failed, 2 when the host cannot run here or the tests cannot be loaded.
+A test that hangs ends the run after LONGEST seconds: its name is the last one printed, and every thread says where it is.
 """
 
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import importlib.util
 import sys
 import unittest
@@ -15,6 +17,9 @@ from pathlib import Path
 from typing import Any, cast
 
 TESTING = Path(__file__).resolve().parents[1]
+LONGEST = 180
+"""Seconds that one test may take: the longest takes some ten alone."""
+
 sys.path.insert(0, str(TESTING))
 from host import SlicerHost, missing, runHost  # noqa: E402 - the folder must be known first
 
@@ -57,6 +62,7 @@ class Result(unittest.TextTestResult):
     host: SlicerHost
 
     def startTest(self, test):
+        faulthandler.dump_traceback_later(LONGEST, exit=True)
         self.host.reset()
         self._files = self._saved()
         super().startTest(test)

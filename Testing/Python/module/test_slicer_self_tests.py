@@ -14,6 +14,9 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[3]
 HEAVY = ("scipy", "SimpleITK", "matplotlib", "numba", "pyigtl")
 FILES = ["AIFReconTest", *sorted(path.stem for path in (REPOSITORY / "Testing" / "Slicer").glob("*Test.py"))]
+LONGEST = 570
+"""s for one process: less than pytest gives a test, so that what it said is seen."""
+
 GROUPS = 4
 """Processes that the files are shared out to: each starts the application, for seconds."""
 
@@ -56,10 +59,18 @@ def run(*arguments: str) -> subprocess.CompletedProcess:
     """Python on these arguments in the repository; the test is skipped where the host cannot run at all."""
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     command = [sys.executable, *arguments]
-    done = subprocess.run(command, cwd=REPOSITORY, env=environment, capture_output=True, text=True, errors="replace", check=False)
-    if "cannot run here" in done.stderr:
-        pytest.skip(done.stderr.strip().splitlines()[-1])
-    return done
+    with subprocess.Popen(command, cwd=REPOSITORY, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            told, complained = (said.decode(errors="replace") for said in process.communicate(timeout=LONGEST))
+        except subprocess.TimeoutExpired as late:
+            # What is heard ends with the last of all processes that inherited it
+            who = "It" if process.poll() is None else "A process that it has started"
+            process.kill()
+            said = ((late.output or b"") + (late.stderr or b"")).decode(errors="replace")
+            pytest.fail(f"{who} goes on after {LONGEST} s: {said[-6000:]}")
+    if "cannot run here" in complained:
+        pytest.skip(complained.strip().splitlines()[-1])
+    return subprocess.CompletedProcess(command, process.returncode, told, complained)
 
 
 @pytest.mark.parametrize("group", range(GROUPS))
