@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-PATIENCE = 1200.0
+PATIENCE = 300.0
 """s: more than any machine needs, and less than the time after which pytest ends a test that hangs."""
 
 

@@ -14,7 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
 
-PATIENCE = 1200.0
+PATIENCE = 300.0
 """s that a test waits for what must come: more than any machine needs, so that load decides nothing."""
 
 

@@ -113,7 +113,7 @@ class AIFReconRegistrationTest(unittest.TestCase):
         self.ui.checkButton.click()
         os.kill(worker.pid, signal.SIGTERM)
         self.displace()
-        waitFor(lambda: not self.ui.registrationLabel.text)
+        self.assertTrue(waitFor(lambda: not self.ui.registrationLabel.text), self.ui.registrationLabel.text)
         self.assertEqual(self.ui.agreementProgressBar.value, 0)
         self.ui.checkButton.click()
         self.assertIn("do not agree", self.ui.registrationLabel.text)

@@ -13,7 +13,7 @@ import tinyScene
 LOOK_EVERY = 100
 """Frames between two looks."""
 
-PATIENCE = 1200.0
+PATIENCE = 300.0
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from .killing import duration_of, left_in, names_of, version_of
 from .ledger import Entry, Ledger
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-PATIENCE = 1200.0
+PATIENCE = 500.0
 """s that a command may take to end after it was told to."""
 
 

@@ -131,7 +131,6 @@ def guidance(module, folder: Path) -> None:
     node = slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLViewNode")
     node.SetBoxVisible(False)
     node.SetAxisLabelsVisible(False)
-    # Views that are there already draw the legend
     with view_render.OffscreenThreeDView(node, module.application, (560, 480)) as view:
         ui.guidanceCheckBox.click()
         module.check()

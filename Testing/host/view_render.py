@@ -31,7 +31,6 @@ THREE_D_MANAGERS = (
     "vtkMRMLSegmentationsDisplayableManager3D",
     "vtkMRMLMarkupsDisplayableManager",
     "vtkMRMLOrientationMarkerDisplayableManager",
-    "vtkMRMLColorLegendDisplayableManager",
 )
 
 _PROBE = """

@@ -4,7 +4,7 @@ from html import escape
 
 import slicer
 from AIFReconScene.display import threeDViews
-from AIFReconScene.display.boneColors import BoneColors
+from AIFReconScene.display.boneColors import BoneColors, colorsInWords
 from AIFReconScene.display.ghostProbe import GhostProbe
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneNodes import boneNames, inNames
@@ -67,6 +67,7 @@ class GuidancePanel(PanelPart):
         with slicer.util.RenderBlocker():
             self._clearMove()
             self._colors.clear()
+        self._explain()
 
     def close(self) -> None:
         """The scene or the panel is being closed."""
@@ -139,6 +140,15 @@ class GuidancePanel(PanelPart):
                 self._ui.guidanceTableLabel.text = _table(seen, names)
                 self._showMove(seen, names)
                 self._turn(seen.patient_to_reference)
+        self._explain()
+
+    def _explain(self) -> None:
+        """Say what the colors stand for, while bone is drawn in them."""
+        words = "" if self._colors.node is None else colorsInWords()
+        for label in (self._ui.guidanceColorsLabel, self._ui.liveColorsLabel):
+            if label and label.text != words:
+                label.visible = bool(words)
+                say(label, words)
 
     def _turn(self, patientToWorld) -> None:
         """The first time, look at the bone as the probe does, from the back: the side that takes on color."""

@@ -1,4 +1,4 @@
-"""Bone in the colors of how squarely a scan has met it: a model of its own, with display, colors and legend of its own."""
+"""Bone in the colors of how squarely a scan has met it: a model of its own, with display and colors of its own."""
 
 import numpy as np
 import slicer
@@ -6,7 +6,6 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from ..sceneNodes import nodesOfClass
 from .borrowed import Borrowed
 from .ownNodes import OwnNodes, colorBy, polyData, setScalars
 
@@ -19,9 +18,6 @@ of them are alike to the color-blind."""
 
 HIDDEN = Borrowed("Visibility3D", False, "AIFRecon.HiddenIn3D")
 """Segments are not drawn in 3D while these colors are."""
-
-LEGEND, LETTERS = (0.32, 0.42), 16
-"""Part of a view that the legend takes, across and up, and its letters in points: Slicer makes them so small that the longest fits."""
 
 
 class BoneColors:
@@ -81,12 +77,7 @@ class BoneColors:
         node.SetSelectable(False)
         node.SetAndObserveDisplayNodeID(display.GetID())
         node.SetAndObservePolyData(surface)
-        node = self._own.add("bone", node)
-        legend = slicer.modules.colors.logic().AddDefaultColorLegendDisplayNode(node)
-        if legend is not None:
-            _arrange(legend)
-            self._own.add("legend", legend)
-        return node
+        return self._own.add("bone", node)
 
 
 def _hideSegments(bone) -> None:
@@ -100,20 +91,13 @@ def levelNames() -> tuple:
     return _("out of reach"), _("not hit"), _("grazing, over 60\u00b0"), _("obliquely, 45 to 60\u00b0"), _("squarely, below 45\u00b0")
 
 
-def _arrange(legend) -> None:
-    with slicer.util.NodeModify(legend):
-        legend.SetTitleText(_("How the beam hits bone"))
-        legend.SetUseColorNamesForLabels(True)
-        legend.SetMaxNumberOfColors(len(COLORS))
-        legend.SetNumberOfLabels(len(COLORS))
-        legend.SetSize(*LEGEND)
-        legend.SetPosition(0.97, 0.1)
-        for letters in (legend.GetTitleTextProperty(), legend.GetLabelTextProperty()):
-            letters.SetFontFamilyToArial()
-            letters.SetFontSize(LETTERS)
-        # Slice views do not show these colors
-        for view in nodesOfClass("vtkMRMLViewNode", slicer.mrmlScene):
-            legend.AddViewNodeID(view.GetID())
+def colorsInWords() -> str:
+    """What the colors stand for, as HTML: in the panel, where it covers nothing of what is colored."""
+    told = [_("How the beam hits bone:")]
+    for color, name in zip(reversed(COLORS), reversed(levelNames())):
+        square = "".join(f"{round(255 * part):02x}" for part in color)
+        told.append(f"<span style='background-color:#{square}'>&nbsp;&nbsp;&nbsp;</span>&nbsp;{name.replace(' ', '&nbsp;')}")
+    return " &nbsp; ".join(told)
 
 
 def _surface(mesh, levels: np.ndarray) -> vtk.vtkPolyData:
