@@ -45,7 +45,7 @@ def addPhantom(progress=None):
 
     from AIFReconLib.progress import part
 
-    with addedTogether(slicer.mrmlScene):
+    with addedTogether():
         phantom = loadPhantom(part(progress, 0.0, 0.9))
         makeSurface(phantom.segmentation, part(progress, 0.9, 0.95))
         showInputs(phantom.browser, phantom.ct)

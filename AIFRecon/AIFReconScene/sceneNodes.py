@@ -6,11 +6,6 @@ import slicer
 import vtk
 
 
-def nodesOfClass(className: str, scene) -> list:
-    """The nodes of a class in a scene, in the scene's order."""
-    return [scene.GetNthNodeByClass(index, className) for index in range(scene.GetNumberOfNodesByClass(className))]
-
-
 def proxiesOf(browser) -> list:
     """The nodes that a sequence browser replays into; none without a browser."""
     return [] if browser is None else _collected(browser.GetAllProxyNodes)
@@ -45,34 +40,31 @@ def setWindow(display, low: float, high: float) -> None:
 
 
 @contextlib.contextmanager
-def addedTogether(scene):
-    """What is added to a scene within stays if all goes well; where something raises, a cancel too, it is taken out again."""
-    before = {node.GetID() for node in _all(scene)}
+def addedTogether():
+    """What is added to the scene within stays if all goes well; where something raises, a cancel too, it is taken out again."""
+    before = {node.GetID() for node in slicer.util.getNodesByClass("vtkMRMLNode")}
     try:
         yield
     except BaseException:
         # Singletons belong to the application
-        added = [node for node in _all(scene) if node.GetID() not in before and not node.GetSingletonTag()]
+        added = [node for node in slicer.util.getNodesByClass("vtkMRMLNode") if node.GetID() not in before and not node.GetSingletonTag()]
         # Browsers first: they make the nodes anew that they replay into
-        removeNodes(sorted(added, key=lambda node: node.IsA("vtkMRMLSequenceBrowserNode")), scene)
+        removeNodes(sorted(added, key=lambda node: node.IsA("vtkMRMLSequenceBrowserNode")))
         raise
 
 
-def _all(scene) -> list:
-    return [scene.GetNthNode(number) for number in range(scene.GetNumberOfNodes())]
-
-
-def freeName(name: str, scene) -> str:
+def freeName(name: str) -> str:
     """`name`, with a number where a node has it already. Unlike the scene's own, a name that was not used in the end is given again."""
     number, free = 0, name
-    while scene.GetFirstNodeByName(free) is not None:
+    while slicer.mrmlScene.GetFirstNodeByName(free) is not None:
         number += 1
         free = f"{name}_{number}"
     return free
 
 
-def removeNodes(nodes, scene) -> None:
-    """Take nodes out of a scene, the last first, with the display and storage nodes that were made for them."""
+def removeNodes(nodes) -> None:
+    """Take nodes out of the scene, the last first, with the display and storage nodes that were made for them."""
+    scene = slicer.mrmlScene
     for node in reversed(list(nodes)):
         if node is None or node.GetScene() is not scene:
             # What went with another of them; Slicer logs an error for each that is taken out twice

@@ -176,7 +176,7 @@ class RecordedPanel(PanelPart):
     def _sample(self, parameters, progress) -> str:
         from ..sampleData import addPhantom
 
-        with addedTogether(slicer.mrmlScene):
+        with addedTogether():
             addPhantom(part(progress, 0.0, 0.6))
             readiness.chooseDefaults(parameters)
             return self._logic.apply(parameters, part(progress, 0.6, 1.0))

@@ -2,8 +2,6 @@
 
 import slicer
 
-from ..sceneNodes import nodesOfClass
-
 
 class Borrowed:
     """One property of the display of segments, changed on one display at a time.
@@ -28,7 +26,7 @@ class Borrowed:
 
     def follow(self, display) -> None:
         """Change this display, or none, and give back what was changed of any other one in the scene."""
-        for other in nodesOfClass("vtkMRMLSegmentationDisplayNode", slicer.mrmlScene):
+        for other in slicer.util.getNodesByClass("vtkMRMLSegmentationDisplayNode"):
             if other is not display and other.GetAttribute(self._attribute) is not None:
                 self._giveBack(other)
         if display is not None and display.GetAttribute(self._attribute) is None:

@@ -8,7 +8,6 @@ from AIFReconLib.worker.reconstructing import imaging_of
 
 from ..inputs.parameters import ProbeShape, regionFrom, settingsFrom
 from ..panelWords import inPanelWords
-from ..sceneNodes import nodesOfClass
 from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
 from ..work import inWorker
@@ -47,7 +46,7 @@ class SceneDisplay:
         output, bone = parameters.output, parameters.bone
         if output is None or output.GetImageData() is None or sliceDisplay.isShown(output):
             return
-        for each in nodesOfClass("vtkMRMLSegmentationNode", slicer.mrmlScene):
+        for each in slicer.util.getNodesByClass("vtkMRMLSegmentationNode"):
             if bone is not None and each is not bone and each.GetName() == bone.GetName():
                 each.SetDisplayVisibility(False)
         self.showOutput(parameters)

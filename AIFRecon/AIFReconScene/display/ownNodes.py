@@ -9,30 +9,19 @@ from ..sceneNodes import colorTable, removeNodes
 
 
 class OwnNodes:
-    """Nodes by what they are for, made when they are first wanted, and anew where somebody has deleted them.
+    """Nodes by what they are for, made when they are first wanted, and anew where somebody has deleted them."""
 
-    Parameters
-    ----------
-    scene : vtkMRMLScene or None
-        Default: Slicer's scene.
-    """
-
-    def __init__(self, scene=None):
-        self._scene, self._ids = scene, {}
-
-    @property
-    def scene(self):
-        """The scene that they are in."""
-        return self._scene or slicer.mrmlScene
+    def __init__(self):
+        self._ids = {}
 
     def get(self, what: str):
         """The node; None where there is none."""
-        return self.scene.GetNodeByID(self._ids[what]) if what in self._ids else None
+        return slicer.mrmlScene.GetNodeByID(self._ids[what]) if what in self._ids else None
 
     def add(self, what: str, node):
         """Put a node into the scene, if it is in none, and keep it; returns it."""
         node.SetSaveWithScene(False)
-        node = node if node.GetScene() is not None else self.scene.AddNode(node)
+        node = node if node.GetScene() is not None else slicer.mrmlScene.AddNode(node)
         self._ids[what] = node.GetID()
         return node
 
@@ -40,7 +29,7 @@ class OwnNodes:
         """A model node with its display."""
         node = self.get(what)
         if node is None:
-            node = self.add(what, self.scene.AddNewNodeByClass("vtkMRMLModelNode", name))
+            node = self.add(what, slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", name))
             node.SetSelectable(False)
             node.CreateDefaultDisplayNodes()
             node.GetDisplayNode().SetSaveWithScene(False)
@@ -57,7 +46,7 @@ class OwnNodes:
     def remove(self, *what: str) -> None:
         """Take these out of the scene, or all of them, the last one first."""
         taken = [self._ids.pop(each) for each in what or tuple(self._ids) if each in self._ids]
-        removeNodes([self.scene.GetNodeByID(each) for each in taken], self.scene)
+        removeNodes([slicer.mrmlScene.GetNodeByID(each) for each in taken])
 
 
 def polyData(points: np.ndarray, polygons=(), lines=()) -> vtk.vtkPolyData:

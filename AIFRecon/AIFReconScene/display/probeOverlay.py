@@ -36,8 +36,8 @@ class ProbeOverlay:
     removes the nodes.
     """
 
-    def __init__(self, scene=None) -> None:
-        self._own = OwnNodes(scene)
+    def __init__(self) -> None:
+        self._own = OwnNodes()
 
     def showProbe(self, browser, imageSequence, probe: ProbeGeometry, region: ImageRegion):
         """Draw the area that is ultrasound and some beams; the model node, made or brought up to date.

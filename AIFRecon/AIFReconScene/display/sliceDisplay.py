@@ -176,9 +176,8 @@ def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True,
     """
     if not 1 <= len(volumes) <= MOST_VIEWS:
         raise SettingsError(f"Input volumes must be 1 to {MOST_VIEWS}; got {len(volumes)}. Choose which to compare.")
-    scene = volumes[0][0].GetScene()
-    layout = _layoutNode(scene)
-    registerLayouts(scene)
+    layout = _layoutNode()
+    registerLayouts()
     number = FIRST_LAYOUT + len(volumes) + (WITH_TABLE if tableNode is not None else 0)
     if not _isOurs(layout.GetViewArrangement()):
         layout.SetAttribute(_PREVIOUS_LAYOUT, str(layout.GetViewArrangement()))
@@ -188,7 +187,7 @@ def showSideBySide(volumes: list, ctNode=None, tableNode=None, fit: bool = True,
         layout.SetViewArrangement(arrangement)
         if progress is not None and progress(1.0, "") is False:  # views have their size once events were handled
             return
-    tableView = scene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
+    tableView = slicer.mrmlScene.GetSingletonNode(TABLE_VIEW_NAME, "vtkMRMLTableViewNode")
     if tableNode is not None and tableView is not None:
         tableView.SetTableNodeID(tableNode.GetID())
     logics = _sliceLogics(_viewNames(len(volumes)))
@@ -232,22 +231,22 @@ def restoreLayout() -> None:
 
     The views that were side by side go: Slicer keeps what it has once made, and a view that is not seen costs about as much as one that is.
     """
-    layout = _layoutNode(slicer.mrmlScene)
+    layout = _layoutNode()
     if _isOurs(layout.GetViewArrangement()):
         previous = layout.GetAttribute(_PREVIOUS_LAYOUT)
         layout.SetViewArrangement(int(previous) if previous else slicer.vtkMRMLLayoutNode.SlicerLayoutFourUpView)
         for logic in _sliceLogics(_viewNames(MOST_VIEWS)):
             inSpace = logic.GetSliceModelDisplayNode(), logic.GetSliceModelTransformNode(), logic.GetSliceModelNode()
-            removeNodes([*inSpace, logic.GetSliceNode(), logic.GetSliceCompositeNode()], layout.GetScene())
+            removeNodes([*inSpace, logic.GetSliceNode(), logic.GetSliceCompositeNode()])
 
 
 def _viewNames(count: int) -> list:
     return [VIEW_NAME.format(number=number) for number in range(1, count + 1)]
 
 
-def registerLayouts(scene=None) -> None:
+def registerLayouts() -> None:
     """Tell the scene's layout node what our layouts are; a saved scene only holds the number of the one that was shown."""
-    layout = _layoutNode(scene or slicer.mrmlScene)
+    layout = _layoutNode()
     for count in range(1, MOST_VIEWS + 1) if layout is not None else ():
         for number, withTable in ((FIRST_LAYOUT + count, False), (FIRST_LAYOUT + WITH_TABLE + count, True)):
             if not layout.IsLayoutDescription(number):
@@ -351,8 +350,8 @@ def _fit(sliceLogic, volumeNode) -> None:
     sliceNode.JumpSliceByCentering(*[(bounds[axis] + bounds[axis + 1]) / 2 for axis in (0, 2, 4)])
 
 
-def _layoutNode(scene):
-    return scene.GetFirstNodeByClass("vtkMRMLLayoutNode")
+def _layoutNode():
+    return slicer.mrmlScene.GetFirstNodeByClass("vtkMRMLLayoutNode")
 
 
 def _isOurs(arrangement: int) -> bool:

@@ -5,7 +5,7 @@ from functools import partial
 import slicer
 import vtk
 
-from ..sceneNodes import nodesOfClass, sequencesOf
+from ..sceneNodes import sequencesOf
 from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from .boxes import isEmpty
 
@@ -17,7 +17,7 @@ class InputWatch:
     """Observes the sweep, its image, the bone and the box that the parameters name, and the other sweeps of the scene.
 
     `onChanged` is called when what is known of them no longer holds, `onMoved` when the sweep merely shows another frame, and
-    ``onGone(node, scene)`` when any node has gone. A node that is about to be deleted is chosen no more, before the panel's lists choose
+    ``onGone(node)`` when any node has gone. A node that is about to be deleted is chosen no more, before the panel's lists choose
     its neighbor instead: a CT that takes the place of a deleted bone would be taken for the probability of bone.
     """
 
@@ -32,7 +32,7 @@ class InputWatch:
         """Observe what these parameters name."""
         sweep, images, bone = parameters.sweep, parameters.imageSequence, parameters.bone
         replayed = {browser: _imageOf(browser, images if browser is sweep else None) for browser in (sweep, *furtherSweeps(parameters))}
-        browsers = nodesOfClass("vtkMRMLSequenceBrowserNode", slicer.mrmlScene)
+        browsers = slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode")
         self._keys = {browser.GetID(): sweepKey(browser, images if browser is sweep else None) for browser in browsers}
         self._boxIsEmpty = parameters.roi is not None and isEmpty(parameters.roi)
         sequences = {each: browser for browser in replayed for each in sequencesOf(browser)}
@@ -89,7 +89,7 @@ class InputWatch:
     @vtk.calldata_type(vtk.VTK_OBJECT)
     def _onNodeGone(self, caller, event, node) -> None:
         if not caller.IsBatchProcessing():
-            self._onGone(node, caller)
+            self._onGone(node)
             self._onNodes(caller, event, node)
 
     def _onImage(self, browser, caller, event) -> None:

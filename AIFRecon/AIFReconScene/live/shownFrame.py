@@ -44,5 +44,5 @@ class ShownFrame:
         """Take the frame out of the scene, and give the red view back as it was."""
         self._views.restore()
         if self.node is not None:
-            removeNodes([self._node], self._node.GetScene())
+            removeNodes([self._node])
         self._node = self.frame = None

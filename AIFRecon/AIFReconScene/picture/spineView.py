@@ -26,21 +26,21 @@ _COLORS = "AIFRecon.SpineColors"
 
 def keepSpine(node, surface, sweepName: str):
     """The model of a `BoneSurface`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
-    scene, model = node.GetScene(), spineOf(node)
+    model = spineOf(node)
     if surface is None:
         node.SetNodeReferenceID(SPINE_ROLE, None)
         if model is not None and hasGivenName(model):
-            removeNodes([model], scene)
+            removeNodes([model])
         return None
     if model is None:
-        model = scene.AddNewNodeByClass("vtkMRMLModelNode")
-        giveName(model, f"{sweepName} bone", scene)
+        model = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode")
+        giveName(model, f"{sweepName} bone")
         node.SetNodeReferenceID(SPINE_ROLE, model.GetID())
     model.SetAndObserveTransformNodeID(None)
     model.SetAndObservePolyData(surfaceOf(surface))
     model.SetDescription("Smoothed for display: not for measuring.")
     _show(model)
-    intoFolder([model], sweepName, scene)
+    intoFolder([model], sweepName)
     return model
 
 

@@ -8,7 +8,7 @@ import slicer
 from AIFReconLib.errors import TransformError
 from AIFReconLib.geometry.transforms import invert
 
-from ..sceneNodes import freeName, nodesOfClass, proxiesOf
+from ..sceneNodes import freeName, proxiesOf
 from ..transforms import matrixToParent, matrixToWorld, parentTransforms, vtkMatrixOf
 
 NAME = "CTToReference"
@@ -46,7 +46,7 @@ class CTPlacement:
 
         The sweep, a sequence browser or None, stays where it is. Errors are those of `transformAbove`; nothing was moved then.
         """
-        mover, scene = transformAbove(bone, ct, browser), bone.GetScene()
+        mover, scene = transformAbove(bone, ct, browser), slicer.mrmlScene
         below = [node for node in (bone, ct) if node is not None]
         above = matrixToWorld(bone if mover is None else mover)
         toParent = invert(above) @ labelsToWorld
@@ -55,7 +55,7 @@ class CTPlacement:
             self._moves.append(_Move(mover.GetID(), matrixToParent(mover).copy(), None))
             mover.SetMatrixTransformToParent(vtkMatrixOf(toParent))
             return
-        mover = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", freeName(NAME, scene))
+        mover = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", freeName(NAME))
         mover.SetMatrixTransformToParent(vtkMatrixOf(toParent))
         mover.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
         self._moves.append(_Move(mover.GetID(), np.eye(4), tuple((node.GetID(), node.GetTransformNodeID()) for node in below)))
@@ -74,7 +74,7 @@ class CTPlacement:
             if move.parents is None:
                 mover.SetMatrixTransformToParent(vtkMatrixOf(move.before))
             else:
-                _takeOut(mover, move.parents, scene)
+                _takeOut(mover, move.parents)
             return True
         return False
 
@@ -96,13 +96,14 @@ def transformAbove(bone, ct, browser):
     return None if mover is None or mover.GetID() in ofSweep else mover
 
 
-def _takeOut(mover, parents, scene) -> None:
+def _takeOut(mover, parents) -> None:
     """Put the nodes back that a transform was made for, and remove it unless somebody has put more below it."""
+    scene = slicer.mrmlScene
     for nodeID, parentID in parents:
         node = scene.GetNodeByID(nodeID)
         if node is not None and node.GetTransformNodeID() == mover.GetID():
             node.SetAndObserveTransformNodeID(parentID if parentID and scene.GetNodeByID(parentID) else None)
-    if not any(node.GetTransformNodeID() == mover.GetID() for node in nodesOfClass("vtkMRMLTransformableNode", scene)):
+    if not any(node.GetTransformNodeID() == mover.GetID() for node in slicer.util.getNodesByClass("vtkMRMLTransformableNode")):
         scene.RemoveNode(mover)
     else:
         mover.SetMatrixTransformToParent(vtkMatrixOf(np.eye(4)))

@@ -4,13 +4,14 @@ from bisect import bisect_left
 from pathlib import Path
 
 import numpy as np
+import slicer
 
 from AIFReconLib.errors import AIFReconError, SequenceFormatError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.io.sequence.slicer import index_seconds
 from AIFReconLib.sweep.pose_tracks import SLICERS_TIME
 
-from ..sceneNodes import nodesOfClass, sequencesOf
+from ..sceneNodes import sequencesOf
 from .sequenceNodes import PROBLEM_ATTRIBUTE, SOURCE_ATTRIBUTE
 from .sweepRecord import readRecord
 
@@ -71,7 +72,7 @@ class BrowserItems:
 
     def otherBrowserOf(self, node):
         """Another browser that replays into `node`, or None."""
-        for browser in nodesOfClass("vtkMRMLSequenceBrowserNode", self.browser.GetScene()):
+        for browser in slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode"):
             if browser is not self.browser and browser.IsProxyNodeID(node.GetID()):
                 return browser
         return None

@@ -50,7 +50,7 @@ CLOSEST_INDEX = 0.002
 """s. Times closer than this cannot number frames: Slicer's files keep times to 1 ms, and it takes values within 1 ms for equal."""
 
 
-def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, scene=None, reference: str | None = None):
+def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, reference: str | None = None):
     """A new sequence browser node that replays `sequence`, whose images are read one after the other.
 
     Its master sequence holds the images. Items are numbered by time stamps rounded to 1 ms, unit s; by frame numbers where time stamps are
@@ -60,10 +60,9 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
 
     Raises AIFReconError when a frame cannot be read, or there is none; the scene is then as it was, as after a cancel.
     """
-    scene = scene or slicer.mrmlScene
     if not len(sequence):
         raise NoUsableFramesError(f"{sequence.name}: it has no frames. Choose another recording.")
-    name = freeName(name, scene)
+    name = freeName(name)
     poses, poseName = _poses(sequence, reference)
     index, unit = indexValues(sequence.records)
     images = _sequenceNode(f"{name}-{IMAGE}", IMAGE, unit)
@@ -83,7 +82,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
         transforms = {poseName: node, **transforms}
     record = recordText(_record(sequence, poses, poseName, index, part(progress, 0.98, 1.0)))
     report(progress, 1.0, "Added the sweep")
-    browser = _addToScene(scene, name, images, transforms, transforms.get(poseName) if poses is not None else None, record)
+    browser = _addToScene(name, images, transforms, transforms.get(poseName) if poses is not None else None, record)
     if unit and len(index) > 1:
         browser.SetPlaybackRateFps(min(max((len(index) - 1) / (float(index[-1]) - float(index[0])), 1.0), FASTEST_REPLAY))
     return browser
@@ -197,9 +196,9 @@ def _setTransform(node, indexValue: str, name: TransformName, matrix: np.ndarray
     return node.SetDataNodeAtValue(transform, indexValue)
 
 
-def _addToScene(scene, name: str, images, transforms: dict, pose, record: str):
+def _addToScene(name: str, images, transforms: dict, pose, record: str):
     """Sequences, browser with its record and the nodes that it replays, the images under the pose; all or nothing."""
-    added = []
+    added, scene = [], slicer.mrmlScene
     scene.SaveStateForUndo()
     try:
         for node in (images, *transforms.values()):
@@ -228,7 +227,7 @@ def _addToScene(scene, name: str, images, transforms: dict, pose, record: str):
             proxies[images].SetAndObserveTransformNodeID(proxies[pose].GetID())
         browser.SetSelectedItemNumber(0)
     except Exception:
-        removeNodes(added, scene)
+        removeNodes(added)
         raise
     return browser
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import slicer
 
 from AIFReconLib.errors import AIFReconError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
@@ -17,7 +18,6 @@ from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.pose_tracks import SLICERS_TIME, PoseTrack
 from AIFReconLib.sweep.poses import sweep_poses
 
-from ..sceneNodes import nodesOfClass
 from ..transforms import ijkToRAS, matrixToParent, parentTransforms
 from .browserItems import BrowserItems, isTransformName, timesOf
 from .sequenceNodes import STATUS_ATTRIBUTE, statusOf
@@ -220,7 +220,7 @@ def _byName(items: BrowserItems, named: dict, reference: str | None) -> list[Fra
 def _staticTransforms(items: BrowserItems, named: dict) -> dict[TransformName, TransformSample]:
     """Linear transforms of the scene that no browser replays and whose names say where they lead: calibrations."""
     found = {}
-    for node in nodesOfClass("vtkMRMLLinearTransformNode", items.browser.GetScene()):
+    for node in slicer.util.getNodesByClass("vtkMRMLLinearTransformNode"):
         if not isTransformName(node.GetName() or ""):
             continue
         name = TransformName.parse(node.GetName())

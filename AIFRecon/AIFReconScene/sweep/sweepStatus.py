@@ -5,7 +5,7 @@ import vtk
 
 from AIFReconLib.message import listed
 
-from ..sceneNodes import nodesOfClass, sequencesOf
+from ..sceneNodes import sequencesOf
 from ..transforms import parentTransforms
 from .sequenceReader import sweepSummary
 
@@ -57,7 +57,7 @@ def sweepKey(browser, imageSequence=None) -> tuple:
     image = browser.GetProxyNode(imageSequence or browser.GetMasterSequenceNode()) if sequences else None
     if image is None or image.GetParentTransformNode() is None:
         # Then the way is found by the names of transforms, calibrations of the scene among them
-        above.update({node.GetID(): node for node in nodesOfClass("vtkMRMLLinearTransformNode", browser.GetScene())})
+        above.update({node.GetID(): node for node in slicer.util.getNodesByClass("vtkMRMLLinearTransformNode")})
     replayed = {proxy.GetID() for proxy in proxies}
     placed = tuple((node.GetID(), node.GetName(), node.GetTransformNodeID()) for node in (*proxies, *above.values()))
     moved = tuple((node.GetID(), _matrixOf(node)) for node in above.values() if node.GetID() not in replayed)
@@ -85,5 +85,5 @@ def offered(parameters, status) -> list:
     if parameters.sweep is None:
         return []
     chosen = furtherSweeps(parameters)
-    others = [node for node in nodesOfClass("vtkMRMLSequenceBrowserNode", slicer.mrmlScene) if node is not parameters.sweep]
+    others = [node for node in slicer.util.getNodesByClass("vtkMRMLSequenceBrowserNode") if node is not parameters.sweep]
     return [node for node in others if node in chosen or not status.of(node).problem]

@@ -9,7 +9,7 @@ from AIFReconLib.worker.reconstructing import compared_methods
 
 from ..inputs.boneNodes import isLabeled, labelsFromNode
 from ..panelWords import remedies
-from ..sceneNodes import nodesOfClass, removeNodes
+from ..sceneNodes import removeNodes
 from ..work import inWorker
 from .metricsTable import updateMetricsTable
 from .volumeNodes import COMPARED_ROLE, giveName, hasGivenName, intoFolder, outputNodes
@@ -56,16 +56,15 @@ def _shareWindow(nodes) -> None:
 
 def _volumes(results: dict, inputs) -> dict:
     """A volume node for each result, by method; new ones go again when one of them cannot be made."""
-    scene = slicer.mrmlScene
     earlier = {node.GetAttribute("AIFRecon.Method"): node for node in _earlier("vtkMRMLScalarVolumeNode", inputs)}
-    scene.SaveStateForUndo()
+    slicer.mrmlScene.SaveStateForUndo()
     volumes = {}
     try:
         for method, result in results.items():
             given = {"intensity": earlier.get(method)}
             volumes[method] = outputNodes(result, _nameOf(inputs), nodes=given, inputs=inputs.nodes())["intensity"]
     except Exception:
-        removeNodes([node for method, node in volumes.items() if node is not earlier.get(method)], scene)
+        removeNodes([node for method, node in volumes.items() if node is not earlier.get(method)])
         raise
     finally:
         for node in volumes.values():
@@ -80,7 +79,7 @@ def _nameOf(inputs) -> str:
 
 def _earlier(className: str, inputs) -> list:
     """What the last comparison of this sweep has left and the user has not made his own."""
-    nodes = [node for node in nodesOfClass(className, slicer.mrmlScene) if node.GetNodeReference(COMPARED_ROLE) is inputs.sweep]
+    nodes = [node for node in slicer.util.getNodesByClass(className) if node.GetNodeReference(COMPARED_ROLE) is inputs.sweep]
     return [node for node in nodes if hasGivenName(node) and not any(node is each for each in inputs.nodes())]
 
 
@@ -88,8 +87,8 @@ def _table(metrics: dict, inputs):
     node = next(iter(_earlier("vtkMRMLTableNode", inputs)), None)
     if node is None:
         node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLTableNode")
-        giveName(node, f"{inputs.name} bone metrics", slicer.mrmlScene)
+        giveName(node, f"{inputs.name} bone metrics")
         node.SetNodeReferenceID(COMPARED_ROLE, inputs.sweep.GetID())
     updateMetricsTable(node, metrics)
-    intoFolder([node], _nameOf(inputs), slicer.mrmlScene)
+    intoFolder([node], _nameOf(inputs))
     return node

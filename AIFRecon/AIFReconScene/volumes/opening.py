@@ -61,7 +61,7 @@ def openedTogether(parameters):
     chosen["otherSweeps"] = list(chosen["otherSweeps"])
     above = [(node, node.GetTransformNodeID()) for node in (parameters.ctVolume, parameters.bone) if node is not None]
     try:
-        with addedTogether(slicer.mrmlScene):
+        with addedTogether():
             yield
     except BaseException:
         for node, transformID in above:
@@ -123,11 +123,11 @@ def openTransform(path):
 
 def _read(kind: str, reader: str, path):
     scene = slicer.mrmlScene
-    node = scene.AddNewNodeByClass(kind, freeName(path.name.split(".")[0], scene))
+    node = scene.AddNewNodeByClass(kind, freeName(path.name.split(".")[0]))
     storage = scene.AddNewNodeByClass(reader)
     storage.SetFileName(str(path))
     if not storage.ReadData(node):
-        removeNodes([node, storage], scene)
+        removeNodes([node, storage])
         raise FileFormatError(f"{path}: the file cannot be read. Open it with Slicer's own Add Data, which says more.")
     node.SetAndObserveStorageNodeID(storage.GetID())
     if node.IsA("vtkMRMLDisplayableNode"):
@@ -141,7 +141,7 @@ def _segmentationOf(volumeNode, progress):
     labels = Volume(slicer.util.arrayFromVolume(volumeNode).copy(), ijkToRAS(volumeNode))
     node = slicer.vtkMRMLSegmentationNode()
     node.SetReferenceImageGeometryParameterFromVolumeNode(volumeNode)
-    removeNodes([volumeNode], scene)
+    removeNodes([volumeNode])
     node.SetName(name)
     scene.AddNode(node)
     node.CreateDefaultDisplayNodes()

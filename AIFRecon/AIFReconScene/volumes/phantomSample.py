@@ -42,30 +42,29 @@ class PhantomNodes:
         return [self.ct, self.segmentation, self.ctToReference, self.browser]
 
 
-def loadPhantom(
-    progress: Progress | None = None, scene=None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING
-) -> PhantomNodes:
+def loadPhantom(progress: Progress | None = None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING) -> PhantomNodes:
     """Simulate a patient and add it to the scene, which is as it was after a cancel; arguments as for `simulated_patient`."""
     share = part(progress, 0.0, 0.95)
-    return addPatient(inWorker(simulated_patient, seed, len(LEVELS), frames, spacing, progress=share), part(progress, 0.95, 1.0), scene)
+    return addPatient(inWorker(simulated_patient, seed, len(LEVELS), frames, spacing, progress=share), part(progress, 0.95, 1.0))
 
 
-def addPatient(patient, progress: Progress | None = None, scene=None) -> PhantomNodes:
-    """Add a `SimulatedPatient` to a scene; arguments as for `loadPhantom`."""
-    scene = scene or slicer.mrmlScene
-    with addedTogether(scene):
-        browser = browserFromSequence(patient.sweep, "Lumbar sweep", part(progress, 0.0, 0.4), scene)
+def addPatient(patient, progress: Progress | None = None) -> PhantomNodes:
+    """Add a `SimulatedPatient` to the scene; arguments as for `loadPhantom`."""
+    scene = slicer.mrmlScene
+    with addedTogether():
+        browser = browserFromSequence(patient.sweep, "Lumbar sweep", part(progress, 0.0, 0.4))
         report(progress, 0.4, "Adding the CT")
         transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
         transform.SetMatrixTransformToParent(vtkMatrixOf(patient.ct_to_reference))
-        ct = _ctNode(patient.ct, scene)
+        ct = _ctNode(patient.ct)
         ct.SetAndObserveTransformNodeID(transform.GetID())
         names = dict(enumerate(LEVELS, start=1))
-        segmentation = segmentationNode("Lumbar vertebrae", patient.labels, names, ct, scene, part(progress, 0.6, 1.0))
+        segmentation = segmentationNode("Lumbar vertebrae", patient.labels, names, ct, part(progress, 0.6, 1.0))
     return PhantomNodes(ct, segmentation, transform, browser)
 
 
-def _ctNode(ct: Volume, scene):
+def _ctNode(ct: Volume):
+    scene = slicer.mrmlScene
     node = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", scene.GenerateUniqueName("Lumbar CT"))
     updateVolumeNode(node, ct)
     node.CreateDefaultDisplayNodes()

@@ -24,21 +24,22 @@ def boneFromCT(parameters, progress=None) -> str:
     with named(ct):
         volume = Volume(slicer.util.arrayFromVolume(ct), ijkToRAS(ct))
         labels = inWorker(bone_of_ct, volume, progress=part(progress, 0.0, 0.9))
-    with addedTogether(ct.GetScene()):
+    with addedTogether():
         name = f"{ct.GetName()} bone"
-        parameters.bone = segmentationNode(name, labels, labels.names, ct, ct.GetScene(), part(progress, 0.9, 1.0))
+        parameters.bone = segmentationNode(name, labels, labels.names, ct, part(progress, 0.9, 1.0))
     return "\n".join(labels.notes)
 
 
 def bentBone(bone, labels: Volume, names: dict[int, str]):
     """A new segmentation of labels in RAS world, called after the bone that they were before each was moved on its own."""
-    scene, name = bone.GetScene(), _("{bone} as scanned").format(bone=bone.GetName())
-    with addedTogether(scene):
-        return segmentationNode(name, labels, names or {int(n): str(n) for n in np.unique(labels.array[labels.array > 0])}, None, scene)
+    name = _("{bone} as scanned").format(bone=bone.GetName())
+    with addedTogether():
+        return segmentationNode(name, labels, names or {int(n): str(n) for n in np.unique(labels.array[labels.array > 0])}, None)
 
 
-def segmentationNode(name: str, labels: Volume, names: dict[int, str], ct, scene, progress=None):
+def segmentationNode(name: str, labels: Volume, names: dict[int, str], ct, progress=None):
     """A new segmentation of labels in a CT's own coordinates, on its voxels and under its transform; without a CT in RAS world."""
+    scene = slicer.mrmlScene
     node = scene.AddNewNodeByClass("vtkMRMLSegmentationNode", scene.GenerateUniqueName(name))
     node.CreateDefaultDisplayNodes()
     if ct is not None:

@@ -13,7 +13,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.worker.evaluating import write_settings
 
-from ..sceneNodes import colorTable, freeName, nodesOfClass, removeNodes, setWindow
+from ..sceneNodes import colorTable, freeName, removeNodes, setWindow
 from ..transforms import vtkMatrixOf
 from ..work import inWorker
 
@@ -76,7 +76,6 @@ def outputNodes(
     *,
     inputs: tuple = (),
     measured: Volume | None = None,
-    scene=None,
 ) -> dict:
     """Nodes for the volumes of a `Reconstruction` by kind, made or brought up to date, in one folder of the subject hierarchy.
 
@@ -95,7 +94,6 @@ def outputNodes(
     measured : Volume or None
         The plain mean of the same echoes, on the same voxels; one that was kept with earlier intensities goes where there is none now.
     """
-    scene = scene or slicer.mrmlScene
     given = {kind: node for kind, node in (nodes or {}).items() if node is not None and kind in kinds}
     if INTENSITY in given:
         earlier = {kind: given[INTENSITY].GetNodeReference(_ROLE.format(kind=kind)) for kind in kinds if kind not in given}
@@ -120,25 +118,25 @@ def outputNodes(
             name = " ".join([sweepName, *{INTENSITY: [result.method], MEASURED: [MEASURED]}.get(kind, [result.method, kind])])
             if node is None:
                 className = "vtkMRMLLabelMapVolumeNode" if kind == MASK else "vtkMRMLScalarVolumeNode"
-                node = scene.AddNewNodeByClass(className)
+                node = slicer.mrmlScene.AddNewNodeByClass(className)
                 made.append(node)
-                giveName(node, name, scene)
+                giveName(node, name)
             elif hasGivenName(node) and re.sub(r"_\d+$", "", node.GetName()) != name:
-                giveName(node, name, scene)
+                giveName(node, name)
             _place(node, images[kind], volume)
             node.SetAttribute("AIFRecon.Method", AVERAGE.name if kind == MEASURED else result.method)
             node.SetAttribute(KIND_ATTRIBUTE, kind)
             node.SetNodeReferenceID(COMPARED_ROLE, None)
-            _show(node, kind, window, scene)
+            _show(node, kind, window)
             placed[kind] = node
         for kind, node in placed.items():
             if INTENSITY in placed and kind != INTENSITY:
                 placed[INTENSITY].SetNodeReferenceID(_ROLE.format(kind=kind), node.GetID())
         if INTENSITY in placed and measured is None:
-            _forgetMeasured(placed[INTENSITY], scene)
-        intoFolder(placed.values(), sweepName, scene)
+            _forgetMeasured(placed[INTENSITY])
+        intoFolder(placed.values(), sweepName)
     except Exception:
-        removeNodes(made, scene)
+        removeNodes(made)
         raise
     return placed
 
@@ -151,21 +149,21 @@ def measuredOf(node):
     return kept if kept.GetImageData().GetDimensions() == node.GetImageData().GetDimensions() else None
 
 
-def _forgetMeasured(node, scene) -> None:
+def _forgetMeasured(node) -> None:
     """What was kept beside the voxels that a volume held before is not of those that it holds now."""
-    _removeHelpers(node, [_ROLE.format(kind=MEASURED)], scene)
+    _removeHelpers(node, [_ROLE.format(kind=MEASURED)])
     node.SetNodeReferenceID(_ROLE.format(kind=MEASURED), None)
 
 
-def goneWith(node, scene) -> None:
+def goneWith(node) -> None:
     """Remove what was kept beside a volume that has left the scene, for the panel alone; what the user has named or asked for stays."""
     if node.GetAttribute(KIND_ATTRIBUTE) == INTENSITY:
-        _removeHelpers(node, [_ROLE.format(kind=MEASURED), SPINE_ROLE], scene)
+        _removeHelpers(node, [_ROLE.format(kind=MEASURED), SPINE_ROLE])
 
 
-def _removeHelpers(node, roles, scene) -> None:
-    kept = filter(None, (scene.GetNodeByID(node.GetNodeReferenceID(role) or "") for role in roles))
-    removeNodes([each for each in kept if hasGivenName(each) and each.GetAttribute(KIND_ATTRIBUTE) in (None, MEASURED)], scene)
+def _removeHelpers(node, roles) -> None:
+    kept = filter(None, (slicer.mrmlScene.GetNodeByID(node.GetNodeReferenceID(role) or "") for role in roles))
+    removeNodes([each for each in kept if hasGivenName(each) and each.GetAttribute(KIND_ATTRIBUTE) in (None, MEASURED)])
 
 
 def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
@@ -206,7 +204,7 @@ def _place(node, imageData, volume: Volume) -> None:
         node.SetIJKToRASMatrix(vtkMatrixOf(volume.ijk_to_reference))
 
 
-def _show(node, kind: str, window: tuple[float, float], scene) -> None:
+def _show(node, kind: str, window: tuple[float, float]) -> None:
     """Window, level and colors. What was not measured is transparent, so that a CT below shows through.
 
     Nothing is interpolated: the empty voxels beside what was measured would darken its rim.
@@ -215,7 +213,7 @@ def _show(node, kind: str, window: tuple[float, float], scene) -> None:
         node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
     if kind == MASK:
-        display.SetAndObserveColorNodeID(_maskColors(scene).GetID())
+        display.SetAndObserveColorNodeID(_maskColors().GetID())
         return
     if kind in (INTENSITY, MEASURED, COSINE):
         setWindow(display, *((0.0, 1.0) if kind == COSINE else window))
@@ -235,7 +233,7 @@ def followIntensity(node, result, shown: tuple[float, float] | None = None) -> t
     """
     window = ultrasoundWindow(result.intensity.array, result.mask.array)
     if node.GetDisplayNode() is not None and shown in (None, windowOf(node)):
-        _show(node, INTENSITY, window, node.GetScene())
+        _show(node, INTENSITY, window)
         return window
     return shown or window
 
@@ -262,26 +260,26 @@ def isRenamed(node) -> bool:
     return node is not None and node.GetAttribute(_NAME_ATTRIBUTE) is not None and not hasGivenName(node)
 
 
-def giveName(node, name: str, scene) -> None:
+def giveName(node, name: str) -> None:
     """Name a node, with a number where that name is taken, and remember it as given here."""
-    node.SetName(freeName(name, scene))
+    node.SetName(freeName(name))
     node.SetAttribute(_NAME_ATTRIBUTE, node.GetName())
 
 
-def _maskColors(scene):
+def _maskColors():
     """The color table of masks, one for all of them."""
-    for node in nodesOfClass("vtkMRMLColorTableNode", scene):
+    for node in slicer.util.getNodesByClass("vtkMRMLColorTableNode"):
         if node.GetAttribute(_MASK_ATTRIBUTE):
             return node
     node = colorTable("AIFRecon mask", zip(MASK_NAMES, MASK_COLORS))
     node.SetAttribute(_MASK_ATTRIBUTE, "1")
     node.SetAttribute("Category", "AIFRecon")
-    return scene.AddNode(node)
+    return slicer.mrmlScene.AddNode(node)
 
 
-def intoFolder(nodes, sweepName: str, scene) -> None:
+def intoFolder(nodes, sweepName: str) -> None:
     """Put nodes into the subject hierarchy's folder for what was made from a sweep, which is made where it is not there."""
-    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(scene)
+    hierarchy = slicer.vtkMRMLSubjectHierarchyNode.GetSubjectHierarchyNode(slicer.mrmlScene)
     top, name = hierarchy.GetSceneItemID(), f"AIFRecon {sweepName}"
     folder = hierarchy.GetItemChildWithName(top, name) or hierarchy.CreateFolderItem(top, name)
     for node in nodes:

@@ -94,11 +94,12 @@ def proxy(browser, name):
 
 
 def saved_and_loaded(scene, tmp_path, name="sweep.mrb"):
-    """The same scene after a trip through a file, in a scene of its own."""
+    """The same scene after a trip through a file, in a scene of its own, which is Slicer's from then on."""
+    import slicer
     from host.mrml_scene import createScene
 
     assert scene.WriteToMRB(str(tmp_path / name))
-    other = createScene()
+    other = slicer.mrmlScene = createScene()
     assert other.ReadFromMRB(str(tmp_path / name), True)
     return other
 

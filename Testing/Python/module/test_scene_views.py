@@ -181,7 +181,7 @@ def browser(scene):
 def overlay(scene):
     from AIFReconScene.display.probeOverlay import ProbeOverlay
 
-    return ProbeOverlay(scene)
+    return ProbeOverlay()
 
 
 def points_in_world(node) -> np.ndarray:

@@ -140,7 +140,7 @@ def test_beams_are_drawn_in_a_slice_that_lies_in_the_plane_of_their_frame(scene)
     flat = TransformSample(np.diag([0.5, 0.5, 0.5, 1.0]), TransformStatus.OK)
     record = FrameRecord(0.0, None, TransformStatus.OK, {TransformName("Image", "Reference"): flat})
     browser = browserFromSequence(TrackedSequence(np.full((1, 101, 121), 9, np.uint8), [record]), "Sweep")
-    ProbeOverlay(scene).showProbe(browser, None, ProbeGeometry("linear"), ImageRegion())
+    ProbeOverlay().showProbe(browser, None, ProbeGeometry("linear"), ImageRegion())
     shown = red_view(scene, (30.0, 25.0, 0.0)).astype(int)
     drawn = shown[..., 2] - shown[..., 0] > 100
     rows = np.flatnonzero(drawn[:, SIZE // 2 - 3 : SIZE // 2 + 3].any(axis=1))
