@@ -33,6 +33,17 @@ def colorTable(name: str, colors):
     return node
 
 
+def sharedColors(name: str, attribute: str, colors):
+    """A `colorTable` in the scene, one for all that ask for it by this attribute."""
+    for node in slicer.util.getNodesByClass("vtkMRMLColorTableNode"):
+        if node.GetAttribute(attribute):
+            return node
+    node = colorTable(name, colors)
+    node.SetAttribute(attribute, "1")
+    node.SetAttribute("Category", "AIFRecon")
+    return slicer.mrmlScene.AddNode(node)
+
+
 def setWindow(display, low: float, high: float) -> None:
     """Show these gray levels, whatever the voxels are."""
     display.SetAutoWindowLevel(False)

@@ -4,17 +4,7 @@ import numpy as np
 import slicer
 import vtk
 
-from AIFReconLib.errors import TransformError
-
-
-def arrayOf(matrix) -> np.ndarray:
-    """The (4, 4) float64 array of a vtkMatrix4x4."""
-    return slicer.util.arrayFromVTKMatrix(matrix)
-
-
-def vtkMatrixOf(array):
-    """The vtkMatrix4x4 of a (4, 4) array."""
-    return slicer.util.vtkMatrixFromArray(np.asarray(array, dtype=np.float64))
+from AIFReconLib.errors import AIFReconError, TransformError
 
 
 def matrixToParent(transformNode) -> np.ndarray:
@@ -24,9 +14,7 @@ def matrixToParent(transformNode) -> np.ndarray:
             f"Transform {transformNode.GetName()!r} must be linear; got a warping one, which cannot place an image or a grid. Harden "
             "it onto the node that it moves, or replace it by a linear transform."
         )
-    matrix = vtk.vtkMatrix4x4()
-    transformNode.GetMatrixTransformToParent(matrix)
-    return arrayOf(matrix)
+    return slicer.util.arrayFromTransformMatrix(transformNode)
 
 
 def parentTransforms(node) -> list:
@@ -47,11 +35,19 @@ def matrixToWorld(node) -> np.ndarray:
     return matrix
 
 
+def placeOf(bone) -> np.ndarray:
+    """The same of the bone of a CT, to look at it from its back; RAS world's own where there is none, or what is above it warps."""
+    try:
+        return np.eye(4) if bone is None else matrixToWorld(bone)
+    except AIFReconError:
+        return np.eye(4)
+
+
 def ijkToRAS(volumeNode) -> np.ndarray:
     """Voxel numbers (i, j, k) to the volume node's own RAS, without its parent transforms, (4, 4) float64, mm."""
     matrix = vtk.vtkMatrix4x4()
     volumeNode.GetIJKToRASMatrix(matrix)
-    return arrayOf(matrix)
+    return slicer.util.arrayFromVTKMatrix(matrix)
 
 
 def atRightAngles(imageToWorld: np.ndarray, columns: int, rows: int) -> np.ndarray:

@@ -16,7 +16,7 @@ from vtk.util import numpy_support
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "AIFRecon"))
 
-from AIFReconScene.picture.spineSurface import FARTHEST, distanceColors, surfaceOf
+from AIFReconScene.picture.spineView import FARTHEST, distanceColors, surfaceOf
 from study.method_cases import EFFECTS, PHANTOM, patient_of, placed_labels, simulated_scan
 
 from AIFReconLib.geometry.volume import Volume

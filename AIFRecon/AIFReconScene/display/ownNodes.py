@@ -50,15 +50,16 @@ class OwnNodes:
 
 
 def polyData(points: np.ndarray, polygons=(), lines=()) -> vtk.vtkPolyData:
-    """Points (n, 3), and polygons and lines, each the numbers of its points."""
+    """Points (n, 3), and polygons and lines, each the numbers of its points; those of one length are fast as an array."""
     places, drawn = vtk.vtkPoints(), vtk.vtkPolyData()
     places.SetData(numpy_support.numpy_to_vtk(np.ascontiguousarray(points), deep=True))
     drawn.SetPoints(places)
     for cells, take in ((polygons, drawn.SetPolys), (lines, drawn.SetLines)):
         if len(cells):
-            starts = np.cumsum([0, *map(len, cells)])
-            array = vtk.vtkCellArray()
-            array.SetData(*(numpy_support.numpy_to_vtkIdTypeArray(each, deep=True) for each in (starts, np.concatenate(cells))))
+            isArray, array = isinstance(cells, np.ndarray), vtk.vtkCellArray()
+            numbers = np.ascontiguousarray(cells, dtype=np.int64).ravel() if isArray else np.concatenate(cells)
+            starts = np.arange(0, numbers.size + 1, cells.shape[1]) if isArray else np.cumsum([0, *map(len, cells)])
+            array.SetData(*(numpy_support.numpy_to_vtkIdTypeArray(each, deep=True) for each in (starts, numbers)))
             take(array)
     return drawn
 

@@ -14,7 +14,7 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import listed
 from AIFReconLib.progress import Progress, report
 
-from ..transforms import arrayOf, ijkToRAS, matrixToWorld
+from ..transforms import ijkToRAS, matrixToWorld
 
 PADDING = 8
 """Voxels of nothing around segments that have no reference geometry, beyond what smoothing reaches."""
@@ -223,4 +223,4 @@ def imageToWorld(image) -> np.ndarray:
     """Of a vtkOrientedImageData, (4, 4): its voxels in the segmentation's coordinates."""
     matrix = vtk.vtkMatrix4x4()
     image.GetImageToWorldMatrix(matrix)
-    return arrayOf(matrix)
+    return slicer.util.arrayFromVTKMatrix(matrix)

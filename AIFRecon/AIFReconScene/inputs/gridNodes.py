@@ -3,11 +3,12 @@
 import math
 
 import numpy as np
+import slicer
 
 from AIFReconLib.errors import GeometryError, SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 
-from ..transforms import arrayOf, ijkToRAS, matrixToWorld
+from ..transforms import ijkToRAS, matrixToWorld
 
 TOLERANCE = 1e-6
 """Voxels by which a box may be longer than a whole number of them without getting another one."""
@@ -26,7 +27,7 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
     spacings = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
     if not (np.isfinite(spacings).all() and (spacings > 0).all()):
         raise SettingsError(f"Input spacing must be positive mm; got {spacing!r}.")
-    objectToWorld = matrixToWorld(roiNode) @ arrayOf(roiNode.GetObjectToNodeMatrix())
+    objectToWorld = matrixToWorld(roiNode) @ slicer.util.arrayFromVTKMatrix(roiNode.GetObjectToNodeMatrix())
     lengths = np.linalg.norm(objectToWorld[:3, :3], axis=0)
     size = np.array(roiNode.GetSize(), dtype=np.float64) * lengths
     if not (np.isfinite(size).all() and (size > 0).all()) or not roiNode.GetNumberOfControlPoints():

@@ -9,7 +9,7 @@ from AIFReconLib.sweep.poses import sweep_poses
 from ..display import sliceDisplay
 from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
-from ..transforms import matrixToWorld
+from ..transforms import placeOf
 
 LEAST = 0.3
 """Length of the mean of unit vectors below which they point everywhere: the first frame then tells which way the columns run."""
@@ -55,7 +55,7 @@ def _turnBack() -> None:
 
 def _turnTo(browser, imageSequence, bone) -> None:
     try:
-        axes = sweepAxes(browser, imageSequence, _head(bone))
+        axes = sweepAxes(browser, imageSequence, placeOf(bone)[:3, 2])
     except AIFReconError:
         return
     for node, turn in zip(sliceDisplay.mainViews(), axes):
@@ -97,11 +97,3 @@ def _mean(directions: np.ndarray) -> np.ndarray:
     mean = unit.mean(axis=0)
     mean = mean if np.linalg.norm(mean) >= LEAST else unit[0]
     return mean / np.linalg.norm(mean)
-
-
-def _head(bone) -> np.ndarray:
-    """The head is where the CT says, or where RAS world says."""
-    try:
-        return matrixToWorld(bone)[:3, 2] if bone is not None else np.array([0.0, 0.0, 1.0])
-    except AIFReconError:
-        return np.array([0.0, 0.0, 1.0])

@@ -7,8 +7,8 @@ from vtk.util import numpy_support
 
 from AIFReconLib.errors import AIFReconError
 
-from ..transforms import matrixToWorld, vtkMatrixOf
-from .spineSurface import FARTHEST, distanceColors
+from ..transforms import matrixToWorld
+from .spineView import FARTHEST, distanceColors
 
 SIZE = (640, 720)
 """Pixels."""
@@ -74,7 +74,7 @@ def _behind(surface, place):
     mapper.ScalarVisibilityOff()
     actor = vtk.vtkActor()
     actor.SetMapper(mapper)
-    actor.SetUserMatrix(vtkMatrixOf(place))
+    actor.SetUserMatrix(slicer.util.vtkMatrixFromArray(place))
     actor.GetProperty().SetColor(*BEHIND)
     actor.GetProperty().SetOpacity(BEHIND_OPACITY)
     return actor

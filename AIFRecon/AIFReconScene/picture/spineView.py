@@ -5,15 +5,14 @@ import contextlib
 import numpy as np
 import slicer
 import vtk
-
-from AIFReconLib.errors import AIFReconError
+from vtk.util import numpy_support
 
 from ..display import threeDViews
 from ..display.borrowed import Borrowed
-from ..sceneNodes import removeNodes
-from ..transforms import matrixToWorld
+from ..display.ownNodes import colorBy, polyData, setScalars
+from ..sceneNodes import removeNodes, sharedColors
+from ..transforms import placeOf
 from ..volumes.volumeNodes import SPINE_ROLE, giveName, hasGivenName, intoFolder
-from .spineSurface import DISTANCE, FARTHEST, distanceColors, surfaceOf
 
 TRANSLUCENT = Borrowed("Opacity3D", 0.3, "AIFRecon.OpacityBefore")
 """Opacity of the CT's bone behind."""
@@ -21,7 +20,16 @@ TRANSLUCENT = Borrowed("Opacity3D", 0.3, "AIFRecon.OpacityBefore")
 NEAR_SIDES = Borrowed("BackfaceCulling", True, "AIFRecon.CullingBefore")
 """What is translucent is sorted by depth, layer by layer, and its far sides, seen through the near ones, tell nothing of where it lies."""
 
+DISTANCE = "Distance to the CT's bone (mm)"
+FARTHEST = 6.0
+"""mm that has the last color, as has all beyond."""
+
+AT = (0.0, 2.5, 4.0, FARTHEST)
+COLORS = np.array([(0.94, 0.88, 0.76), (0.94, 0.88, 0.76), (1.00, 0.62, 0.10), (0.80, 0.05, 0.10)])
+"""Bone keeps the color of bone where the CT has it too: the surface lies some 2 mm outside of what it is drawn around."""
+
 _COLORS = "AIFRecon.SpineColors"
+"""Attribute of the color table, one for all models."""
 
 
 def keepSpine(node, surface, sweepName: str):
@@ -61,29 +69,25 @@ def _show(model) -> None:
         display.SetVisibility2D(False)
         hasDistance = model.GetPolyData().GetPointData().GetArray(DISTANCE) is not None
         if hasDistance:
-            display.SetAndObserveColorNodeID(_colors(model.GetScene()).GetID())
-            display.SetActiveScalar(DISTANCE, vtk.vtkAssignAttribute.POINT_DATA)
-            display.SetScalarRangeFlag(slicer.vtkMRMLDisplayNode.UseManualScalarRange)
-            display.SetScalarRange(0.0, FARTHEST)
+            shares = np.linspace(0.0, 1.0, 256)
+            colors = [(f"{FARTHEST * share:.1f} mm", (*color, 1.0)) for share, color in zip(shares, distanceColors(256))]
+            colorBy(display, DISTANCE, sharedColors("Distance of shown bone", _COLORS, colors), 0.0, FARTHEST)
         display.SetScalarVisibility(hasDistance)
 
 
-def _colors(scene):
-    """The color table, one for all models."""
-    for number in range(scene.GetNumberOfNodesByClass("vtkMRMLColorTableNode")):
-        node = scene.GetNthNodeByClass(number, "vtkMRMLColorTableNode")
-        if node.GetAttribute(_COLORS):
-            return node
-    node = slicer.vtkMRMLColorTableNode()
-    node.SetName("Distance of shown bone")
-    node.SetTypeToUser()
-    colors = distanceColors()
-    node.SetNumberOfColors(len(colors))
-    for number, color in enumerate(colors):
-        node.SetColor(number, f"{FARTHEST * number / (len(colors) - 1):.1f} mm", *color, 1.0)
-    node.SetAttribute(_COLORS, "1")
-    node.SetAttribute("Category", "AIFRecon")
-    return scene.AddNode(node)
+def surfaceOf(found) -> vtk.vtkPolyData:
+    """A `BoneSurface` as VTK has it."""
+    surface = polyData(found.points, found.triangles)
+    surface.GetPointData().SetNormals(numpy_support.numpy_to_vtk(found.normals, deep=True))
+    if found.distances is not None:
+        setScalars(surface.GetPointData(), DISTANCE, found.distances)
+    return surface
+
+
+def distanceColors(count: int = 256) -> np.ndarray:
+    """(count, 3) colors from 0 to `FARTHEST` mm."""
+    distances = np.linspace(0.0, FARTHEST, count)
+    return np.column_stack([np.interp(distances, AT, channel) for channel in COLORS.T])
 
 
 class SpineView:
@@ -109,7 +113,8 @@ class SpineView:
         _seeThrough(bone.GetDisplayNode() if visible and isSegmented else None)
         if visible and self._seen != model.GetID():
             self._seen = model.GetID()
-            _lookFromBehind(model, bone)
+            place = placeOf(bone)
+            threeDViews.lookAlong(place[:3, 1], place[:3, 2], model)
 
     def clear(self) -> None:
         """The user leaves: the CT's bone as it was."""
@@ -127,12 +132,3 @@ def _seeThrough(display) -> None:
     with slicer.util.NodeModify(display) if display is not None else contextlib.nullcontext():
         for each in (TRANSLUCENT, NEAR_SIDES):
             each.follow(display)
-
-
-def _lookFromBehind(model, bone) -> None:
-    """From the back, the head up: as the CT says, or RAS world without one."""
-    try:
-        place = matrixToWorld(bone) if bone is not None else np.eye(4)
-    except AIFReconError:
-        place = np.eye(4)
-    threeDViews.lookAlong(place[:3, 1], place[:3, 2], model)

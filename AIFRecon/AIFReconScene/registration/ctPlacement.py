@@ -9,7 +9,7 @@ from AIFReconLib.errors import TransformError
 from AIFReconLib.geometry.transforms import invert
 
 from ..sceneNodes import freeName, proxiesOf
-from ..transforms import matrixToParent, matrixToWorld, parentTransforms, vtkMatrixOf
+from ..transforms import matrixToParent, matrixToWorld, parentTransforms
 
 NAME = "CTToReference"
 """Of a transform that is made."""
@@ -53,10 +53,10 @@ class CTPlacement:
         scene.SaveStateForUndo()
         if mover is not None:
             self._moves.append(_Move(mover.GetID(), matrixToParent(mover).copy(), None))
-            mover.SetMatrixTransformToParent(vtkMatrixOf(toParent))
+            mover.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(toParent))
             return
         mover = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", freeName(NAME))
-        mover.SetMatrixTransformToParent(vtkMatrixOf(toParent))
+        mover.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(toParent))
         mover.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
         self._moves.append(_Move(mover.GetID(), np.eye(4), tuple((node.GetID(), node.GetTransformNodeID()) for node in below)))
         for node in below:
@@ -72,7 +72,7 @@ class CTPlacement:
                 continue
             scene.SaveStateForUndo()
             if move.parents is None:
-                mover.SetMatrixTransformToParent(vtkMatrixOf(move.before))
+                mover.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(move.before))
             else:
                 _takeOut(mover, move.parents)
             return True
@@ -106,4 +106,4 @@ def _takeOut(mover, parents) -> None:
     if not any(node.GetTransformNodeID() == mover.GetID() for node in slicer.util.getNodesByClass("vtkMRMLTransformableNode")):
         scene.RemoveNode(mover)
     else:
-        mover.SetMatrixTransformToParent(vtkMatrixOf(np.eye(4)))
+        mover.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(np.eye(4)))

@@ -21,7 +21,6 @@ from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
 from ..sceneNodes import freeName, removeNodes, setWindow
-from ..transforms import vtkMatrixOf
 from .sweepRecord import ATTRIBUTE, recordText
 
 IMAGE = "Image"
@@ -191,7 +190,7 @@ def statusOf(problem: str | None) -> TransformStatus:
 def _setTransform(node, indexValue: str, name: TransformName, matrix: np.ndarray, status: TransformStatus):
     transform = slicer.vtkMRMLLinearTransformNode()
     transform.SetName(str(name))
-    transform.SetMatrixTransformToParent(vtkMatrixOf(matrix))
+    transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(matrix))
     transform.SetAttribute(STATUS_ATTRIBUTE, status.value)
     return node.SetDataNodeAtValue(transform, indexValue)
 

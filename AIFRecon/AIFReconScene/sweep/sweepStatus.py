@@ -1,12 +1,11 @@
 """What the panel knows of the chosen sweep, looked up again only when another is chosen or it has changed."""
 
 import slicer
-import vtk
 
 from AIFReconLib.message import listed
 
 from ..sceneNodes import sequencesOf
-from ..transforms import parentTransforms
+from ..transforms import matrixToParent, parentTransforms
 from .sequenceReader import sweepSummary
 
 
@@ -60,17 +59,10 @@ def sweepKey(browser, imageSequence=None) -> tuple:
         above.update({node.GetID(): node for node in slicer.util.getNodesByClass("vtkMRMLLinearTransformNode")})
     replayed = {proxy.GetID() for proxy in proxies}
     placed = tuple((node.GetID(), node.GetName(), node.GetTransformNodeID()) for node in (*proxies, *above.values()))
-    moved = tuple((node.GetID(), _matrixOf(node)) for node in above.values() if node.GetID() not in replayed)
+    moving = [node for node in above.values() if node.GetID() not in replayed]
+    # A transform that is not linear cannot place a sweep, whatever it is
+    moved = tuple((node.GetID(), tuple(matrixToParent(node).ravel().tolist()) if node.IsLinear() else None) for node in moving)
     return *chosen, held, placed, moved
-
-
-def _matrixOf(transformNode) -> tuple | None:
-    """The numbers of a linear transform; None for any other, which cannot place a sweep whatever it is."""
-    if not transformNode.IsLinear():
-        return None
-    matrix = vtk.vtkMatrix4x4()
-    transformNode.GetMatrixTransformToParent(matrix)
-    return tuple(matrix.GetElement(row, column) for row in range(4) for column in range(4))
 
 
 def furtherSweeps(parameters) -> tuple:

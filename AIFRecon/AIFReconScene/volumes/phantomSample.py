@@ -10,7 +10,6 @@ from AIFReconLib.worker.evaluating import simulated_patient
 
 from ..sceneNodes import addedTogether, setWindow
 from ..sweep.sequenceNodes import browserFromSequence
-from ..transforms import vtkMatrixOf
 from ..work import inWorker
 from .segments import segmentationNode
 from .volumeNodes import updateVolumeNode
@@ -55,7 +54,7 @@ def addPatient(patient, progress: Progress | None = None) -> PhantomNodes:
         browser = browserFromSequence(patient.sweep, "Lumbar sweep", part(progress, 0.0, 0.4))
         report(progress, 0.4, "Adding the CT")
         transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
-        transform.SetMatrixTransformToParent(vtkMatrixOf(patient.ct_to_reference))
+        transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(patient.ct_to_reference))
         ct = _ctNode(patient.ct)
         ct.SetAndObserveTransformNodeID(transform.GetID())
         names = dict(enumerate(LEVELS, start=1))

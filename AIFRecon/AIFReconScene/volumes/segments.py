@@ -10,7 +10,7 @@ from AIFReconLib.worker.evaluating import bone_of_ct
 
 from ..inputs.boneNodes import named
 from ..sceneNodes import addedTogether
-from ..transforms import ijkToRAS, vtkMatrixOf
+from ..transforms import ijkToRAS
 from ..work import inWorker
 from .volumeNodes import updateVolumeNode
 
@@ -61,7 +61,7 @@ def addSegments(node, labels: Volume, names: dict[int, str], progress=None) -> N
         image, holder = slicer.vtkOrientedImageData(), slicer.vtkMRMLScalarVolumeNode()
         updateVolumeNode(holder, Volume((part.array == label).astype(np.uint8), part.ijk_to_reference))
         image.ShallowCopy(holder.GetImageData())
-        image.SetGeometryFromImageToWorldMatrix(vtkMatrixOf(part.ijk_to_reference))
+        image.SetGeometryFromImageToWorldMatrix(slicer.util.vtkMatrixFromArray(part.ijk_to_reference))
         node.AddSegmentFromBinaryLabelmapRepresentation(image, name, COLORS[number % len(COLORS)])
 
 

@@ -13,8 +13,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.worker.evaluating import write_settings
 
-from ..sceneNodes import colorTable, freeName, removeNodes, setWindow
-from ..transforms import vtkMatrixOf
+from ..sceneNodes import freeName, removeNodes, setWindow, sharedColors
 from ..work import inWorker
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
@@ -201,7 +200,7 @@ def _place(node, imageData, volume: Volume) -> None:
             node.SetAttribute(name, text)
         node.SetAndObserveTransformNodeID(None)
         node.SetAndObserveImageData(imageData)
-        node.SetIJKToRASMatrix(vtkMatrixOf(volume.ijk_to_reference))
+        node.SetIJKToRASMatrix(slicer.util.vtkMatrixFromArray(volume.ijk_to_reference))
 
 
 def _show(node, kind: str, window: tuple[float, float]) -> None:
@@ -213,7 +212,7 @@ def _show(node, kind: str, window: tuple[float, float]) -> None:
         node.CreateDefaultDisplayNodes()
     display = node.GetDisplayNode()
     if kind == MASK:
-        display.SetAndObserveColorNodeID(_maskColors().GetID())
+        display.SetAndObserveColorNodeID(sharedColors("AIFRecon mask", _MASK_ATTRIBUTE, zip(MASK_NAMES, MASK_COLORS)).GetID())
         return
     if kind in (INTENSITY, MEASURED, COSINE):
         setWindow(display, *((0.0, 1.0) if kind == COSINE else window))
@@ -264,17 +263,6 @@ def giveName(node, name: str) -> None:
     """Name a node, with a number where that name is taken, and remember it as given here."""
     node.SetName(freeName(name))
     node.SetAttribute(_NAME_ATTRIBUTE, node.GetName())
-
-
-def _maskColors():
-    """The color table of masks, one for all of them."""
-    for node in slicer.util.getNodesByClass("vtkMRMLColorTableNode"):
-        if node.GetAttribute(_MASK_ATTRIBUTE):
-            return node
-    node = colorTable("AIFRecon mask", zip(MASK_NAMES, MASK_COLORS))
-    node.SetAttribute(_MASK_ATTRIBUTE, "1")
-    node.SetAttribute("Category", "AIFRecon")
-    return slicer.mrmlScene.AddNode(node)
 
 
 def intoFolder(nodes, sweepName: str) -> None:
