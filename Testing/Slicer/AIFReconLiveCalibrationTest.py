@@ -63,8 +63,8 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
         self.begin()
         self.assertTrue(waitFor(lambda: self.scan.frameNode is not None))
         self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan.frameNode.GetID())
-        shown, exact = tinyScene.ijkToRAS(self.scan.frameNode), self.scan._frame.frame.image_to_reference
-        rows, columns = self.scan._frame.frame.image.shape
+        shown, exact = tinyScene.ijkToRAS(self.scan.frameNode), self.scan._views.frame.image_to_reference
+        rows, columns = self.scan._views.frame.image.shape
         corners = np.array([[0, columns, 0, columns], [0, 0, rows, rows], [0, 0, 0, 0], [1, 1, 1, 1]])
         # Half of the 2.7 degrees for each axis, over half of the 70 mm from the middle of the image to its edge
         self.assertLess(np.abs((shown @ corners - exact @ corners)[:3]).max(), 1.2)

@@ -25,7 +25,6 @@ from ..work import inWorker, worker
 from .followedBone import FollowedBone
 from .liveViews import LiveViews
 from .nodeImages import NodeImages
-from .shownFrame import ShownFrame
 
 ASK_EVERY = 0.1
 """s between two looks at the scan; longer where what came of the last takes longer to be shown."""
@@ -62,7 +61,6 @@ class LiveReconstruction:
         self._parameters, self._name, self._window = parameters, "Live", None
         self.wasCanceled, self.guidance, self.lost, self._displayProblems = False, None, "", {}
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
-        self._frame = ShownFrame(self._views)
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
         self._bone = FollowedBone(parameters, part(progress, 0.0, 0.1))
@@ -154,7 +152,7 @@ class LiveReconstruction:
 
     def _showFrame(self) -> None:
         self._number = self.seen.frame.number
-        self._frame.show(self.seen.frame)
+        self._views.showFrame(self.seen.frame)
 
     def _showVolume(self) -> None:
         self._fill(self.seen.result)
@@ -268,11 +266,11 @@ class LiveReconstruction:
     @property
     def frameNode(self):
         """The frame that is seen now, in its place, or None."""
-        return self._frame.node
+        return self._views.frameNode
 
     def removeFrame(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""
-        self._frame.remove()
+        self._views.removeFrame()
 
     def _attempt(self, show) -> bool:
         """Do something with the scene; what goes wrong is kept until it goes right again, for nothing on the screen is worth the scan."""

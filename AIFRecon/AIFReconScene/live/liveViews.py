@@ -4,7 +4,14 @@ from typing import Any
 
 import slicer
 
+from AIFReconLib.geometry.volume import Volume
+
 from ..display import sliceDisplay
+from ..sceneNodes import removeNodes
+from ..transforms import atRightAngles
+from ..volumes.volumeNodes import showGrayLevels, updateVolumeNode
+
+FRAME_NAME = "Live frame"
 
 OTHERS = ("Yellow", "Green")
 
@@ -14,13 +21,35 @@ asks every view to be drawn anew."""
 
 
 class LiveViews:
-    """Moves the red slice with the probe and puts everything back at the end; `opacity`, 0 to 1, is that of the volume over the CT."""
+    """Moves the red slice with the probe and puts everything back at the end; `opacity`, 0 to 1, is that of the volume over the CT.
+
+    `frame` is the `SeenFrame` that is seen, or None.
+    """
 
     def __init__(self, ctNode, opacity: float):
         self._ct, self._opacity = ctNode, opacity
         self._before: Any = None
-        self._frame = self._volume = None
+        self._node: Any = None
+        self.frame = self._followed = self._volume = None
         self._rates: list = []
+
+    @property
+    def frameNode(self):
+        """The volume of the frame that is seen, in its place; None before there is one, and when somebody has deleted it."""
+        return self._node if self._node and self._node.GetScene() else None
+
+    def showFrame(self, frame) -> None:
+        """Show a `SeenFrame`, and let the red slice lie in it."""
+        if self.frameNode is None:
+            self._node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
+            self._node.SetSaveWithScene(False)
+            self._node.CreateDefaultDisplayNodes()
+            showGrayLevels(self._node, frame.image.dtype)
+        rows, columns = frame.image.shape
+        # What is inserted lies where the exact matrix puts it
+        updateVolumeNode(self._node, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
+        self.follow(self._node)
+        self.frame = frame
 
     def follow(self, frameNode) -> None:
         """Let the red slice lie in the frame, at its true place in the 3D view too."""
@@ -28,10 +57,10 @@ class LiveViews:
         if logic is None:
             return
         node, composite = logic.GetSliceNode(), logic.GetSliceCompositeNode()
-        if self._frame is not frameNode:
+        if self._followed is not frameNode:
             if self._before is None:
                 self._before, self._rates = _asItIs(node, composite), _slowed()
-            self._frame = frameNode
+            self._followed = frameNode
             with sliceDisplay.changing(composite):
                 composite.SetBackgroundVolumeID(frameNode.GetID())
                 composite.SetForegroundVolumeID(None)
@@ -44,9 +73,15 @@ class LiveViews:
             self._volume = volumeNode
             sliceDisplay.showOverCT(volumeNode, self._ct, self._opacity, views=OTHERS)
 
-    def restore(self) -> None:
+    def removeFrame(self) -> None:
+        """Take the frame out of the scene, and give the red view back as it was."""
+        self._restore()
+        removeNodes([self.frameNode])
+        self._node = self.frame = None
+
+    def _restore(self) -> None:
         """The red slice as it was; where there is a volume now, it shows that as the others do."""
-        before, self._before, self._frame = self._before, None, None
+        before, self._before, self._followed = self._before, None, None
         if _following() is None or before is None:
             return
         for view, rate in self._rates:
