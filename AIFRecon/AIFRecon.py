@@ -28,8 +28,7 @@ except ImportError:
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.sweep.sweepReport import SweepReport
-from AIFReconScene.sweep.sweepStatus import SweepStatus, offered
+from AIFReconScene.sweep.sweepStatus import SweepReport, SweepStatus, offered
 from AIFReconScene.work import inWorker, warmUp, worker
 
 from AIFReconLib.errors import OperationCanceled
@@ -232,7 +231,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         or missing one, `timeOffset` (s) and `longestGap` (s) are those of `with_time_offset`. Returns the browser node. An AIFReconError
         says what is wrong, where, and what to do; the scene is then as before.
         """
-        from AIFReconGui.progressDialog import progressOr
+        from AIFReconGui.longWork import progressOr
         from AIFReconScene.sweep.recordings import openRecording
 
         reading = {"orientation": orientation, "time_offset": timeOffset, "longest_gap": longestGap}
@@ -262,7 +261,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         volume : vtkMRMLScalarVolumeNode
             Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
         """
-        from AIFReconGui.progressDialog import progressOr
+        from AIFReconGui.longWork import progressOr
         from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 
         settings, more = settingsAndInputs({**(inputs or {}), **choices})

@@ -1,13 +1,19 @@
-"""Long work of the panel: with progress and cancel, its errors shown in the panel's words."""
+"""Long work of the panel: with progress and cancel, its errors shown in the panel's words.
 
+Errors are told apart: what a user can mend in a message, everything else as Slicer tells bugs.
+"""
+
+import contextlib
+import types
+from typing import Any
+
+import slicer
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
+from AIFReconScene.panelWords import errorsInPanelWords
 from slicer.i18n import tr as _
 
-from AIFReconLib.errors import OperationCanceled
+from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.progress import report
-
-from .errorsShown import errorsShown
-from .progressDialog import ProgressDialog
 
 
 class LongWork:
@@ -53,3 +59,76 @@ class LongWork:
     def _enable(self, enabled: bool) -> None:
         if self._panel is not None:
             self._panel.enabled = enabled
+
+
+@contextlib.contextmanager
+def errorsShown(failure: str, waitCursor: bool = False):
+    """Errors of the library end the block and are shown under `failure`, in the panel's words; others are raised.
+
+    What it yields has the `error` that was shown, or a cancel.
+
+    Slicer's error display leaves a traceback and marks the application's error log, and so does its warning: right for a bug, wrong for
+    a calibration that was not given. A bug still goes that way.
+    """
+    outcome = types.SimpleNamespace(error=None)
+    with slicer.util.tryWithErrorDisplay(failure, waitCursor=waitCursor):
+        try:
+            with errorsInPanelWords():
+                yield outcome
+        except AIFReconError as error:
+            outcome.error = error
+    if outcome.error is not None and not isinstance(outcome.error, OperationCanceled):
+        slicer.util.infoDisplay(f"{failure}\n\n{outcome.error}", windowTitle=slicer.app.applicationName)
+
+
+class ProgressDialog:
+    """Shows progress under a title and asks for cancel; use it as a context manager and pass it on as `progress`.
+
+    This is the one adapter from the library's progress to Qt, and the only place below the widget's slots that lets Qt handle events while
+    work goes on, so that the views stay alive and Cancel is heard. `cancel` may be called from outside as well, as the widget does when the
+    scene is closed. The application may end in those events: it destroys its panels at once and lets Python go on, so nothing of Qt is
+    touched after a cancel but what is still there.
+    """
+
+    STEPS = 1000
+    WIDTH = 400
+    """Pixels: it does not change its size with every message."""
+
+    def __init__(self, title: str):
+        self._title = title
+        self._canceled = False
+        self._dialog: Any = None
+
+    def __enter__(self):
+        self._dialog = slicer.util.createProgressDialog(
+            windowTitle=self._title, labelText=self._title, maximum=self.STEPS, autoClose=False, autoReset=False, minimumWidth=self.WIDTH
+        )
+        slicer.app.connect("aboutToQuit()", self.cancel)
+        slicer.app.processEvents()
+        return self
+
+    def __exit__(self, *exception):
+        slicer.app.disconnect("aboutToQuit()", self.cancel)
+        dialog, self._dialog = self._dialog, None
+        if dialog:  # a destroyed one is false
+            dialog.close()
+            dialog.deleteLater()
+
+    def __call__(self, fraction: float, message: str) -> bool:
+        """Show `fraction` (0 to 1) and `message`, an empty one not; False when the user has asked to stop."""
+        if not self._canceled:
+            self._dialog.labelText = message or self._dialog.labelText
+            self._dialog.value = int(fraction * self.STEPS)
+            slicer.app.processEvents()
+        # The events may have been the end of the application, with the dialog
+        self._canceled = self._canceled or not self._dialog or self._dialog.wasCanceled
+        return not self._canceled
+
+    def cancel(self) -> None:
+        """Stop at the next report."""
+        self._canceled = True
+
+
+def progressOr(progress, title: str):
+    """A context manager: the progress function that somebody gave, else a `ProgressDialog` of this title."""
+    return ProgressDialog(title) if progress is None else contextlib.nullcontext(progress)

@@ -18,7 +18,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
 
-from .errorsShown import errorsShown
+from .longWork import errorsShown
 
 REQUIREMENTS = pathlib.Path(__file__).resolve().parent.parent / "Resources" / "requirements.txt"
 

@@ -28,8 +28,7 @@ def registerSampleData():
 
 def loadPhantomSample(source=None):
     """Simulate the patient and add CT, segmentation and sweep to the scene; cancel leaves the scene as it was."""
-    from .errorsShown import errorsShown
-    from .progressDialog import ProgressDialog
+    from .longWork import ProgressDialog, errorsShown
 
     with errorsShown(_("The sample patient could not be made.")), ProgressDialog(_("Lumbar phantom")) as progress:
         return addPhantom(progress).nodes

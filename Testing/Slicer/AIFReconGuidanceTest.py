@@ -201,7 +201,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertFalse(self.annotation().GetText(2))
 
     def test_a_cancel_leaves_the_scene_as_it_was(self):
-        from AIFReconGui.progressDialog import ProgressDialog
+        from AIFReconGui.longWork import ProgressDialog
 
         call = ProgressDialog.__call__
         self.addCleanup(setattr, ProgressDialog, "__call__", call)

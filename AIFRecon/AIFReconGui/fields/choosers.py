@@ -1,4 +1,4 @@
-"""Lists of the panel that parameterNodeWrapper has no connector for: check marks, methods, presets, and the box that lays itself."""
+"""Lists of the panel that parameterNodeWrapper has no connector for: sweeps, segments, methods, presets; and the box that lays itself."""
 
 import contextlib
 from typing import Any
@@ -6,26 +6,41 @@ from typing import Any
 import qt
 import slicer
 from AIFReconScene.inputs import boxes, presets
+from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import Method, Region, inWords, ownMethods
 from AIFReconScene.sweep.sweepStatus import furtherSweeps
 from slicer.i18n import tr as _
 
 
-class CheckableList:
-    """Items of a ctkCheckableComboBox; hidden with its label where there are none.
+class Follower:
+    """What follows the parameters beside the widgets that parameterNodeWrapper connects."""
 
-    `onChecked` is called with the keys of the checked items when the user changes them.
-    """
+    _parameterNode: Any = None
 
-    def __init__(self, comboBox, label, onChecked):
-        self._comboBox = comboBox
-        self._label = label
-        self._onChecked = onChecked
-        self._updating = False
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        self._parameterNode = parameterNode
+
+
+class CheckableList(Follower):
+    """Items of a ctkCheckableComboBox, kept alike with what the parameters say; hidden with its label where there are none."""
+
+    def __init__(self, comboBox, label):
+        self._comboBox, self._label = comboBox, label
+        self._shown: Any = None
         comboBox.connect("checkedIndexesChanged()", self._onIndexes)
-        self.show([], [])
+        self._show([], [])
 
-    def show(self, items, checked) -> None:
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none."""
+        super().setParameterNode(parameterNode)
+        self._shown = None
+
+    def _check(self, checked: list) -> None:
+        """The user has checked the items of these keys."""
+        raise NotImplementedError
+
+    def _show(self, items, checked) -> None:
         """Show items, as (key, name), and check those of these keys."""
         self._updating = True
         self._comboBox.clear()
@@ -40,36 +55,20 @@ class CheckableList:
         return self._comboBox.model().index(row, self._comboBox.modelColumn)
 
     def _onIndexes(self) -> None:
-        if not self._updating:
+        if not self._updating and self._parameterNode is not None:
             rows = [row for row in range(self._comboBox.count) if self._comboBox.checkState(self._index(row)) == qt.Qt.Checked]
-            self._onChecked([self._comboBox.itemData(row) for row in rows])
+            self._check([self._comboBox.itemData(row) for row in rows])
 
 
-class Follower:
-    """What follows the parameters beside the widgets that parameterNodeWrapper connects."""
-
-    _parameterNode: Any = None
-
-    def setParameterNode(self, parameterNode) -> None:
-        """Follow these parameters, or none."""
-        self._parameterNode = parameterNode
-
-
-class SweepsChooser(Follower):
+class SweepsChooser(CheckableList):
     """Shows the other sweeps of the scene that have frames which can be placed; those that are checked enter the volume too.
 
     `offered` leads from the parameters to the sequence browsers that can be chosen.
     """
 
     def __init__(self, comboBox, label, offered):
+        super().__init__(comboBox, label)
         self._offered = offered
-        self._list = CheckableList(comboBox, label, self._onChecked)
-        self._shown = None
-
-    def setParameterNode(self, parameterNode) -> None:
-        """Follow these parameters, or none."""
-        super().setParameterNode(parameterNode)
-        self._shown = None
 
     def update(self) -> None:
         """Show the sweeps that there are."""
@@ -77,26 +76,22 @@ class SweepsChooser(Follower):
         shown = [(browser.GetID(), browser.GetName()) for browser in self._offered(self._parameterNode)], chosen
         if shown != self._shown:
             self._shown = shown
-            self._list.show(*shown)
+            self._show(*shown)
 
-    def _onChecked(self, ids) -> None:
-        if self._parameterNode is not None:
-            self._shown = (self._shown[0], ids)
-            self._parameterNode.otherSweeps = [slicer.mrmlScene.GetNodeByID(each) for each in ids]
+    def _check(self, checked: list) -> None:
+        self._shown = (self._shown[0], checked)
+        self._parameterNode.otherSweeps = [slicer.mrmlScene.GetNodeByID(each) for each in checked]
 
 
-class SegmentsChooser(Follower):
+class SegmentsChooser(CheckableList):
     """Shows the segments of the chosen segmentation with check marks; none checked means all."""
 
-    def __init__(self, comboBox, label):
-        self._list = CheckableList(comboBox, label, self._onChecked)
-        self._shown = None
-        self._boneID = None
+    _boneID = None
 
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
         super().setParameterNode(parameterNode)
-        self._shown = self._boneID = None
+        self._boneID = None
 
     def update(self) -> None:
         """Show the segments that there are and which of them are chosen."""
@@ -110,7 +105,7 @@ class SegmentsChooser(Follower):
         if self._shown == (segments, chosen):
             return
         self._shown = (segments, chosen)
-        self._list.show(segments, chosen or [segmentID for segmentID, _name in segments])
+        self._show(segments, chosen or [segmentID for segmentID, _name in segments])
 
     def _stillThere(self, bone, present) -> list:
         """The chosen segments. Those of another segmentation, which may have the same IDs, and removed ones are chosen no more."""
@@ -126,9 +121,7 @@ class SegmentsChooser(Follower):
         self._parameterNode.boneSegments = kept
         return kept
 
-    def _onChecked(self, checked) -> None:
-        if self._parameterNode is None:
-            return
+    def _check(self, checked: list) -> None:
         chosen = [] if len(checked) == len(self._shown[0]) else checked
         # Nothing checked means all, so all are checked again
         self._shown = (self._shown[0], chosen) if checked else None
@@ -201,6 +194,49 @@ class PresetChooser(RowChooser):
         if row < len(presets.Preset):
             presets.choose(self._parameterNode, list(presets.Preset)[row])
         self.update()
+
+
+class BoneSourceChooser(RowChooser):
+    """Keeps a list and the parameter `boneSource` alike, and shows the widgets `fieldsOf` each source with that alone."""
+
+    def __init__(self, comboBox, fieldsOf, live=False):
+        super().__init__(comboBox)
+        self._fieldsOf = fieldsOf
+        for source in BoneSource:
+            comboBox.addItem(source.label(live))
+        self._show(BoneSource.CT)
+
+    def update(self) -> None:
+        """Show which source is chosen."""
+        with self._untold():
+            self._comboBox.currentIndex = list(BoneSource).index(self._parameterNode.boneSource)
+        self._show(self._parameterNode.boneSource)
+
+    def _show(self, chosen) -> None:
+        for source, fields in self._fieldsOf.items():
+            for widget in fields:
+                widget.visible = source == chosen
+
+    def _choose(self, row: int) -> None:
+        self._parameterNode.boneSource = list(BoneSource)[row]
+
+
+def boneSourceOfRecorded(ui) -> BoneSourceChooser:
+    """The choice in the tab Recorded."""
+    fieldsOf = {
+        BoneSource.PREDICTIONS: (ui.bonePredictionsLabel, ui.bonePredictionsSelector),
+        BoneSource.MODEL: (ui.boneModelPathLabel, ui.boneModelPathLineEdit),
+    }
+    return BoneSourceChooser(ui.boneSourceComboBox, fieldsOf)
+
+
+def boneSourceOfScan(ui) -> BoneSourceChooser:
+    """The choice in the tab Live."""
+    fieldsOf = {
+        BoneSource.PREDICTIONS: (ui.liveBoneDeviceLabel, ui.liveBoneDeviceLineEdit),
+        BoneSource.MODEL: (ui.liveBoneModelLabel, ui.liveBoneModelPathLineEdit),
+    }
+    return BoneSourceChooser(ui.liveBoneSourceComboBox, fieldsOf, live=True)
 
 
 class BoxChooser(Follower):

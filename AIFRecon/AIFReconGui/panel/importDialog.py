@@ -6,19 +6,21 @@ import qt
 import slicer
 from AIFReconScene.inputs.parameters import fileFrom
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.sweep.foreignSweep import ForeignSweep
+from AIFReconScene.sweep.recordings import ForeignSweep
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.io.foreign.options import ImportOptions, answer, questions_of
 
-from ..picture import sweepDrawing
 from .panelPart import PanelPart
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Import.ui"
 
 TRANSFORMS = (None, "ImageToTracker", "ProbeToTracker", "TrackerToImage", "TrackerToProbe")
 """What the rows of the list stand for."""
+
+SCALE = 0.8
+"""Of the page, whose letters keep their size: beside its fields the drawing must fit on the screen of a notebook."""
 
 
 class ImportDialog(PanelPart):
@@ -155,7 +157,7 @@ class ImportDialog(PanelPart):
     def _show(self, drawing) -> None:
         ui = self._ui
         if drawing is not None:
-            sweepDrawing.show(drawing, ui.drawingLabel)
+            _drawSweep(drawing, ui.drawingLabel)
         ui.drawingLabel.visible = drawing is not None
         ui.takeButton.enabled = self._seen is not None
         ui.takeButton.toolTip = _("Load the sweep and select it") if ui.takeButton.enabled else _("Press “Check” first")
@@ -186,3 +188,44 @@ class ImportDialog(PanelPart):
         # The user's choice is looked at on the spot; what is typed, with Check
         box.connect("activated(int)", lambda row: self.onCheck())
         return box
+
+
+def _drawSweep(drawing, label) -> None:
+    """Paint a `Drawing` of a sweep on a label, on its white page and as sharp as the screen: Qt needs no plugin for that."""
+    ratio = label.devicePixelRatioF()
+    page = qt.QPixmap(round(ratio * SCALE * drawing.width), round(ratio * SCALE * drawing.height))
+    page.fill(qt.QColor("white"))
+    painter = qt.QPainter(page)
+    painter.setRenderHint(qt.QPainter.Antialiasing)
+    painter.scale(ratio * SCALE, ratio * SCALE)
+    for stroke in drawing.strokes:
+        _paint(stroke, painter)
+    font = painter.font()
+    for words in drawing.words:
+        font.setPixelSize(round(words.size / SCALE))
+        painter.setFont(font)
+        painter.setPen(qt.QPen(qt.QColor(words.color)))
+        painter.drawText(qt.QPointF(words.x, words.y), words.text)
+    painter.end()
+    page.setDevicePixelRatio(ratio)
+    label.setPixmap(page)
+
+
+def _paint(stroke, painter) -> None:
+    pen, tint = qt.QPen(qt.QColor(stroke.color)), qt.QColor(stroke.color)
+    pen.setWidthF(stroke.width)
+    pen.setStyle(qt.Qt.DashLine if stroke.dashed else qt.Qt.SolidLine)
+    tint.setAlphaF(0.2 if stroke.tinted else 0.0)
+    first, *others = ([float(each) for each in point] for point in stroke.points)
+    line = qt.QPainterPath()
+    line.moveTo(*first)
+    for point in others:
+        line.lineTo(*point)
+    if stroke.closed:
+        line.closeSubpath()
+    painter.setPen(pen)
+    painter.setBrush(qt.QBrush(tint))
+    painter.drawPath(line)
+    if stroke.dotted:
+        painter.setBrush(qt.QBrush(qt.QColor(stroke.color)))
+        painter.drawEllipse(qt.QPointF(*others[-1]), 2.0, 2.0)

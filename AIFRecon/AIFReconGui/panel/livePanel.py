@@ -9,9 +9,9 @@ from AIFReconScene.live.serverSearch import answering, asText, fromText
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
-from ..errorsShown import errorsShown
-from ..fields.boneSource import ofScan
+from ..fields.choosers import boneSourceOfScan
 from ..fields.pathField import PathField
+from ..longWork import errorsShown
 from ..packages import packagesAreThere
 from .layout import reveal, say
 from .liveWords import LiveWords, counts, linesOf
@@ -44,7 +44,7 @@ class LivePanel(PanelPart):
         self._missing = self._advised = ""
         self._record = self._shownID = self._words = None
         self._sized = self._counted = 0.0
-        self._followers = (ofScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
+        self._followers = (boneSourceOfScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
         self._looking = every(LOOK_EVERY, self._look)
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
         ui.livePauseButton.connect("toggled(bool)", self.onPause)

@@ -6,9 +6,9 @@ import qt
 import slicer
 from AIFReconScene.display.boneOutlines import BoneOutlines
 from AIFReconScene.inputs import readiness
-from AIFReconScene.inputs.boneSource import hasBone
+from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
 from AIFReconScene.inputs.clip import clipAsRecognized
-from AIFReconScene.inputs.parameters import fileFrom
+from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit, fileFrom
 from AIFReconScene.sceneNodes import addedTogether
 from AIFReconScene.sweep.fileKinds import opened
 from slicer.i18n import tr as _
@@ -16,16 +16,14 @@ from slicer.i18n import tr as _
 from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
 
-from ..fields.boneSource import ofRecorded
-from ..fields.choosers import BoxChooser, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser
+from ..fields.choosers import BoxChooser, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser, boneSourceOfRecorded
 from ..fields.pathField import PATHS, PathField
 from ..packages import offerSpeed, packagesAreThere
-from ..picture.picturePanel import PicturePanel
-from .dependentWidgets import updateButtons, updateDependentWidgets
 from .importDialog import ImportDialog
 from .layout import say
 from .lights import Lights
 from .panelPart import PanelPart
+from .picturePanel import PicturePanel
 from .reportPanel import ReportPanel
 
 FOLDER_SETTING = "AIFRecon/OpenFolder"
@@ -49,7 +47,7 @@ class RecordedPanel(PanelPart):
         self._followers = (
             SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
             SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),
-            ofRecorded(ui),
+            boneSourceOfRecorded(ui),
             *(PathField(getattr(ui, f"{name}LineEdit"), name) for name in PATHS),
             MethodChooser(ui.methodComboBox),
             PresetChooser(ui.presetComboBox),
@@ -90,7 +88,7 @@ class RecordedPanel(PanelPart):
             # What was said was about something else
             self._report, self._about = "", about
         self._dependents()
-        updateButtons(self._ui, self._logic, parameters, waits, self._report)
+        _enableButtons(self._ui, self._logic, parameters, waits, self._report)
         self._fold(parameters)
 
     def close(self) -> None:
@@ -104,7 +102,7 @@ class RecordedPanel(PanelPart):
 
     def _dependents(self) -> None:
         if self._parameterNode is not None:
-            updateDependentWidgets(self._ui, self._parameterNode, self._logic.describeSweep(self._parameterNode))
+            _showDependents(self._ui, self._parameterNode, self._logic.describeSweep(self._parameterNode))
 
     # ---- buttons
 
@@ -217,3 +215,44 @@ class RecordedPanel(PanelPart):
 def _chosen(parameters) -> tuple:
     """What is chosen: what was said of it does not hold for other sweeps, CTs, or files."""
     return (parameters.sweep, parameters.ctVolume, parameters.bone, parameters.recordingPath) if parameters is not None else ()
+
+
+def _showDependents(ui, parameters, sweepText: str) -> None:
+    """Show `sweepText` and what the bone is taken for, and the fields that count with these parameters."""
+    say(ui.sweepStatusLabel, sweepText)
+    say(ui.boneStatusLabel, describeBone(parameters))
+    for label in (ui.sweepStatusLabel, ui.boneStatusLabel):
+        label.visible = bool(label.text)
+    ui.boneFromCTButton.visible = lacksBoneOfCT(parameters)
+    ui.roiLabel.visible = ui.roiSelector.visible = parameters.region == Region.BOX
+    ui.regionVolumeLabel.visible = ui.regionVolumeSelector.visible = parameters.region == Region.LIKE_VOLUME
+    ui.spacingSpinBox.enabled = parameters.region != Region.LIKE_VOLUME
+    ui.apexColumnSpinBox.enabled = ui.apexRowSpinBox.enabled = parameters.probe == ProbeShape.SECTOR
+    ui.boneSigmaSpinBox.enabled = parameters.boneSigmaUnit != SigmaUnit.AUTOMATIC
+    for spinBox in (ui.fanFirstRadiusSpinBox, ui.fanFirstAngleSpinBox, ui.fanLastAngleSpinBox):
+        spinBox.enabled = parameters.fanLastRadius > 0
+    ui.scannerSpeedOfSoundSpinBox.enabled = parameters.speedOfSound > 0
+    ui.longestGapSpinBox.enabled = parameters.timeOffset != 0
+    ui.singleViewButton.enabled = parameters.output is not None
+
+
+def _enableButtons(ui, logic, parameters, waits: str, report: str) -> None:
+    """Enable what can be done, and say what is missing for the rest.
+
+    `waits` says why everything has to wait, `report` what was done last, which stays to be read where something is missing for the next.
+    """
+    sweep = logic.sweepSummary(parameters)
+    cannot = readiness.whyNotReconstruct(parameters, sweep)
+    for button, missing, does in (
+        (ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
+        (ui.applyButton, cannot, _("Reconstruct the volume, and judge tracking, registration and coverage")),
+        (ui.recognizeButton, readiness.whyNoImages(parameters, sweep), _("Set the rectangle of ultrasound that is recognized")),
+        (ui.compareButton, readiness.whyNotCompare(parameters, sweep), _("Reconstruct with each method and show them side by side")),
+    ):
+        missing = waits or missing
+        button.enabled = not missing
+        button.toolTip = missing or does
+    missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
+    text = "\n".join(line for line in (report, missing) if line)
+    ui.statusLabel.visible = bool(text)
+    say(ui.statusLabel, text)

@@ -14,7 +14,7 @@ from slicer.i18n import tr as _
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.progress import part
 
-from ..errorsShown import errorsShown
+from ..longWork import errorsShown
 from .layout import say
 from .panelPart import PanelPart, every
 

@@ -1,12 +1,15 @@
-"""What the panel knows of the chosen sweep, looked up again only when another is chosen or it has changed."""
+"""What the panel knows of the chosen sweep, and how well it was tracked: looked up only when another is chosen or it has changed."""
 
 import slicer
 
+from AIFReconLib.inspection.tracking_report import tracking_report
 from AIFReconLib.message import listed
+from AIFReconLib.sweep.poses import sweep_poses
 
 from ..sceneNodes import sequencesOf
 from ..transforms import matrixToParent, parentTransforms
-from .sequenceReader import sweepSummary
+from .browserItems import checkRecorded
+from .sequenceReader import sequenceFromBrowser, sweepSummary
 
 
 class SweepStatus:
@@ -42,6 +45,31 @@ class SweepStatus:
             return []
         first = parameters.sweep.GetName(), self.of(parameters.sweep, parameters.imageSequence)
         return [first, *((other.GetName(), self.of(other)) for other in furtherSweeps(parameters))]
+
+
+class SweepReport:
+    """Remembers the `TrackingReport` of one sweep, and what was made of it."""
+
+    def __init__(self):
+        self._key = self._report = None
+        self._title = ""
+
+    def remember(self, inputs, method: str, report) -> None:
+        """Keep the `TrackingReport` of what a method made of `Inputs`; of several sweeps that of the first."""
+        self._key = sweepKey(inputs.sweep, inputs.imageSequence)
+        self._title, self._report = f"{inputs.sweep.GetName()} {method}", report
+
+    def of(self, parameters) -> tuple:
+        """Title and `TrackingReport` of the chosen sweep; without a reconstruction of it, the coverage is not known.
+
+        Raises AIFReconError when the sweep cannot be read, or is still being recorded.
+        """
+        checkRecorded(parameters.sweep)
+        key = sweepKey(parameters.sweep, parameters.imageSequence)
+        if self._key != key:
+            sequence = sequenceFromBrowser(parameters.sweep, parameters.imageSequence)
+            self._report, self._title, self._key = tracking_report(sequence, sweep_poses(sequence)), parameters.sweep.GetName(), key
+        return self._title, self._report
 
 
 def sweepKey(browser, imageSequence=None) -> tuple:

@@ -1,9 +1,12 @@
 """Several methods on one sweep: volumes to be seen side by side, and how well each shows bone."""
 
+import re
 from dataclasses import dataclass
 
 import slicer
+import vtk
 
+from AIFReconLib.evaluation.quantities import HEADINGS, QUANTITIES
 from AIFReconLib.progress import part, report
 from AIFReconLib.worker.reconstructing import compared_methods
 
@@ -11,7 +14,6 @@ from ..inputs.boneNodes import isLabeled, labelsFromNode
 from ..panelWords import remedies
 from ..sceneNodes import removeNodes
 from ..work import inWorker
-from .metricsTable import updateMetricsTable
 from .volumeNodes import COMPARED_ROLE, giveName, hasGivenName, intoFolder, outputNodes
 
 
@@ -92,3 +94,32 @@ def _table(metrics: dict, inputs):
     updateMetricsTable(node, metrics)
     intoFolder([node], _nameOf(inputs))
     return node
+
+
+def updateMetricsTable(tableNode, metrics: dict) -> None:
+    """Fill a table node anew with `BoneMetrics` by name: a row for each, a column for each number that `aifrecon evaluate` prints.
+
+    Numbers are doubles with the digits that are printed, shares from 0 to 1; NaN where a number is not known.
+    """
+    rows = {name: result.to_dict() for name, result in metrics.items()}
+    names = vtk.vtkStringArray()
+    names.SetName("volume")
+    for name in rows:
+        names.InsertNextValue(name)
+    with slicer.util.NodeModify(tableNode):
+        tableNode.RemoveAllColumns()
+        tableNode.AddColumn(names)
+        for key, heading in HEADINGS.items():
+            column = vtk.vtkDoubleArray()
+            column.SetName(heading)
+            for row in rows.values():
+                column.InsertNextValue(round(float(row[key]), _digits(QUANTITIES[key].form)))
+            tableNode.AddColumn(column)
+            tableNode.SetColumnDescription(heading, f"{QUANTITIES[key].label}: {QUANTITIES[key].definition}")
+        tableNode.SetLocked(True)
+
+
+def _digits(form: str) -> int:
+    """Digits after the point that a format keeps; two more for a percentage, which is kept as a share."""
+    [digits] = re.findall(r"\.(\d+)", form)
+    return int(digits) + (2 if form.endswith("%") else 0)

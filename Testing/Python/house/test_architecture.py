@@ -16,7 +16,7 @@ MODULE = REPOSITORY / "AIFRecon"
 DRAWING = ElementTree.parse(REPOSITORY / "docs" / "images" / "architecture.svg").getroot()
 
 ROOMS = (
-    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui/picture", "AIFReconGui/fields", "AIFReconGui"),
+    *("AIFRecon.py", "AIFReconGui/panel", "AIFReconGui/fields", "AIFReconGui"),
     *("AIFReconScene/picture", "AIFReconScene/live", "AIFReconScene/registration", "AIFReconScene/display"),
     *("AIFReconScene/volumes", "AIFReconScene/inputs", "AIFReconScene/sweep"),
     "AIFReconScene",

@@ -17,7 +17,6 @@ OWN = {
     "boneNodes",
     "browserItems",
     "gridNodes",
-    "metricsTable",
     "phantomSample",
     "probeOverlay",
     "sceneNodes",

@@ -26,7 +26,7 @@ METRICS = BoneMetrics(SURFACE, SURFACE, SURFACE, 3.21, 1.0, 4.444)
 
 @pytest.fixture
 def filled(scene):
-    from AIFReconScene.volumes.metricsTable import updateMetricsTable
+    from AIFReconScene.volumes.comparison import updateMetricsTable
 
     node = scene.AddNewNodeByClass("vtkMRMLTableNode", "Metrics")
     updateMetricsTable(node, {"average": METRICS, "weighted": METRICS})
@@ -48,7 +48,7 @@ def test_numbers_are_numbers_with_the_digits_that_are_printed(filled):
 
 
 def test_filling_again_replaces_what_was_there(filled):
-    from AIFReconScene.volumes.metricsTable import updateMetricsTable
+    from AIFReconScene.volumes.comparison import updateMetricsTable
 
     updateMetricsTable(filled, {"aif": METRICS})
     assert (filled.GetNumberOfRows(), filled.GetNumberOfColumns()) == (1, 1 + len(HEADINGS))
