@@ -9,7 +9,7 @@ from typing import Any
 
 import slicer
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
-from AIFReconScene.panelWords import errorsInPanelWords
+from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
@@ -73,10 +73,11 @@ def errorsShown(failure: str, waitCursor: bool = False):
     outcome = types.SimpleNamespace(error=None)
     with slicer.util.tryWithErrorDisplay(failure, waitCursor=waitCursor):
         try:
-            with errorsInPanelWords():
-                yield outcome
-        except AIFReconError as error:
+            yield outcome
+        except OperationCanceled as error:
             outcome.error = error
+        except AIFReconError as error:
+            outcome.error = type(error)(inPanelWords(error))
     if outcome.error is not None and not isinstance(outcome.error, OperationCanceled):
         slicer.util.infoDisplay(f"{failure}\n\n{outcome.error}", windowTitle=slicer.app.applicationName)
 

@@ -1,12 +1,10 @@
 """What the panel says of each of the library's remedies, in the words on its controls."""
 
-import contextlib
 import functools
 import re
 
 from slicer.i18n import tr as _
 
-from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.io.foreign.options import ASKED
 from AIFReconLib.message import advised
 from AIFReconLib.remedies import Remedy
@@ -20,17 +18,6 @@ def inPanelWords(sentence) -> str:
 def withNames(text: str, names: dict[int, str]) -> str:
     """A text with the names of bones in the place of the numbers of their labels."""
     return re.sub(r"\blabel (\d+)\b", lambda found: names.get(int(found[1]), found[0]), text)
-
-
-@contextlib.contextmanager
-def errorsInPanelWords():
-    """Errors of the library leave the block in the panel's words; a cancel as it is."""
-    try:
-        yield
-    except OperationCanceled:
-        raise
-    except AIFReconError as error:
-        raise type(error)(inPanelWords(error)) from error
 
 
 @functools.cache

@@ -2,8 +2,10 @@
 
 import contextlib
 
+import numpy as np
 import slicer
 import vtk
+from vtk.util import numpy_support
 
 
 def proxiesOf(browser) -> list:
@@ -48,6 +50,30 @@ def setWindow(display, low: float, high: float) -> None:
     """Show these gray levels, whatever the voxels are."""
     display.SetAutoWindowLevel(False)
     display.SetWindowLevelMinMax(low, high)
+
+
+def newImage(array: np.ndarray) -> tuple:
+    """A vtkImageData for an array [k, j, i], and its own voxels as such an array, to be written into; truth values become bytes."""
+    image = vtk.vtkImageData()
+    image.SetDimensions(*array.shape[::-1])
+    image.AllocateScalars(numpy_support.get_vtk_array_type(np.dtype(np.uint8) if array.dtype == bool else array.dtype), 1)
+    return image, numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape(array.shape)
+
+
+def showGrayLevels(node) -> None:
+    """Give an image node its display, with gray levels as in every other frame: automatic window and level would flicker."""
+    node.CreateDefaultDisplayNodes()
+    display = node.GetScalarVolumeDisplayNode()
+    if node.GetImageData().GetScalarType() == vtk.VTK_UNSIGNED_CHAR:
+        setWindow(display, 0, 255)
+    display.SetInterpolate(True)
+
+
+def boundsOf(node) -> np.ndarray:
+    """Where a node lies in RAS world, (3, 2): the least and the most of each axis, mm."""
+    bounds = np.zeros(6)
+    node.GetRASBounds(bounds)
+    return bounds.reshape(3, 2)
 
 
 @contextlib.contextmanager

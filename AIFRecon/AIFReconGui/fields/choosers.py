@@ -7,9 +7,11 @@ import qt
 import slicer
 from AIFReconScene.inputs import boxes, presets
 from AIFReconScene.inputs.boneSource import BoneSource
-from AIFReconScene.inputs.parameters import Method, Region, inWords, ownMethods
+from AIFReconScene.inputs.parameters import Method, Region
 from AIFReconScene.sweep.sweepStatus import furtherSweeps
 from slicer.i18n import tr as _
+
+from AIFReconLib.compounding.methods.table import method_named, registered_methods
 
 
 class Follower:
@@ -158,7 +160,7 @@ class MethodChooser(RowChooser):
 
     def update(self) -> None:
         """Show the methods that there are, and which is chosen; one that a scene was saved with is shown even where it is not known."""
-        chosen, known = self._parameterNode.ownMethod, ownMethods()
+        chosen, known = self._parameterNode.ownMethod, registered_methods()
         own = (*known, *((chosen,) if chosen and chosen not in known else ()))
         with self._untold():
             if own != self._own:
@@ -167,7 +169,8 @@ class MethodChooser(RowChooser):
                 for label in (*(method.label() for method in Method), *own):
                     self._comboBox.addItem(label)
                 for row, method in enumerate(Method):
-                    self._comboBox.setItemData(row, inWords(method.value), qt.Qt.ToolTipRole)
+                    words = method_named(method.value).words if method.value else ""
+                    self._comboBox.setItemData(row, words, qt.Qt.ToolTipRole)
             self._comboBox.currentIndex = len(Method) + own.index(chosen) if chosen else list(Method).index(self._parameterNode.method)
 
     def _choose(self, row: int) -> None:

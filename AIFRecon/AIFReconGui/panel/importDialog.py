@@ -41,13 +41,10 @@ class ImportDialog(PanelPart):
         """Follow these parameters, or none: then the user leaves, or the scene or the panel is being closed."""
         super().setParameterNode(parameterNode)
         if parameterNode is None:
-            self._close()
-
-    def _close(self) -> None:
-        if self._window:  # a destroyed one is false: the application is being closed
-            self._window.close()
-            self._window.deleteLater()
-        self._window, self._answers = None, {}
+            if self._window:  # a destroyed one is false: the application is being closed
+                self._window.close()
+                self._window.deleteLater()
+            self._window, self._answers = None, {}
 
     def _make(self) -> None:
         self._window = qt.QDialog(slicer.util.mainWindow())
@@ -138,8 +135,9 @@ class ImportDialog(PanelPart):
 
     def _change(self) -> None:
         """What was seen is not of what is chosen now."""
-        self._forget()
-        ui = self._ui
+        seen, self._seen, ui = self._seen, None, self._ui
+        if seen is not None:
+            seen.forget()
         missing = ""
         if any(fileFrom(path) is None or not path.exists() for path in self._files()):
             missing = _("Choose the images and the file of their poses.")
@@ -148,11 +146,6 @@ class ImportDialog(PanelPart):
         ui.importCheckButton.enabled = not missing
         ui.importWordsEdit.plainText = missing
         self._show(None)
-
-    def _forget(self) -> None:
-        seen, self._seen = self._seen, None
-        if seen is not None:
-            seen.forget()
 
     def _show(self, drawing) -> None:
         ui = self._ui

@@ -21,6 +21,12 @@ def say(label, text: str, keepsRoom: bool = False) -> None:
         qt.QTimer.singleShot(0, lambda: _fit(label, least))
 
 
+def enable(widget, missing: str, does: str) -> None:
+    """Let a widget be used where nothing is missing for it; its tool tip says what it does, else what is missing."""
+    widget.enabled = not missing
+    widget.toolTip = missing or does
+
+
 def _fit(label, least: int = 0) -> None:
     if label:  # destroyed: the application is being closed
         # A label asks for the least height that it has, however short its text is by now

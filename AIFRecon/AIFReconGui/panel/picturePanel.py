@@ -14,6 +14,8 @@ from AIFReconScene.picture.sweepPage import tellOf, whyNotTell
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
 
+from .layout import enable
+
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
 
 BOXES = ("showMeasuredCheckBox", "showRaisedCheckBox", "showSpineCheckBox", "probeUpCheckBox", "showLevelsCheckBox")
@@ -60,16 +62,13 @@ class PicturePanel:
         enhanced = _("Press “Reconstruct” with a method that weights by bone: its plain echo is kept beside it.")
         shown = _("No bone is kept with this volume: press “Reconstruct” with a method that weights by bone. It may have shown none.")
         tells = inPanelWords(whyNotTell(parameters))
-        for widget, missing, does in (
-            (ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels")),
-            (ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is as bright as bone and its echoes are not")),
-            (ui.showSpineCheckBox, "" if spine else shown, _("Show the bone that was seen as a surface, smoothed for display")),
-            (ui.probeUpCheckBox, "" if parameters.sweep else _("Select a tracked sweep."), _("Turn the slice views as the scanner does")),
-            (ui.copyLineButton, tells, _("Copy the summary, one line, to the clipboard")),
-            (ui.saveReportButton, tells, _("Write a page with pictures, sweep, agreement of the CT, coverage, settings and software")),
-        ):
-            widget.enabled = not missing
-            widget.toolTip = missing or does
+        enable(ui.showMeasuredCheckBox, "" if plain else enhanced, _("Show the plain mean of the echoes, in the same gray levels"))
+        enable(ui.showRaisedCheckBox, "" if plain else enhanced, _("Violet where the picture is as bright as bone and its echoes are not"))
+        enable(ui.showSpineCheckBox, "" if spine else shown, _("Show the bone that was seen as a surface, smoothed for display"))
+        noSweep = "" if parameters.sweep else _("Select a tracked sweep.")
+        enable(ui.probeUpCheckBox, noSweep, _("Turn the slice views as the scanner does"))
+        enable(ui.copyLineButton, tells, _("Copy the summary, one line, to the clipboard"))
+        enable(ui.saveReportButton, tells, _("Write a page with pictures, sweep, agreement of the CT, coverage, settings and software"))
         ui.boneOutlinesCheckBox.visible = ui.opacityLabel.visible = ui.opacitySliderWidget.visible = parameters.output is not None
         for view in self._views:
             view.update(parameters)

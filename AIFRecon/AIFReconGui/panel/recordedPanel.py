@@ -4,7 +4,7 @@ import pathlib
 
 import qt
 import slicer
-from AIFReconScene.display.boneOutlines import BoneOutlines
+from AIFReconScene.display.segmentDisplay import BoneOutlines
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
 from AIFReconScene.inputs.clip import clipAsRecognized
@@ -20,7 +20,7 @@ from ..fields.choosers import BoxChooser, MethodChooser, PresetChooser, Segments
 from ..fields.pathField import PATHS, PathField
 from ..packages import offerSpeed, packagesAreThere
 from .importDialog import ImportDialog
-from .layout import say
+from .layout import enable, say
 from .lights import Lights
 from .panelPart import PanelPart
 from .picturePanel import PicturePanel
@@ -149,9 +149,15 @@ class RecordedPanel(PanelPart):
 
     def onCompare(self) -> None:
         """Reconstruct with every method that is compared."""
+
+        def told(parameters, progress) -> str:
+            said = self._logic.compare(parameters, progress)
+            qt.QTimer.singleShot(0, offerSpeed)
+            return said
+
         failure = _("The methods could not be compared.")
         if packagesAreThere(self._parameterNode, failure):
-            self._run(_("Compare methods"), failure, self._logic.compare, offersSpeed=True)
+            self._run(_("Compare methods"), failure, told)
 
     def onSingleView(self) -> None:
         """Go back from the comparison."""
@@ -163,12 +169,14 @@ class RecordedPanel(PanelPart):
             self._picture.show()
             self._ui.summaryLabel.visible = True
             say(self._ui.summaryLabel, f"{method}\n{voxels}")
+            # A first picture comes before any question
+            qt.QTimer.singleShot(0, offerSpeed)
             return "\n".join((_("Done."), *notes, *more))
 
         failure = failure or _("The volume could not be reconstructed.")
         if packagesAreThere(self._parameterNode, failure):
             self.lights.cancel()
-            self._run(_("Reconstruction"), failure, told, offersSpeed=True)
+            self._run(_("Reconstruction"), failure, told)
             self.lights.lookBeside()
 
     def _sample(self, parameters, progress) -> str:
@@ -179,24 +187,14 @@ class RecordedPanel(PanelPart):
             readiness.chooseDefaults(parameters)
             return self._logic.apply(parameters, part(progress, 0.6, 1.0))
 
-    def _run(self, title: str, failure: str, work, offersSpeed: bool = False) -> None:
+    def _run(self, title: str, failure: str, work) -> None:
         """Do long work with progress and cancel; its errors are shown, a cancel leaves the scene as it was."""
-        ended = []
-
-        def done(parameters, progress) -> str:
-            said = work(parameters, progress)
-            ended.append(said)
-            return said
-
         self._report = ""
         try:
-            self._report = self._work.run(title, failure, done, self._parameterNode)
+            self._report = self._work.run(title, failure, work, self._parameterNode)
             self._about = _chosen(self._parameterNode)
         finally:
             self._refresh()
-        if ended and offersSpeed:
-            # A first picture comes before any question
-            qt.QTimer.singleShot(0, offerSpeed)
 
     # ---- what folds away
 
@@ -243,15 +241,11 @@ def _enableButtons(ui, logic, parameters, waits: str, report: str) -> None:
     """
     sweep = logic.sweepSummary(parameters)
     cannot = readiness.whyNotReconstruct(parameters, sweep)
-    for button, missing, does in (
-        (ui.loadButton, readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed")),
-        (ui.applyButton, cannot, _("Reconstruct the volume, and judge tracking, registration and coverage")),
-        (ui.recognizeButton, readiness.whyNoImages(parameters, sweep), _("Set the rectangle of ultrasound that is recognized")),
-        (ui.compareButton, readiness.whyNotCompare(parameters, sweep), _("Reconstruct with each method and show them side by side")),
-    ):
-        missing = waits or missing
-        button.enabled = not missing
-        button.toolTip = missing or does
+    noImages, cannotCompare = readiness.whyNoImages(parameters, sweep), readiness.whyNotCompare(parameters, sweep)
+    enable(ui.loadButton, waits or readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed"))
+    enable(ui.applyButton, waits or cannot, _("Reconstruct the volume, and judge tracking, registration and coverage"))
+    enable(ui.recognizeButton, waits or noImages, _("Set the rectangle of ultrasound that is recognized"))
+    enable(ui.compareButton, waits or cannotCompare, _("Reconstruct with each method and show them side by side"))
     missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
     text = "\n".join(line for line in (report, missing) if line)
     ui.statusLabel.visible = bool(text)

@@ -15,7 +15,7 @@ from AIFReconLib.errors import AIFReconError
 from AIFReconLib.progress import part
 
 from ..longWork import errorsShown
-from .layout import say
+from .layout import enable, say
 from .panelPart import PanelPart, every
 
 WORTH_OFFERING = 0.5
@@ -65,12 +65,8 @@ class RegistrationPanel(PanelPart):
         places = _(
             "Move CT and bone together so that the bone lies on its echoes; the CT itself stays as it is, and the move can be undone"
         )
-        for button, reason, does in (
-            (ui.checkButton, waits or missing, _("Say how well CT and sweep agree; nothing is moved")),
-            (ui.placeButton, missing, places),
-        ):
-            button.enabled = not reason
-            button.toolTip = reason or does
+        enable(ui.checkButton, waits or missing, _("Say how well CT and sweep agree; nothing is moved"))
+        enable(ui.placeButton, missing, places)
         ui.livePlaceButton.enabled = self._live.isRunning and not missing
         ui.livePlaceButton.toolTip = missing or _("Move the CT onto the bone that this scan has shown so far")
         ui.undoPlaceButton.enabled = self._placement.canUndo

@@ -6,8 +6,8 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from .borrowed import Borrowed
 from .ownNodes import OwnNodes, colorBy, polyData, setScalars
+from .segmentDisplay import Borrowed, displayOf
 
 MET = "Met"
 """The array of the model's points."""
@@ -55,12 +55,12 @@ class BoneColors:
         if node.GetTransformNodeID() != bone.GetTransformNodeID():
             node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
         # Once: what the user shows again stays
-        _hideSegments(bone)
+        HIDDEN.follow(displayOf(bone))
 
     def clear(self) -> None:
         """Remove everything, also what is left where somebody has deleted the model alone."""
         self._mesh = self._levels = None
-        _hideSegments(None)
+        HIDDEN.follow(None)
         self._own.remove()
 
     def _made(self, surface):
@@ -78,12 +78,6 @@ class BoneColors:
         node.SetAndObserveDisplayNodeID(display.GetID())
         node.SetAndObservePolyData(surface)
         return self._own.add("bone", node)
-
-
-def _hideSegments(bone) -> None:
-    """Do not draw these segments in 3D, but draw all others again that were hidden here."""
-    isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
-    HIDDEN.follow(bone.GetDisplayNode() if isSegmented else None)
 
 
 def levelNames() -> tuple:

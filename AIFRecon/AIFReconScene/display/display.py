@@ -8,6 +8,7 @@ from AIFReconLib.worker.reconstructing import imaging_of
 
 from ..inputs.parameters import ProbeShape, regionFrom, settingsFrom
 from ..panelWords import inPanelWords
+from ..sceneNodes import boundsOf
 from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
 from ..work import inWorker
@@ -35,7 +36,7 @@ class SceneDisplay:
             threeDViews.makeSurface(parameters.bone, progress)
         if parameters.output is None:
             return  # deleted while the surface was made
-        fit = self._changed("place", (parameters.output.GetID(), _boundsOf(parameters.output)))
+        fit = self._changed("place", (parameters.output.GetID(), boundsOf(parameters.output).tolist()))
         with slicer.util.RenderBlocker():
             sliceDisplay.restoreLayout()
             sliceDisplay.showOverCT(parameters.output, parameters.ctVolume, parameters.opacity, fit=fit)
@@ -54,7 +55,7 @@ class SceneDisplay:
     def showComparison(self, comparison, parameters, progress=None) -> None:
         """Show the compared volumes side by side, over the CT, in linked views. Views that show their place already stay there."""
         volumes = [(node, method) for method, node in comparison.volumes.items()]
-        fit = self._changed("compared", [(node.GetID(), _boundsOf(node)) for node, _method in volumes])
+        fit = self._changed("compared", [(node.GetID(), boundsOf(node).tolist()) for node, _method in volumes])
         sliceDisplay.showSideBySide(volumes, parameters.ctVolume, tableNode=comparison.table, fit=fit, progress=progress)
 
     def update(self, parameters) -> None:
@@ -133,12 +134,6 @@ class SceneDisplay:
             probe, region = inWorker(imaging_of, sequence, needProbe and byHand is None, recipe)
             self._imaging = key, probe, region
         return byHand or probe, region
-
-
-def _boundsOf(node) -> list[float]:
-    bounds = [0.0] * 6
-    node.GetRASBounds(bounds)
-    return bounds
 
 
 def _sweepOf(parameters) -> tuple:

@@ -56,7 +56,7 @@ class ProbeOverlay:
         drawn = _upright([_place(toRAS, line) for line in lines], np.cross(toRAS[:3, 0], toRAS[:3, 1]))
         node = self._own.model("probe", f"{browser.GetName()} beams")
         node.SetAndObservePolyData(drawn)
-        proxy = items.proxyOf(items.images)
+        proxy = items.browser.GetProxyNode(items.images)
         parent = proxy.GetParentTransformNode() if proxy is not None else None
         node.SetAndObserveTransformNodeID(parent.GetID() if parent is not None else None)
         display = node.GetDisplayNode()

@@ -8,9 +8,9 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError, SettingsError
 
-from ..sceneNodes import removeNodes
+from ..sceneNodes import boundsOf, removeNodes
 from ..transforms import ijkToRAS, matrixToWorld
-from ..volumes.volumeNodes import KIND_ATTRIBUTE
+from ..volumes.volumeNodes import KIND_ATTRIBUTE, windowOf
 
 MAIN_VIEWS = ("Red", "Yellow", "Green")
 
@@ -297,8 +297,7 @@ def showVolumeRendering(node, on: bool):
 def _likeUltrasound(display, node) -> None:
     import vtk
 
-    shown = node.GetDisplayNode()
-    low, high = shown.GetWindowLevelMin(), shown.GetWindowLevelMax()
+    low, high = windowOf(node)
 
     def level(share: float) -> float:
         return low + share * (high - low)
@@ -344,10 +343,8 @@ def _fit(sliceLogic, volumeNode) -> None:
     sliceNode = sliceLogic.GetSliceNode()
     width, height, _ = sliceNode.GetDimensions()
     sliceLogic.FitSliceToVolume(volumeNode, max(width, 1), max(height, 1))
-    bounds = [0.0] * 6
-    volumeNode.GetRASBounds(bounds)
     # Fitting rounds the place to voxels of the background
-    sliceNode.JumpSliceByCentering(*[(bounds[axis] + bounds[axis + 1]) / 2 for axis in (0, 2, 4)])
+    sliceNode.JumpSliceByCentering(*boundsOf(volumeNode).mean(axis=1))
 
 
 def _layoutNode():

@@ -6,6 +6,8 @@ import numpy as np
 import slicer
 import vtk
 
+from ..sceneNodes import boundsOf
+
 UPPER_LEFT = 2
 """VTK's number of that corner."""
 
@@ -52,9 +54,8 @@ def _withoutBox(view):
 
 def lookAlong(direction, up, model) -> None:
     """Have every 3D view look in this direction (RAS) at a model, which fills it, with `up` upward."""
-    bounds = np.zeros(6)
-    model.GetRASBounds(bounds)
-    middle, radius = bounds.reshape(3, 2).mean(1), np.linalg.norm(np.diff(bounds.reshape(3, 2))) / 2.0
+    bounds = boundsOf(model)
+    middle, radius = bounds.mean(axis=1), np.linalg.norm(np.diff(bounds)) / 2.0
     for view in _views():
         camera = view.cameraNode()
         away = max(radius, 1.0) / np.sin(np.radians(camera.GetViewAngle()) / 2.0)

@@ -1,11 +1,11 @@
 """The box to reconstruct in. A new one has no size: it is laid around what there is to be reconstructed."""
 
-import numpy as np
 import slicer
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.worker.reconstructing import corners_of_sweep
 
+from ..sceneNodes import boundsOf
 from ..work import inWorker
 from .inputs import Inputs
 
@@ -15,15 +15,15 @@ def isEmpty(roiNode) -> bool:
     return not roiNode.GetNumberOfControlPoints() or min(roiNode.GetSize()) <= 0
 
 
-def layAround(roiNode, parameters) -> bool:
-    """Lay a box along the axes of RAS around the chosen sweep, else around the CT; False where neither has a place.
+def layAround(roiNode, parameters) -> None:
+    """Lay a box along the axes of RAS around the chosen sweep, else around the CT; nothing happens where neither has a place.
 
     It is shown as its edges, with handles: filled and with its name across, which is Slicer's default, it would hide the images.
     """
     found = _aroundSweep(parameters)
     found = _aroundVolume(parameters.ctVolume) if found is None else found
     if found is None:
-        return False
+        return
     least, most = found
     with slicer.util.NodeModify(roiNode):
         roiNode.SetCenterWorld(*((least + most) / 2))
@@ -36,7 +36,6 @@ def layAround(roiNode, parameters) -> bool:
         display.SetOutlineVisibility(True)
         display.SetPropertiesLabelVisibility(False)
         display.SetHandlesInteractive(True)
-    return True
 
 
 def _aroundSweep(parameters) -> tuple | None:
@@ -55,6 +54,4 @@ def _aroundVolume(volumeNode) -> tuple | None:
     """Least and most RAS coordinates, (3,) mm each, of a volume."""
     if volumeNode is None or volumeNode.GetImageData() is None:
         return None
-    bounds = [0.0] * 6
-    volumeNode.GetRASBounds(bounds)
-    return np.array(bounds[::2]), np.array(bounds[1::2])
+    return tuple(boundsOf(volumeNode).T)

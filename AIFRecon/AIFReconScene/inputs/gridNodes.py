@@ -9,6 +9,7 @@ from AIFReconLib.errors import GeometryError, SettingsError
 from AIFReconLib.geometry.volume import VoxelGrid
 
 from ..transforms import ijkToRAS, matrixToWorld
+from .boneNodes import named
 
 TOLERANCE = 1e-6
 """Voxels by which a box may be longer than a whole number of them without getting another one."""
@@ -41,7 +42,8 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
     matrix[:3, :3] = objectToWorld[:3, :3] / lengths * spacings
     matrix[:3, 3] = objectToWorld[:3, 3] - matrix[:3, :3] @ ((count - 1) / 2)
     columns, rows, slices = (int(n) for n in count)
-    return _grid(roiNode, (columns, rows, slices), matrix)
+    with named(roiNode):
+        return VoxelGrid((columns, rows, slices), matrix)
 
 
 def gridFromVolume(volumeNode) -> VoxelGrid:
@@ -49,11 +51,5 @@ def gridFromVolume(volumeNode) -> VoxelGrid:
     image = volumeNode.GetImageData()
     if image is None or not image.GetNumberOfPoints():
         raise GeometryError(f"{volumeNode.GetName()}: it has no voxels. Choose a volume that is loaded.")
-    return _grid(volumeNode, image.GetDimensions(), matrixToWorld(volumeNode) @ ijkToRAS(volumeNode))
-
-
-def _grid(node, size: tuple[int, int, int], matrix: np.ndarray) -> VoxelGrid:
-    try:
-        return VoxelGrid(size, matrix)
-    except GeometryError as error:
-        raise GeometryError(f"{node.GetName()}: {error}") from None
+    with named(volumeNode):
+        return VoxelGrid(image.GetDimensions(), matrixToWorld(volumeNode) @ ijkToRAS(volumeNode))

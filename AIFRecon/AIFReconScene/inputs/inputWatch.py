@@ -46,13 +46,12 @@ class InputWatch:
         self._observe(slicer.mrmlScene, slicer.vtkMRMLScene.NodeAddedEvent, self._onNodes)
         self._observe(slicer.mrmlScene, slicer.vtkMRMLScene.NodeRemovedEvent, self._onNodeGone)
         for browser in browsers:
-            self._observe(browser, vtk.vtkCommand.ModifiedEvent, self._onBrowser)
+            self._observe(browser, vtk.vtkCommand.ModifiedEvent, partial(self._onBrowser, browser))
         for sequence, browser in sequences.items():  # renamed, for instance
-            self._observe(sequence, vtk.vtkCommand.ModifiedEvent, partial(self._onImage, browser))
+            self._observe(sequence, vtk.vtkCommand.ModifiedEvent, partial(self._onBrowser, browser))
         for browser, image in replayed.items():
             if image is not None:
-                moved = partial(self._onImage, browser)
-                self._observe(image, slicer.vtkMRMLTransformableNode.TransformModifiedEvent, moved)
+                self._observe(image, slicer.vtkMRMLTransformableNode.TransformModifiedEvent, partial(self._onBrowser, browser))
         if parameters.roi is not None:
             self._observe(parameters.roi, vtk.vtkCommand.ModifiedEvent, self._onBox)
         if bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
@@ -92,10 +91,7 @@ class InputWatch:
             self._onGone(node)
             self._onNodes(caller, event, node)
 
-    def _onImage(self, browser, caller, event) -> None:
-        self._onBrowser(browser, event)
-
-    def _onBrowser(self, browser, event) -> None:
+    def _onBrowser(self, browser, caller, event) -> None:
         _parameters, sweep, images, *_others = self._followed
         if browser.GetScene() is None or browser.GetScene().IsBatchProcessing():
             return

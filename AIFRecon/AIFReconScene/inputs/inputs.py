@@ -106,25 +106,17 @@ class Inputs:
     @property
     def seesBone(self) -> bool:
         """Whether the frames themselves say where bone is."""
-        return self.recipe.bone_from_sweep or self._asksNetwork
-
-    @property
-    def _asksNetwork(self) -> bool:
-        return self.boneFrames is not None or self.boneModel is not None
+        return self.recipe.bone_from_sweep or self.boneFrames is not None or self.boneModel is not None
 
     def labels(self, progress=None):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""
         if self.bone is None or not isLabeled(self.bone):
             return None
         report(progress, 0.0, "Reading the CT's bone")
-        widest = self.recipe.bone_sigma_mm if self._hasWidth else UNKNOWN_WIDTH
+        voxels, widest = self.recipe.bone_sigma_voxels, self.recipe.bone_sigma_mm
         chosen = list(self.boneSegments) or None
-        reach = reachOfMap(self.recipe.bone_sigma_voxels, widest)
+        reach = reachOfMap(voxels, UNKNOWN_WIDTH if voxels is None and widest is None else widest)
         return labelsFromNode(self.bone, chosen, referenceVolumeNode=self.ct, world=False, reach=reach, progress=progress)
-
-    @property
-    def _hasWidth(self) -> bool:
-        return self.recipe.bone_sigma_voxels is not None or self.recipe.bone_sigma_mm is not None
 
     def grid(self, settings):
         """The `VoxelGrid` of the chosen region in RAS, or None for the box around the sweep."""

@@ -150,24 +150,14 @@ def _labels() -> dict:
     }
 
 
-def ownMethods() -> tuple:
-    """The names of the methods that somebody has registered: the library's list, which imports of modules fill."""
-    return registered_methods()
-
-
 def methodOf(parameterNode) -> str:
     """The method that is chosen, one of the user's own among them; empty where the library chooses."""
     return parameterNode.ownMethod or parameterNode.method.value
 
 
-def inWords(method: str) -> str:
-    """What a method does, in a few words; empty where the library chooses."""
-    return method_named(method).words if method else ""
-
-
 def needsBone(method: str) -> bool:
     """Whether a method weights by where bone is; of one that is not known nothing is asked yet."""
-    return method in (*METHODS, *ownMethods()) and method_named(method).needs_bone
+    return method in (*METHODS, *registered_methods()) and method_named(method).needs_bone
 
 
 def fileFrom(path: Path) -> Path | None:

@@ -6,7 +6,7 @@ Contradictions are said before any work begins; the library would refuse them to
 import slicer
 from slicer.i18n import tr as _
 
-from AIFReconLib.compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, method_named
+from AIFReconLib.compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, method_named, registered_methods
 
 from ..panelWords import inPanelWords
 from ..sceneNodes import proxiesOf
@@ -14,7 +14,7 @@ from ..sweep.sweepStatus import furtherSweeps
 from .boneNodes import isLabeled
 from .boneSource import BoneSource, hasBone, whyNoBone
 from .boxes import isEmpty
-from .parameters import PARAMETERS, HoleFilling, Interpolation, LiveSource, Region, fileFrom, methodOf, needsBone, ownMethods
+from .parameters import PARAMETERS, HoleFilling, Interpolation, LiveSource, Region, fileFrom, methodOf, needsBone
 
 AIR = -500.0
 """HU."""
@@ -83,8 +83,8 @@ def _whatIsMissing(parameters, live: bool = False) -> str:
             return _("“Squareness” (in Settings) needs bone: select the CT's segmentation under “Bone of CT”, or uncheck it.")
         wanted = _("{method} needs bone: select the CT's segmentation under “Bone of CT”, or set “Method” (in Settings) to automatic.")
         return wanted.format(method=methodOf(parameters))
-    if parameters.bone is not None and _holdsNothing(parameters.bone):
-        return _holdsNoBone(parameters.bone)
+    if missing := _whyEmpty(parameters.bone):
+        return missing
     if parameters.region == Region.BOX and parameters.roi is None:
         return _("Select or draw the box to reconstruct, or choose another region.")
     if parameters.region == Region.BOX and isEmpty(parameters.roi):
@@ -112,9 +112,7 @@ def whyNotRegister(parameters, sweep=None, isScanning: bool = False) -> str:
         return _("Select the bone of the CT: a segmentation, or a labelmap.")
     if not isLabeled(bone):
         return _("{name} is a probability, which has no surface: select a segmentation or a labelmap.").format(name=bone.GetName())
-    if _holdsNothing(bone):
-        return _holdsNoBone(bone)
-    return "" if isScanning else whyNoImages(parameters, sweep)
+    return _whyEmpty(bone) or ("" if isScanning else whyNoImages(parameters, sweep))
 
 
 def withoutRepeating(missing: str, sweepText: str) -> str:
@@ -122,14 +120,17 @@ def withoutRepeating(missing: str, sweepText: str) -> str:
     return _("The sweep cannot be reconstructed: see above.") if missing and missing in sweepText else missing
 
 
-def _holdsNoBone(bone) -> str:
-    return _("{name} holds no bone: mark the bone of the CT in Slicer's Segment Editor, or select another.").format(name=bone.GetName())
-
-
-def _holdsNothing(bone) -> bool:
+def _whyEmpty(bone) -> str:
+    """Why a node holds no bone; empty where it holds some, and where there is none."""
+    if bone is None:
+        return ""
     if bone.IsA("vtkMRMLSegmentationNode"):
-        return bone.GetSegmentation() is None or bone.GetSegmentation().GetNumberOfSegments() == 0
-    return bone.GetImageData() is None
+        holdsSome = bone.GetSegmentation() is not None and bone.GetSegmentation().GetNumberOfSegments() > 0
+    else:
+        holdsSome = bone.GetImageData() is not None
+    if holdsSome:
+        return ""
+    return _("{name} holds no bone: mark the bone of the CT in Slicer's Segment Editor, or select another.").format(name=bone.GetName())
 
 
 def _contradiction(parameters, hasBone: bool) -> str:
@@ -139,7 +140,7 @@ def _contradiction(parameters, hasBone: bool) -> str:
         or _ofSpeed(parameters, hasBone)
         or _ofHoles(parameters)
         or _ofFan(parameters)
-        or _ofPixels(parameters, _methodOf(parameters, hasBone))
+        or _ofPixels(parameters, hasBone)
     )
 
 
@@ -152,13 +153,8 @@ def _comparisonContradiction(parameters) -> str:
     return ""
 
 
-def _methodOf(parameters, hasBone: bool) -> str:
-    """The method that a reconstruction would take; a configuration's is not looked up, which refuses nothing."""
-    return methodOf(parameters) or (DEFAULT_METHOD_WITH_BONE if hasBone else DEFAULT_METHOD_WITHOUT_BONE)
-
-
 def _ofMethod(parameters) -> str:
-    if parameters.ownMethod and parameters.ownMethod not in ownMethods():
+    if parameters.ownMethod and parameters.ownMethod not in registered_methods():
         return _("{method} is not known: import {module} in the Python console, or choose another method.").format(
             method=parameters.ownMethod, module=parameters.ownMethod.partition(":")[0]
         )
@@ -190,7 +186,9 @@ def _ofFan(parameters) -> str:
     return ""
 
 
-def _ofPixels(parameters, method: str) -> str:
+def _ofPixels(parameters, hasBone: bool) -> str:
+    # What a reconstruction would take; a configuration's method is not looked up, which refuses nothing
+    method = methodOf(parameters) or (DEFAULT_METHOD_WITH_BONE if hasBone else DEFAULT_METHOD_WITHOUT_BONE)
     chosen = method_named(method)
     if parameters.interpolation == Interpolation.LINEAR and (chosen.spread is None or parameters.bestCosine):
         wish = method if chosen.spread is None else _("the best cosine")

@@ -7,9 +7,9 @@ import slicer
 from AIFReconLib.geometry.volume import Volume
 
 from ..display import sliceDisplay
-from ..sceneNodes import removeNodes
+from ..sceneNodes import removeNodes, showGrayLevels
 from ..transforms import atRightAngles
-from ..volumes.volumeNodes import showGrayLevels, updateVolumeNode
+from ..volumes.volumeNodes import updateVolumeNode
 
 FRAME_NAME = "Live frame"
 
@@ -40,14 +40,14 @@ class LiveViews:
 
     def showFrame(self, frame) -> None:
         """Show a `SeenFrame`, and let the red slice lie in it."""
-        if self.frameNode is None:
+        node, (rows, columns) = self.frameNode, frame.image.shape
+        if node is None:
             self._node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
             self._node.SetSaveWithScene(False)
-            self._node.CreateDefaultDisplayNodes()
-            showGrayLevels(self._node, frame.image.dtype)
-        rows, columns = frame.image.shape
         # What is inserted lies where the exact matrix puts it
         updateVolumeNode(self._node, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
+        if node is None:
+            showGrayLevels(self._node)
         self.follow(self._node)
         self.frame = frame
 

@@ -8,8 +8,8 @@ import vtk
 from vtk.util import numpy_support
 
 from ..display import threeDViews
-from ..display.borrowed import Borrowed
 from ..display.ownNodes import colorBy, polyData, setScalars
+from ..display.segmentDisplay import Borrowed, displayOf
 from ..sceneNodes import removeNodes, sharedColors
 from ..transforms import placeOf
 from ..volumes.volumeNodes import SPINE_ROLE, giveName, hasGivenName, intoFolder
@@ -109,8 +109,7 @@ class SpineView:
         if model is not None and bool(model.GetDisplayVisibility()) != visible:
             model.SetDisplayVisibility(visible)
         bone = parameters.bone
-        isSegmented = bone is not None and bone.IsA("vtkMRMLSegmentationNode")
-        _seeThrough(bone.GetDisplayNode() if visible and isSegmented else None)
+        _seeThrough(displayOf(bone) if visible else None)
         if visible and self._seen != model.GetID():
             self._seen = model.GetID()
             place = placeOf(bone)

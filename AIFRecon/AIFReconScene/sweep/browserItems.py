@@ -61,10 +61,6 @@ class BrowserItems:
         value = self.master.GetNthIndexValue(max(self.browser.GetSelectedItemNumber(), 0))
         return self.images.GetDataNodeAtValue(value, False) or self.images.GetNthDataNode(0)
 
-    def proxyOf(self, sequenceNode):
-        """The node of the scene that the browser replays a sequence into, or None."""
-        return self.browser.GetProxyNode(sequenceNode)
-
     def sequenceBehind(self, node):
         """The sequence that this browser replays into `node`; None for any other node, and where replay is turned off."""
         sequenceNode = self.browser.GetSequenceNode(node)
@@ -86,7 +82,7 @@ class BrowserItems:
 
         They are those of the recording, of the node that it is replayed into, of its items, and its own, whatever a user has made of some.
         """
-        proxy = self.proxyOf(sequenceNode)
+        proxy = self.browser.GetProxyNode(sequenceNode)
         item = sequenceNode.GetNthDataNode(0) if sequenceNode.GetNumberOfDataNodes() else None
         names = [sequenceNode.GetAttribute(SOURCE_ATTRIBUTE), proxy and proxy.GetAttribute("Sequences.BaseName")]
         names += [node.GetName() for node in (proxy, item, sequenceNode) if node is not None]

@@ -9,8 +9,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import slicer
-import vtk
-from vtk.util import numpy_support
 
 from AIFReconLib.errors import AIFReconError, GeometryError, NoUsableFramesError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
@@ -20,7 +18,7 @@ from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
 
-from ..sceneNodes import freeName, removeNodes, setWindow
+from ..sceneNodes import freeName, newImage, removeNodes, showGrayLevels
 from .sweepRecord import ATTRIBUTE, recordText
 
 IMAGE = "Image"
@@ -123,31 +121,19 @@ def _fillImages(node, sequence: TrackedSequence, index: list[str], progress: Pro
     # One node and one image for all frames: setting an item copies both, and VTK gets slow with the number of images that Python has seen
     frame = slicer.vtkMRMLScalarVolumeNode()
     frame.SetName(IMAGE)
-    pixels = None
+    like, pixels = None, np.empty(0)
     for number, record in enumerate(sequence.records):
         report(progress, number / len(sequence), "Loading frames")
         image = np.asarray(sequence.images[number])
         if image.ndim != 2:
             raise GeometryError(f"{sequence.name}: image {number} must have shape (rows, columns); got {image.shape}.")
-        if pixels is None or pixels.shape != image.shape or pixels.dtype != _dtypeOf(image):
-            pixels = _newPixels(frame, image)
-        pixels[:] = image
+        if like != (image.shape, image.dtype):
+            like = image.shape, image.dtype
+            imageData, pixels = newImage(image[None])
+            frame.SetAndObserveImageData(imageData)
+        pixels[0] = image
         frame.SetAttribute(IMAGE_STATUS_ATTRIBUTE, record.image_status.value)
         node.SetDataNodeAtValue(frame, index[number])
-
-
-def _dtypeOf(image: np.ndarray) -> np.dtype:
-    """The type that VTK has for an image's pixels."""
-    return np.dtype(np.uint8) if image.dtype == bool else image.dtype
-
-
-def _newPixels(volumeNode, image: np.ndarray) -> np.ndarray:
-    """Give a volume node an image like `image`; its pixels (rows, columns), to be written into."""
-    imageData = vtk.vtkImageData()
-    imageData.SetDimensions(image.shape[1], image.shape[0], 1)
-    imageData.AllocateScalars(numpy_support.get_vtk_array_type(_dtypeOf(image)), 1)
-    volumeNode.SetAndObserveImageData(imageData)
-    return numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars()).reshape(image.shape)
 
 
 def _fillTransforms(node, name: TransformName, records: Sequence[FrameRecord], index: list[str], progress: Progress | None) -> None:
@@ -221,7 +207,7 @@ def _addToScene(name: str, images, transforms: dict, pose, record: str):
             proxy.CopyContent(item)
             proxy.SetName(node.GetName())
             proxies[node] = proxy
-        _display(proxies[images], images.GetNthDataNode(0).GetImageData())
+        showGrayLevels(proxies[images])
         if pose is not None:
             proxies[images].SetAndObserveTransformNodeID(proxies[pose].GetID())
         browser.SetSelectedItemNumber(0)
@@ -229,15 +215,6 @@ def _addToScene(name: str, images, transforms: dict, pose, record: str):
         removeNodes(added)
         raise
     return browser
-
-
-def _display(proxy, imageData) -> None:
-    """Gray levels shown alike in all frames: automatic window and level would flicker."""
-    proxy.CreateDefaultDisplayNodes()
-    display = proxy.GetScalarVolumeDisplayNode()
-    if imageData.GetScalarType() == vtk.VTK_UNSIGNED_CHAR:
-        setWindow(display, 0, 255)
-    display.SetInterpolate(True)
 
 
 def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: TransformName, index: list[str], progress) -> dict:

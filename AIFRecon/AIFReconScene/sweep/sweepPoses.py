@@ -47,7 +47,7 @@ def framePoses(items: BrowserItems, reference: str | None = None) -> list[FrameP
     Raises TransformError when nothing tells where the images are, for a transform that is not linear, and for one that another browser
     replays.
     """
-    proxy = items.proxyOf(items.images)
+    proxy = items.browser.GetProxyNode(items.images)
     if proxy is not None and proxy.GetParentTransformNode() is not None:
         links = [_Link.above(items, node) for node in parentTransforms(proxy)]
         return [_followed(items, links, number) for number in range(len(items))]
@@ -233,5 +233,5 @@ def _staticTransforms(items: BrowserItems, named: dict) -> dict[TransformName, T
 def _aboveReference(items: BrowserItems, named: dict, path: tuple[TransformName, ...]) -> list[_Link]:
     """The transforms above the one that ends in the reference frame, such as a ReferenceToRAS that the user has put above the sweep."""
     last = named.get(path[-1])
-    proxy = items.proxyOf(last) if last is not None else None
+    proxy = items.browser.GetProxyNode(last) if last is not None else None
     return [_Link.above(items, node) for node in parentTransforms(proxy)] if proxy is not None else []

@@ -82,9 +82,9 @@ def _openOther(parameters, kind: str, path, progress) -> None:
     if kind == CONFIGURATION:
         parameters.configurationPath = path
     elif kind == SEGMENTATION:
-        parameters.bone = openSegmentation(path)
+        parameters.bone = _read("vtkMRMLSegmentationNode", "vtkMRMLSegmentationStorageNode", path)
     elif kind == TRANSFORM:
-        above = openTransform(path)
+        above = _read("vtkMRMLTransformNode", "vtkMRMLTransformStorageNode", path)
         for node in (parameters.ctVolume, parameters.bone):
             if node is not None:
                 node.SetAndObserveTransformNodeID(above.GetID())
@@ -111,17 +111,8 @@ def openVolume(path, progress=None):
     return _segmentationOf(node, progress) if _holdsLabels(slicer.util.arrayFromVolume(node)) else node
 
 
-def openSegmentation(path):
-    """The node of a segmentation saved by Slicer; errors as for `openVolume`."""
-    return _read("vtkMRMLSegmentationNode", "vtkMRMLSegmentationStorageNode", path)
-
-
-def openTransform(path):
-    """The node of a transform; errors as for `openVolume`."""
-    return _read("vtkMRMLTransformNode", "vtkMRMLTransformStorageNode", path)
-
-
 def _read(kind: str, reader: str, path):
+    """A new node of this class, read by the storage node of that one; errors as for `openVolume`."""
     scene = slicer.mrmlScene
     node = scene.AddNewNodeByClass(kind, freeName(path.name.split(".")[0]))
     storage = scene.AddNewNodeByClass(reader)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import slicer
 
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import Progress, part, report
 from AIFReconLib.worker.evaluating import simulated_patient
 
@@ -55,17 +54,11 @@ def addPatient(patient, progress: Progress | None = None) -> PhantomNodes:
         report(progress, 0.4, "Adding the CT")
         transform = scene.AddNewNodeByClass("vtkMRMLLinearTransformNode", scene.GenerateUniqueName("CTToReference"))
         transform.SetMatrixTransformToParent(slicer.util.vtkMatrixFromArray(patient.ct_to_reference))
-        ct = _ctNode(patient.ct)
+        ct = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", scene.GenerateUniqueName("Lumbar CT"))
+        updateVolumeNode(ct, patient.ct)
+        ct.CreateDefaultDisplayNodes()
+        setWindow(ct.GetScalarVolumeDisplayNode(), *BONE_WINDOW)
         ct.SetAndObserveTransformNodeID(transform.GetID())
         names = dict(enumerate(LEVELS, start=1))
         segmentation = segmentationNode("Lumbar vertebrae", patient.labels, names, ct, part(progress, 0.6, 1.0))
     return PhantomNodes(ct, segmentation, transform, browser)
-
-
-def _ctNode(ct: Volume):
-    scene = slicer.mrmlScene
-    node = scene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", scene.GenerateUniqueName("Lumbar CT"))
-    updateVolumeNode(node, ct)
-    node.CreateDefaultDisplayNodes()
-    setWindow(node.GetScalarVolumeDisplayNode(), *BONE_WINDOW)
-    return node

@@ -6,14 +6,13 @@ import re
 import numpy as np
 import slicer
 import vtk
-from vtk.util import numpy_support
 
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.worker.evaluating import write_settings
 
-from ..sceneNodes import freeName, removeNodes, setWindow, sharedColors
+from ..sceneNodes import freeName, newImage, removeNodes, setWindow, sharedColors
 from ..work import inWorker
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
@@ -182,12 +181,9 @@ def ultrasoundWindowOf(node) -> tuple[float, float]:
 
 def _imageData(array: np.ndarray):
     """The vtkImageData of an array [k, j, i]: the one copy of its voxels."""
-    plain = array.view(np.uint8) if array.dtype == bool else array
-    imageData = vtk.vtkImageData()
-    imageData.SetDimensions(*plain.shape[::-1])
-    imageData.AllocateScalars(numpy_support.get_vtk_array_type(plain.dtype), 1)
-    numpy_support.vtk_to_numpy(imageData.GetPointData().GetScalars())[:] = plain.ravel()
-    return imageData
+    image, voxels = newImage(array)
+    voxels[:] = array
+    return image
 
 
 def _place(node, imageData, volume: Volume) -> None:
@@ -241,12 +237,6 @@ def windowOf(node) -> tuple[float, float]:
     """Darkest and brightest gray level that a volume node shows."""
     display = node.GetDisplayNode()
     return display.GetWindowLevelMin(), display.GetWindowLevelMax()
-
-
-def showGrayLevels(node, dtype: np.dtype) -> None:
-    """Show the gray levels of images alike in all of them: automatic window and level would flicker."""
-    if dtype == np.uint8:
-        setWindow(node.GetScalarVolumeDisplayNode(), 0, 255)
 
 
 def hasGivenName(node) -> bool:

@@ -1,6 +1,13 @@
-"""What the module changes for a while of how segments are displayed, which is the user's, and gives back."""
+"""How segments are displayed, which is the user's: what the module changes of it for a while and gives back, such as fill for outlines."""
 
 import slicer
+
+from . import sliceDisplay
+
+
+def displayOf(bone):
+    """How the segments of a node are displayed; None for any other node, and for none."""
+    return bone.GetDisplayNode() if bone is not None and bone.IsA("vtkMRMLSegmentationNode") else None
 
 
 class Borrowed:
@@ -46,3 +53,37 @@ class Borrowed:
 
     def _set(self, display, value) -> None:
         getattr(display, f"Set{self._name}")(value)
+
+
+UNFILLED = Borrowed("Visibility2DFill", False, "AIFRecon.FilledBefore")
+OUTLINED = Borrowed("Visibility2DOutline", True, "AIFRecon.OutlinedBefore")
+THIN = Borrowed("SliceIntersectionThickness", 1, "AIFRecon.ThicknessBefore")
+HIDDEN = Borrowed("Visibility2D", False, "AIFRecon.HiddenIn2D")
+
+
+class BoneOutlines:
+    """Shows the bone that the parameters name as outlines while a reconstruction is on display; gives it its fill back at the end.
+
+    Notes
+    -----
+    It changes a segmentation when a reconstruction comes on display: one that the user fills again after that stays filled.
+    """
+
+    def __init__(self):
+        self._parameterNode = None
+
+    def setParameterNode(self, parameterNode) -> None:
+        """Follow these parameters, or none: then the user leaves."""
+        self._parameterNode = parameterNode
+        if parameterNode is None:
+            self._follow(None)
+
+    def update(self) -> None:
+        """Outline the bone, or hide it if that is chosen, while a reconstruction is on display."""
+        display = displayOf(self._parameterNode.bone) if sliceDisplay.showsReconstruction() else None
+        self._follow(display, None if self._parameterNode.showBoneOutlines else display)
+
+    def _follow(self, display, hidden=None) -> None:
+        for each in (UNFILLED, OUTLINED, THIN):
+            each.follow(display)
+        HIDDEN.follow(hidden)
