@@ -62,11 +62,12 @@ HIDDEN = Borrowed("Visibility2D", False, "AIFRecon.HiddenIn2D")
 
 
 class BoneOutlines:
-    """Shows the bone that the parameters name as outlines while a reconstruction is on display; gives it its fill back at the end.
+    """Outlines the bone that the parameters name while a reconstruction is on display: filled, it would hide the very surface of that.
 
     Notes
     -----
-    It changes a segmentation when a reconstruction comes on display: one that the user fills again after that stays filled.
+    Its fill is given back at the end. A segmentation is changed when a reconstruction comes on display: one that the user fills again
+    after that stays filled.
     """
 
     def __init__(self):
