@@ -64,7 +64,7 @@ class BoneField:
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]
-        share = (_counted_in_blocks(padded, factors[::-1]) / factors.prod()).astype(np.float32)
+        share = np.divide(_counted_in_blocks(padded, factors[::-1]), factors.prod(), dtype=np.float32)
         for axis in range(3):
             if more[axis] > 1:
                 share = _between_slices(share, spacing[::-1], 2 - axis, more[axis])
@@ -167,14 +167,18 @@ def _signed_distance(share: Singles, spacing_kji: Floats, side: float) -> Single
     asked = (slice(None),) * 3, box_around(share >= 0.5, 1)
 
     def measure(which: int) -> None:
-        within = share[asked[which]]
-        whole = within <= 0 if which == 0 else within >= 1
-        away, nearest = scipy.ndimage.distance_transform_edt(
-            within < 0.5 if which == 0 else within > 0.5, sampling=spacing_kji, return_indices=True
+        within, result = share[asked[which]], found[asked[which]]
+        nearest = scipy.ndimage.distance_transform_edt(
+            within < 0.5 if which == 0 else within > 0.5, sampling=spacing_kji, return_distances=False, return_indices=True
         )
-        k, j, i = (index[whole] for index in nearest)
-        crossed = (0.5 - within[k, j, i]) * np.float32(side)
-        found[asked[which]][whole] = (away[whole] if which == 0 else -away[whole]) + crossed
+        # Plane by plane: distances of all at once would take many times the memory of what is asked
+        for plane, indices in enumerate(nearest.swapaxes(0, 1)):
+            whole = np.nonzero(within[plane] <= 0 if which == 0 else within[plane] >= 1)
+            k, j, i = indices[(slice(None), *whole)]
+            steps = zip((k, j, i), (plane, *whole), spacing_kji)
+            away = np.sqrt(sum(((there - here) * size) ** 2 for there, here, size in steps))
+            crossed = (0.5 - within[k, j, i]) * np.float32(side)
+            result[plane][whole] = (away if which == 0 else -away) + crossed
 
     in_parts(measure, len(asked), usable_cores())
     return np.clip(found, -FARTHEST_KNOWN, FARTHEST_KNOWN, out=found)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from ..arrays import Integers, Mask
 
@@ -16,7 +15,8 @@ def box_around(mask: Mask, margin: Integers | int = 0) -> Box:
 
     Where none is True it is around the first voxel.
     """
-    found = scipy.ndimage.find_objects(mask.view(np.uint8), max_label=1)[0] or (slice(0, 1),) * 3
+    held = [np.flatnonzero(mask.any(axis=others)) for others in ((1, 2), (0, 2), (0, 1))]
+    ends = [(int(each[0]), int(each[-1]) + 1) if len(each) else (0, 1) for each in held]
     around = np.broadcast_to(margin, 3)
-    k, j, i = (slice(max(s.start - int(m), 0), min(s.stop + int(m), n)) for s, m, n in zip(found, around, mask.shape, strict=True))
+    k, j, i = (slice(max(a - int(m), 0), min(b + int(m), n)) for (a, b), m, n in zip(ends, around, mask.shape, strict=True))
     return k, j, i

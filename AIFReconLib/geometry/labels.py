@@ -5,12 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import cast
 
 import numpy as np
+import scipy
 
 from ..arrays import Integers, Matrix
 from ..errors import GeometryError
 from ..message import listed, shorten
+from .box import Box, box_around
 from .transforms import LPS_FROM_RAS, transform_points
 from .volume import Volume, VoxelGrid
 
@@ -19,6 +23,9 @@ MOST_LISTED = 12
 
 
 SPACE_UNKNOWN = "The model does not say whether it is in RAS or LPS; it is taken to be in "
+
+MOST_NUMBER = 1 << 16
+"""Of a label up to which all boxes are found at once."""
 
 MOST_ASKED = 20_000
 """Voxels of bone that are asked where they lie."""
@@ -64,12 +71,15 @@ class Labels(Volume):
 
     def numbers(self) -> Integers:
         """The labels that there are, above 0, in their order."""
-        if self.array.dtype.kind == "u" and self.array.itemsize <= 2:
-            seen = np.zeros(1 << 8 * self.array.itemsize, bool)
-            seen[self.array] = True
-            return np.flatnonzero(seen[1:]) + 1
-        found: Integers = np.unique(self.array)
-        return found[found > 0]
+        return np.array([*self.boxes], dtype=np.int64)
+
+    @cached_property
+    def boxes(self) -> dict[int, Box]:
+        """The smallest part of the array [k, j, i] that holds each of the labels that there are, above 0, in their order."""
+        array = cast(Integers, self.array.view(np.uint8) if self.array.dtype.kind == "b" else self.array)
+        if array.max(initial=0) > MOST_NUMBER:
+            return {int(number): box_around(array == number) for number in np.unique(array) if number > 0}
+        return {number: (box[0], box[1], box[2]) for number, box in enumerate(scipy.ndimage.find_objects(array), 1) if box is not None}
 
     def called(self, number: int) -> str:
         """The name of a label, or its number in words."""

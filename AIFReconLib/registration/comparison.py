@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ from ..errors import AIFReconError, DisagreementWarning, OperationCanceled
 from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
+from ..machine.read_ahead import read_ahead
 from ..message import Sentence, advised, said
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
@@ -109,7 +110,7 @@ def compared(
     labels_to_reference: Floats,
     recipe: Recipe | None = None,
     progress: Progress | None = None,
-    field: BoneField | None = None,
+    field: Callable[[], BoneField] | None = None,
 ) -> Comparison:
     """How well a sweep and placed labels agree, and what to do where they do not.
 
@@ -122,12 +123,13 @@ def compared(
     labels_to_reference : (4, 4) array, mm
     recipe : Recipe or None
         As in `reconstruct`.
-    field : BoneField or None
-        That of the labels, where it is made already.
+    field : callable or None
+        Gives the field of the labels, where it is made once for other work, too. Called beside the search for echoes.
     """
     try:
-        echoes = sweep_echoes(sequences, recipe, most_frames=COMPARED_FRAMES, progress=progress)
-        bone = field or BoneField.from_labels(labels)
+        with read_ahead(field() if field is not None else BoneField.from_labels(labels) for _ in range(1)) as measured:
+            echoes = sweep_echoes(sequences, recipe, most_frames=COMPARED_FRAMES, progress=progress)
+            bone = next(measured)
         report(progress, 1.0, "Looking for bone in the sweep")
         agreement = check(echoes, bone, labels_to_reference)
     except OperationCanceled:

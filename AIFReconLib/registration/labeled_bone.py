@@ -156,7 +156,7 @@ class LabeledBone(Described):
         """How CT and sweep agree, looked at once; None without a sweep."""
         if self._comparison is None and self._sequence is not None:
             placed = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
-            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress, self._field)
+            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress, lambda: self._field)
         return self._comparison
 
     def lines(self, method: str, progress: Progress | None = None) -> list[str]:

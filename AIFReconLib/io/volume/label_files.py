@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from ...arrays import Floats, Integers, Mask
+from ...arrays import Floats, Mask
 from ...errors import GeometryError, VolumeFormatError
 from ...geometry.box import box_around
 from ...geometry.labels import SPACE_UNKNOWN, Labels
@@ -235,16 +235,13 @@ def doubts(labels: Labels, ct: Volume | None = None) -> list[str]:
         In HU, in the frame of the labels.
     """
     found = []
-    whole: Integers = labels.array.astype(np.int32 if labels.array.dtype.kind == "b" else labels.array.dtype, copy=False)
-    boxes = scipy.ndimage.find_objects(whole)
     steps = np.maximum(np.round(2.0 / labels.spacing[::-1]), 1).astype(int)
-    numbers = labels.numbers().tolist()
-    for number in numbers:
-        mask = labels.array[boxes[number - 1]] == number
+    for number, box in labels.boxes.items():
+        mask = labels.array[box] == number
         share = np.count_nonzero(mask) / labels.array.size
         coarse = np.pad(mask[tuple(slice(None, None, int(n)) for n in steps)], 1)
         depth = float(scipy.ndimage.distance_transform_edt(coarse, labels.spacing[::-1] * steps).max())
-        dense = None if ct is None else _dense(mask, boxes[number - 1], labels, ct)
+        dense = None if ct is None else _dense(mask, box, labels, ct)
         if dense is not None and dense < LEAST_HU:
             found.append(f"{labels.called(number)} is soft in the CT: nine tenths of it are below {dense:.0f} HU.")
         elif depth > DEEPEST:
