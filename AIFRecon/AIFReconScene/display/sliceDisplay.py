@@ -273,7 +273,7 @@ def layoutDescription(count: int, withTable: bool = False) -> str:
         return slices
     label = '<property name="viewlabel" action="default">T</property>'
     table = f'<view class="vtkMRMLTableViewNode" singletontag="{TABLE_VIEW_NAME}">{label}</view>'
-    return f'<layout type="vertical" split="true"><item splitSize="750">{slices}</item><item splitSize="250">{table}</item></layout>'
+    return f'<layout type="vertical" split="true"><item splitSize="720">{slices}</item><item splitSize="280">{table}</item></layout>'
 
 
 def showVolumeRendering(node, on: bool):
@@ -287,8 +287,10 @@ def showVolumeRendering(node, on: bool):
     logic = slicer.app.applicationLogic().GetModuleLogic("VolumeRendering")
     display = logic.GetFirstVolumeRenderingDisplayNode(node)
     if display is None and on:
-        display = logic.CreateDefaultVolumeRenderingNodes(node)
-        _likeUltrasound(display, node)
+        # Drawn with its own opacity only: the default one has steps so fine that OpenGL complains
+        with slicer.util.RenderBlocker():
+            display = logic.CreateDefaultVolumeRenderingNodes(node)
+            _likeUltrasound(display, node)
     if display is not None:
         display.SetVisibility(on)
     return display
