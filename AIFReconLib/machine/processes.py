@@ -19,18 +19,23 @@ Process = subprocess.Popen[bytes]
 
 
 def python_program() -> str:
-    """The Python that runs this, or within Slicer, whose program is another, the one that Slicer brings; empty where there is none."""
+    """The Python that runs this, or within Slicer, whose program is another, the one that Slicer brings.
+
+    Raises FileNotFoundError where there is none.
+    """
     program = sys.executable or ""
     is_python = Path(program).name.lower().startswith("python")
     # What is taken for the program there may be another Python, found by its name
     brought = shutil.which("PythonSlicer") if "SLICER_HOME" in os.environ or not is_python else None
-    return brought or (program if is_python else "")
+    if brought is None and not is_python:
+        raise FileNotFoundError("PythonSlicer, which comes with Slicer, is not in its folder of programs")
+    return brought or program
 
 
 def start_python(module: str, function: str, *words: str, stream: int = subprocess.DEVNULL) -> Process:
     """Call one of the library's functions with these words in a process of its own, which reads from and writes to `stream`.
 
-    Raises OSError where the system starts none. It imports from where this one does, and an interrupt is for this one alone.
+    Raises OSError where none can be started. It imports from where this one does, and an interrupt is for this one alone.
     """
     last = 1 + len(words)
     code = f"import sys; sys.path[:] = sys.argv[{last}:]; from {module} import {function}; {function}(*sys.argv[1:{last}])"

@@ -226,8 +226,8 @@ class Worker:
             streams = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
             handles = subprocess.STARTUPINFO(lpAttributeList={"handle_list": [theirs.fileno()]})
             options = {"startupinfo": handles, "creationflags": NO_WINDOW | subprocess.BELOW_NORMAL_PRIORITY_CLASS, **streams}
-        command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
         try:
+            command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
             # In a session of its own: Ctrl-C and the end of a terminal are for the program, which says when the worker ends
             self._process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, start_new_session=True, env={**ENVIRONMENT, **os.environ}, **options

@@ -148,7 +148,8 @@ def test_a_worker_that_does_not_start_is_one_sentence(worker, monkeypatch, tmp_p
 def test_within_slicer_its_own_python_is_the_program_and_never_slicer_itself(monkeypatch, tmp_path):
     monkeypatch.setattr(sys, "executable", "/opt/Slicer/bin/SlicerApp-real")
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert python_program() == ""
+    with pytest.raises(WorkerDiedError, match=r"could not be started \(PythonSlicer, .*\)\. Nothing was changed"):
+        Worker().call(tasks.returned, 1)
     brought = tmp_path / "PythonSlicer"
     brought.write_text("", "utf-8")
     brought.chmod(0o755)
