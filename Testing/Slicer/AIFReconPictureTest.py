@@ -75,7 +75,7 @@ class AIFReconPictureTest(unittest.TestCase):
 
     def test_a_user_who_leaves_while_a_volume_is_shown_sees_nothing_of_it_that_is_the_panel_s(self):
         self.reconstruct()
-        slicer.util.selectModule("Welcome")
+        slicer.util.selectModule("Transforms")
         self.picture.show()
         self.assertFalse(self.composite().GetLabelVolumeID())
 
