@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-import scipy
 
 from ..arrays import Integers, Matrix
 from ..errors import GeometryError
@@ -76,6 +75,8 @@ class Labels(Volume):
     @cached_property
     def boxes(self) -> dict[int, Box]:
         """The smallest part of the array [k, j, i] that holds each of the labels that there are, above 0, in their order."""
+        import scipy
+
         array = cast(Integers, self.array.view(np.uint8) if self.array.dtype.kind == "b" else self.array)
         if array.max(initial=0) > MOST_NUMBER:
             return {int(number): box_around(array == number) for number in np.unique(array) if number > 0}
