@@ -25,7 +25,7 @@ from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
-from .calibration import Calibration, calibrate_echoes
+from .calibration import LEAST_CLOSENESS, Calibration, calibrate_echoes
 from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
 from .solve import PARAMETERS, UNITS, in_words
 
@@ -111,6 +111,9 @@ def checked(
     found = calibrate_echoes(echoes, bone, start, part(progress, 0.3, 0.5))
     if found.accepted:
         return _near(found)
+    if found.before.enough and found.before.closeness <= LEAST_CLOSENESS:
+        # It lies on the bone as it is: what else would lie there tells nothing
+        return Checked(None, f"cannot be told from this sweep. {found.said}")
     tried = better[:TRIED] or sorted(_sizes(echoes), key=lambda one: one[0])[:TRIED]
     for number, (_, repair, mended) in enumerate(tried):
         again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.5 * number / TRIED, 0.5 + 0.5 * (number + 1) / TRIED))
