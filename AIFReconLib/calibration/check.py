@@ -20,12 +20,13 @@ from ..geometry.volume import Volume
 from ..message import Sentence, listed
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
+from ..registration.registration import LEAST_CLOSENESS
 from ..remedies import Remedy
 from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
-from .calibration import LEAST_CLOSENESS, Calibration, calibrate_echoes
+from .calibration import Calibration, calibrate_echoes
 from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
 from .solve import PARAMETERS, UNITS, in_words
 

@@ -74,7 +74,7 @@ class SweepVerdicts:
         if asked is None or parameters.bone is None:
             return
         names = boneNames(parameters.bone, list(parameters.boneSegments))
-        looks = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
+        looks: dict[str, tuple] = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
         if self._known[REGISTRATION][1].level is Level.GOOD:
             looks[CALIBRATION] = calibration_of_sweep, lambda verdict: verdict
         else:
