@@ -20,6 +20,7 @@ from ..geometry.volume import Volume
 from ..message import Sentence, listed
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
+from ..registration.registration import LEAST_CLOSENESS
 from ..remedies import Remedy
 from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
@@ -53,6 +54,20 @@ class Repair:
     make: Callable[[], ImagedEchoes]
 
 
+@dataclass(frozen=True)
+class Checked:
+    """What a check of the calibration has found."""
+
+    agrees: bool | None  #: None where the sweep cannot tell, or does not lie on the CT's bone anyhow
+    finding: str  #: As in "Calibration: ..."
+    more: tuple[str, ...] = ()  #: Further sentences
+
+    @property
+    def lines(self) -> list[str]:
+        """All of it, in sentences."""
+        return [Sentence(f"Calibration: {self.finding}", self.finding), *self.more]
+
+
 def check_calibration(
     sequences: TrackedSequence | Iterable[TrackedSequence],
     labels: Volume | None = None,
@@ -67,6 +82,18 @@ def check_calibration(
     different angles then lie nearer to each other than as given and than with all else (`crossing`). With a CT's `labels` it is told only
     where a calibration near the mended one lays the echoes on the bone, too. Where nothing of that kind is wrong, numbers are told.
     """
+    return checked(sequences, labels, start, recipe=recipe, progress=progress).lines
+
+
+def checked(
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    labels: Volume | None = None,
+    start: Floats | None = None,
+    *,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+) -> Checked:
+    """What `check_calibration` tells, and whether the calibration agrees."""
     if labels is not None:
         require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else as_matrix(start, "start")
@@ -74,30 +101,34 @@ def check_calibration(
     bone = None if labels is None else BoneField.from_labels(labels)
     echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2))
     if len(np.unique(echoes.angles)) < 2:
-        return ["Calibration: cannot be told from this sweep, which shows bone from one angle."]
+        return Checked(None, "cannot be told from this sweep, which shows bone from one angle.")
     report(progress, 0.2, "Trying repairs")
     given = crossing(echoes)
     better = sorted(_better(echoes, list(repairs(echoes, sweeps, recipe)), given), key=lambda one: one[0])
     if bone is None:
         if better:
-            return [_told(better[0][1], f"echoes of different angles lie {given:.1f} mm apart, {better[0][0]:.1f} mm with that mended")]
-        return [f"Calibration: nothing usual is wrong by echoes of different angles: they lie {given:.1f} mm apart. A CT tells more."]
+            return _told(better[0][1], f"echoes of different angles lie {given:.1f} mm apart, {better[0][0]:.1f} mm with that mended")
+        return Checked(None, f"nothing usual is wrong by echoes of different angles: they lie {given:.1f} mm apart. A CT tells more.")
     found = calibrate_echoes(echoes, bone, start, part(progress, 0.3, 0.5))
     if found.accepted:
         return _near(found)
+    if found.before.enough and found.before.closeness <= LEAST_CLOSENESS:
+        # It lies on the bone as it is: what else would lie there tells nothing
+        return Checked(None, f"cannot be told from this sweep. {found.said}")
     tried = better[:TRIED] or sorted(_sizes(echoes), key=lambda one: one[0])[:TRIED]
     for number, (_, repair, mended) in enumerate(tried):
         again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.5 * number / TRIED, 0.5 + 0.5 * (number + 1) / TRIED))
         if again.accepted:
             if repair is None:
-                return [_size(echoes, again)]
+                return _size(echoes, again)
             agreeing = f"{found.before.share:.0%} of the echoes agree with the CT's bone, {again.before.share:.0%} with that mended"
-            return [_told(repair, agreeing)]
+            return _told(repair, agreeing)
     report(progress, 1.0, "Tried repairs")
-    return [
-        f"Calibration: neither near the one given nor with anything usual mended does the sweep lie on the CT's bone. "
-        f"{found.before.sentence()} Check that both are of one bone."
-    ]
+    return Checked(
+        None,
+        "neither near the one given nor with anything usual mended does the sweep lie on the CT's bone. "
+        f"{found.before.sentence()} Check that both are of one bone.",
+    )
 
 
 def crossing(echoes: ImagedEchoes) -> float:
@@ -133,41 +164,33 @@ def _sizes(echoes: ImagedEchoes) -> Iterator[tuple[float, None, ImagedEchoes]]:
         yield crossing(mended) / math.sqrt(across * along), None, mended
 
 
-def _size(echoes: ImagedEchoes, found: Calibration) -> Sentence:
+def _size(echoes: ImagedEchoes, found: Calibration) -> Checked:
     """What is said where pixels of quite another size explain the sweep."""
     times = found.correction.scale * np.array(found.echoes.spacing) / np.array(echoes.spacing)
-    return Sentence(
-        f"Calibration: pixels look {1 / times[0]:.0%} as wide and {1 / times[1]:.0%} as high as they are.",
-        Remedy.SCALE,
-        across=f"{times[0]:.3f}",
-        along=f"{times[1]:.3f}",
-    )
+    words = f"pixels look {1 / times[0]:.0%} as wide and {1 / times[1]:.0%} as high as they are."
+    return Checked(False, Sentence(words, Remedy.SCALE, across=f"{times[0]:.3f}", along=f"{times[1]:.3f}"))
 
 
-def _told(repair: Repair, why: str) -> Sentence:
-    return Sentence(f"Calibration: {repair.words} ({why}).", repair.remedy, **repair.details)
+def _told(repair: Repair, why: str) -> Checked:
+    return Checked(False, Sentence(f"{repair.words} ({why}).", repair.remedy, **repair.details))
 
 
-def _near(found: Calibration) -> list[str]:
+def _near(found: Calibration) -> Checked:
     """What is said of a sweep of which a calibration is found near the one that was given."""
     if found.changed <= found.uncertainty:
-        return [f"Calibration: agrees with this sweep within {found.uncertainty:.1f} mm."]
+        return Checked(True, f"agrees with this sweep within {found.uncertainty:.1f} mm.")
     values, deviations = in_words(found.values), in_words(found.deviation)
     sure = found.held & (np.abs(values) > SURE * deviations)
     wrong = [f"{name} {value:+.1f} {unit}" for name, value, unit, one in zip(PARAMETERS, values, UNITS, sure, strict=True) if one]
-    lines = [
-        Sentence(
-            f"Calibration: image points lie {found.changed:.1f} mm off. To be changed: {listed(wrong) or 'several numbers together'}.",
-            Remedy.CALIBRATE,
-        )
-    ]
+    off = f"image points lie {found.changed:.1f} mm off. To be changed: {listed(wrong) or 'several numbers together'}."
+    more = []
     size = PARAMETERS.index("size along")
     if sure[size]:
         speed = SPEED * found.correction.scale[1]
-        lines.append(Sentence(f"The size along would fit a speed of sound of {speed:.0f} m/s where the scanner took {SPEED:.0f} m/s."))
+        more.append(Sentence(f"The size along would fit a speed of sound of {speed:.0f} m/s where the scanner took {SPEED:.0f} m/s."))
     if sure[-1]:
-        lines.append(Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", Remedy.STEP, offset=f"{found.values[-1]:.3f}"))
-    return [*lines]
+        more.append(Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", Remedy.STEP, offset=f"{found.values[-1]:.3f}"))
+    return Checked(False, Sentence(off, Remedy.CALIBRATE), tuple(more))
 
 
 def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:

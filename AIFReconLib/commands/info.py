@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Matrix
 from ..compounding.methods.table import method_named
 from ..errors import AIFReconError
-from ..geometry.labels import Labels
+from ..geometry.volume import Volume
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
@@ -84,7 +84,8 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
     bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
-    bone += _calibration(sequence, labels, placed, recipe) if labels is not None and places else []
+    if labels is not None and places:
+        bone += calibration_lines([sequence], labels, placed, recipe)[0]
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
@@ -116,14 +117,17 @@ def _bone(labeled: LabeledBone | None, method: str) -> tuple[list[str], bool]:
     return [*map(in_options, (*labeled.labels.notes, *lines))], agreement is None or agreement.enough
 
 
-def _calibration(sequence: TrackedSequence, labels: Labels, placed: Matrix | None, recipe: Recipe) -> list[str]:
-    """What the bone of a CT that lies on the sweep says of its calibration; nothing where the sweep cannot tell."""
-    from ..calibration.check import check_calibration
+def calibration_lines(
+    sequences: list[TrackedSequence], labels: Volume, placed: Matrix | None, recipe: Recipe, progress: Progress | None = None
+) -> tuple[list[str], bool | None]:
+    """What the bone of a CT that lies on sweeps says of their calibration, and whether that agrees; None where it cannot be told."""
+    from ..calibration.check import checked
 
     try:
-        return list(map(in_options, check_calibration(sequence, labels, np.eye(4) if placed is None else placed, recipe=recipe)))
+        told = checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress)
     except AIFReconError as error:
-        return [f"Calibration: cannot be told. {in_options(error)}"]
+        return [f"Calibration: cannot be told. {in_options(error)}"], None
+    return list(map(in_options, told.lines)), told.agrees
 
 
 def _facts(planned: Plan) -> list[tuple[str, str]]:

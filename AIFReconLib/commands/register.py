@@ -34,7 +34,7 @@ from ..terminal.options import (
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
-from .info import reconstruct_command
+from .info import calibration_lines, reconstruct_command
 
 EXAMPLE = """examples:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
@@ -109,15 +109,16 @@ def run(arguments: argparse.Namespace) -> None:
         given = labels
         if given.space_is_guessed:
             labels = LabeledBone(given, start, sequences, recipe_from(arguments)).labels
-        found = _registered(arguments, sequences, labels, start, part(progress, 0.05, 0.95))
+        found = _registered(arguments, sequences, labels, start, part(progress, 0.05, 0.8))
         if given.space_is_guessed and not found.accepted:
             is_lps = np.array_equal(labels.ijk_to_reference, given.ijk_to_reference)
             turned = given.taken_as("RAS" if is_lps else "LPS", "where the sweep fits better")
             other = _registered(arguments, sequences, turned, start, None)
             if other.agreement.tightness > found.agreement.tightness:
                 found, labels = other, turned
-        written = _write(arguments, found, labels)
-    lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels)]
+        calibration = _calibration(arguments, sequences, found, labels, part(progress, 0.8, 0.95)) if found.accepted else []
+        written = _write(arguments, found, labels, calibration)
+    lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels), *calibration]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
         raise RegistrationRefused(f"No transform is written. {found.said}", found.said)
@@ -138,12 +139,20 @@ def _registered(
     )
 
 
+def _calibration(
+    arguments: argparse.Namespace, sequences: list[TrackedSequence], found: Registration, labels: Volume, progress: Progress | None
+) -> list[str]:
+    """What the bone where it came to lie says of the calibration; nothing where the sweep cannot tell."""
+    lines, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe_from(arguments), progress)
+    return [] if agrees is None else lines
+
+
 def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:
     """Whether the answer is sure, or the user has chosen it."""
     return found.accepted or arguments.accept or arguments.level is not None
 
 
-def _write(arguments: argparse.Namespace, found: Registration, labels: Volume) -> list[Path]:
+def _write(arguments: argparse.Namespace, found: Registration, labels: Volume, calibration: list[str]) -> list[Path]:
     """Write what was asked for; the transform and the labels only when the answer is taken."""
     written = []
     if _is_taken(arguments, found):
@@ -153,7 +162,8 @@ def _write(arguments: argparse.Namespace, found: Registration, labels: Volume) -
             (write_labels_surface if is_surface_path(path) else write_volume)(_placed(found, labels), path)
             written.append(path)
     if arguments.report:
-        write_text(arguments.report, json.dumps({**as_report(found), "written": [str(path) for path in written]}, indent=2) + "\n")
+        facts = {**as_report(found), "calibration": calibration, "written": [str(path) for path in written]}
+        write_text(arguments.report, json.dumps(facts, indent=2) + "\n")
         written.append(arguments.report)
     if arguments.preview:
         from ..evaluation.registration_figure import registration_figure

@@ -1,4 +1,4 @@
-"""Three verdicts on a sweep, each in a few words with what to do: was it tracked, does the CT lie on it, was the bone met."""
+"""Four verdicts on a sweep, each in a few words with what to do: tracked, the CT lies on it, bone was met, the calibration is right."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..bone.echoes.found import FEWEST
-from ..message import listed
+from ..message import Sentence, listed
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
+    from ..calibration.check import Checked
     from .tracking_report import TrackingReport
 
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
@@ -136,3 +137,9 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     name = min(scanned, key=scanned.__getitem__)
     again = move or f"Scan {name} again, from other angles."
     return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, again)
+
+
+def calibration_verdict(checked: Checked) -> Verdict:
+    """Whether the calibration agrees with the bone of a CT that lies on the sweep."""
+    level = Level.UNKNOWN if checked.agrees is None else Level.GOOD if checked.agrees else Level.LOOK
+    return Verdict(level, checked.finding, Sentence(" ".join(checked.more), checked.finding))

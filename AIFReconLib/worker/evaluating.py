@@ -17,6 +17,7 @@ from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.seen import GuidanceSeen, Share
+from ..inspection.verdicts import Verdict, calibration_verdict
 from ..machine.threads import usable_cores
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
@@ -59,6 +60,15 @@ def met_of_sweep(
     from ..guidance.coverage import back_of_labels, coverage
 
     return back_of_labels(coverage(sequence, labels, labels_to_reference, recipe, progress=progress).met)
+
+
+def calibration_of_sweep(
+    sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
+) -> Verdict:
+    """Whether the calibration agrees with the bone of a CT that lies on the sweep."""
+    from ..calibration.check import checked
+
+    return calibration_verdict(checked(sequence, labels, labels_to_reference, recipe=recipe, progress=progress))
 
 
 def guidance_in_sweep(

@@ -1,10 +1,11 @@
-"""Self tests of what stands at the bedside: how many clicks a picture takes, the three lights, presets, and scenes of the older panel."""
+"""Self tests of what stands at the bedside: how many clicks a picture takes, the lights, presets, and scenes of the older panel."""
 
 import pathlib
 import sys
 import tempfile
 import unittest
 import unittest.mock
+from dataclasses import replace
 
 import numpy as np
 import slicer
@@ -13,6 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import tinyScene
 from AIFReconLiveTest import waitFor
+from simulatedPatient import FRAMES, simulated
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -48,7 +50,8 @@ class AIFReconBedsideTest(unittest.TestCase):
 
     def levels(self) -> list:
         """What the lights say: the words on their signs."""
-        return [getattr(self.ui, f"{name}SignalLabel").text.split(" ", 1)[1] for name in ("tracking", "registration", "coverage")]
+        names = ("tracking", "registration", "coverage", "calibration")
+        return [getattr(self.ui, f"{name}SignalLabel").text.split(" ", 1)[1] for name in names]
 
     def addInputs(self):
         """Sweep, CT and bone, chosen."""
@@ -128,7 +131,7 @@ class AIFReconBedsideTest(unittest.TestCase):
     # ---- lights
 
     def test_the_lights_say_what_was_found_and_go_out_when_it_no_longer_holds(self):
-        self.assertEqual(self.levels(), ["not yet"] * 3)
+        self.assertEqual(self.levels(), ["not yet"] * 4)
         self.addInputs()
         self.click(self.ui.applyButton)
         self.assertEqual(self.levels()[0], "good")
@@ -137,13 +140,16 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
         self.assertIn("%", self.ui.coverageVerdictLabel.text)
         self.assertNotEqual(self.levels()[2], "not yet")
+        self.assertEqual(self.levels()[3], "not yet")
+        self.assertIn("cannot be told from this sweep", self.ui.calibrationVerdictLabel.text)
         # They are saved with the result
-        levels, advised = self.levels(), self.ui.coverageVerdictLabel.text
+        labels = [self.ui.coverageVerdictLabel, self.ui.calibrationVerdictLabel]
+        levels, advised = self.levels(), [label.text for label in labels]
         tinyScene.saveAndOpenAgain(self)
-        self.assertEqual((self.levels(), self.ui.coverageVerdictLabel.text), (levels, advised))
+        self.assertEqual((self.levels(), [label.text for label in labels]), (levels, advised))
         place = self.widget._parameterNode.bone.GetParentTransformNode()
         tinyScene.setMatrix(place, tinyScene.moved(0.0, 0.0, 9.0) @ tinyScene.matrixOf(place))
-        self.assertTrue(waitFor(lambda: self.levels()[1:] == ["not yet"] * 2))
+        self.assertTrue(waitFor(lambda: self.levels()[1:] == ["not yet"] * 3))
         self.assertEqual(self.levels()[0], "good")
         for unreadable in ("no JSON", "[]", '{"coverage": 1}', '{"coverage": [[], "worse", "", ""]}'):
             self.widget._parameterNode.output.SetAttribute("AIFRecon.Verdicts", unreadable)
@@ -157,6 +163,36 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.levels()[1], "poor")
         self.assertIn("Place the CT", self.ui.registrationVerdictLabel.text)
         self.assertTrue(self.ui.placeButton.isVisibleTo(self.widget.parent))
+        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
+        self.assertIn("known where CT and sweep agree", self.ui.calibrationVerdictLabel.text)
+
+    def calibrated(self, off: float) -> str:
+        """What the light *Calibration* says of a patient whose images lie so many mm off, out of their plane."""
+        from AIFReconScene.volumes import phantomSample
+
+        from AIFReconLib.sweep.edits import corrected, with_configured_transforms
+
+        slicer.mrmlScene.Clear()
+        patient, step = simulated(phantomSample.simulated_patient, 0, FRAMES), np.eye(4)
+        step[2, 3] = off
+        phantomSample.addPatient(replace(patient, sweep=corrected(with_configured_transforms(patient.sweep), step)))
+        self.widget.initializeParameterNode()
+        self.parameters = self.widget._parameterNode
+        self.parameters.spacing = 3.0
+        self.click(self.ui.applyButton)
+        self.assertPicture()
+        self.assertEqual(self.levels()[1], "good")
+        self.assertIn("being worked out", self.ui.calibrationVerdictLabel.text)
+        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
+        return self.ui.calibrationVerdictLabel.text
+
+    def test_a_calibration_that_agrees_is_good_and_one_that_is_off_is_told_with_the_command(self):
+        self.assertIn("agrees with this sweep within", self.calibrated(0.0))
+        self.assertEqual(self.levels()[3], "good")
+        said = self.calibrated(1.7)
+        self.assertEqual(self.levels()[3], "caution")
+        self.assertIn("shift out of the image -", said)
+        self.assertIn("aifrecon calibrate --help", said)
 
     # ---- settings
 

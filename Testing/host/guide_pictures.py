@@ -211,7 +211,7 @@ def result(module, folder: Path) -> None:
 
 
 def report(module, folder: Path) -> None:
-    """step-6-report.png: the three lights, with the tracking report opened."""
+    """step-6-report.png: the lights, with the tracking report opened."""
     ui = module.widget.ui
     ui.trackingMoreButton.checked = True
     module.host.process_events()

@@ -1,9 +1,9 @@
-"""Three traffic lights below Reconstruct: tracking, registration and coverage, each with a verdict in words and what to do."""
+"""Traffic lights below Reconstruct: tracking, registration, coverage and calibration, each with a verdict in words and what to do."""
 
 from html import escape
 
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.registration.sweepVerdicts import COVERAGE, NAMES
+from AIFReconScene.registration.sweepVerdicts import CALIBRATION, NAMES
 from slicer.i18n import tr as _
 
 from ..fields.choosers import Follower
@@ -12,7 +12,7 @@ from .panelPart import every
 from .signals import signOf
 
 LOOKED_EVERY = 100
-"""ms between two looks whether the coverage is known."""
+"""ms between two looks whether more is known."""
 
 
 class Lights(Follower):
@@ -21,7 +21,7 @@ class Lights(Follower):
     def __init__(self, ui, verdicts):
         self._ui, self._verdicts = ui, verdicts
         self._timer = every(LOOKED_EVERY, self._look)
-        for name in NAMES:
+        for name in (name for name in NAMES if name != CALIBRATION):
             button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
             button.connect("toggled(bool)", details.setVisible)
         ui.registrationMoreButton.connect("toggled(bool)", lambda checked: self.update())
@@ -32,8 +32,10 @@ class Lights(Follower):
             return
         shown = self._verdicts.of(self._parameterNode)
         for name, verdict in shown.items():
-            known = name != COVERAGE or not self.isLooking
+            known = name not in self._verdicts.sought
             self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), verdict.advice if known else "")
+        for label in (self._ui.calibrationSignalLabel, self._ui.calibrationVerdictLabel):
+            label.visible = self._parameterNode.sweep is not None  # an empty scene's panel is seen whole on a small screen
         # At hand where it is needed, and with the rest of its kind else
         good = shown["registration"].level.value == "good"
         button = self._ui.placeButton
@@ -41,32 +43,36 @@ class Lights(Follower):
 
     @property
     def isLooking(self) -> bool:
-        """Whether the coverage is still to be told."""
+        """Whether something is still to be told."""
         return self._timer.isActive()
 
     def lookBeside(self) -> None:
-        """Have the worker look at the coverage of what was reconstructed."""
-        if self._parameterNode is not None and self._verdicts.beginCoverage(self._parameterNode):
-            self._timer.start()
+        """Have the worker look at what was reconstructed."""
+        if self._parameterNode is not None:
+            self._verdicts.beginBeside(self._parameterNode)
+            if self._verdicts.sought:
+                self._timer.start()
         self.update()
 
     def cancel(self) -> None:
         """Look no further: the scene or the panel is being closed, or something else is done."""
         self._timer.stop()
-        self._verdicts.cancelCoverage()
+        self._verdicts.cancelBeside()
 
     def _look(self) -> None:
-        if self._verdicts.takeCoverage():
-            self._timer.stop()
+        if self._verdicts.takeBeside() or not self._verdicts.sought:
             self.update()
+        if not self._verdicts.sought:
+            self._timer.stop()
 
     def _show(self, name: str, level: str, finding, advice) -> None:
-        titles = {"tracking": _("Tracking"), "registration": _("Registration"), "coverage": _("Coverage")}
+        titles = {"tracking": _("Tracking"), "registration": _("Registration"), "coverage": _("Coverage"), "calibration": _("Calibration")}
         sign, label = getattr(self._ui, f"{name}SignalLabel"), getattr(self._ui, f"{name}VerdictLabel")
         word, style = signOf(level)
         if sign.text != word:
             sign.text, sign.styleSheet = word, style
-        advised = f"<br>{escape(inPanelWords(advice))}" if advice else ""
+        words = inPanelWords(advice)
+        advised = f"<br>{escape(words)}" if words else ""
         # Qt breaks lines after a slash, unless a word joiner follows
         text = f"<b>{escape(titles[name])}:</b> {escape(finding)}{advised}".replace("mm/s", "mm/\u2060s")
         if label.text != text:

@@ -1,4 +1,4 @@
-"""Tracking, registration and coverage of the sweep that was reconstructed last: three verdicts, for as long as they hold."""
+"""Tracking, registration, coverage and calibration of the sweep that was reconstructed last: verdicts, for as long as they hold."""
 
 import json
 
@@ -9,7 +9,7 @@ from AIFReconLib.guidance.seen import GuidanceSeen
 from AIFReconLib.inspection.verdicts import Level, Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
-from AIFReconLib.worker.evaluating import guidance_in_sweep, met_of_sweep
+from AIFReconLib.worker.evaluating import calibration_of_sweep, guidance_in_sweep, met_of_sweep
 
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
@@ -20,7 +20,7 @@ from ..transforms import matrixToWorld
 from ..work import inWorker, worker
 from .ctRegistration import rigidPlace
 
-TRACKING, REGISTRATION, COVERAGE = NAMES = ("tracking", "registration", "coverage")
+TRACKING, REGISTRATION, COVERAGE, CALIBRATION = NAMES = ("tracking", "registration", "coverage", "calibration")
 
 ATTRIBUTE, ROLE = "AIFRecon.Verdicts", "AIFRecon.Judged"
 """Of the volume that was reconstructed: its verdicts, for whoever opens the scene later, and references to the nodes that they are about,
@@ -32,21 +32,21 @@ class SweepVerdicts:
 
     def __init__(self):
         self._known: dict[str, tuple] = {}
-        self._asked = self._looking = None
+        self._asked, self._sought = None, {}
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
         self._known, self._asked = {}, None
-        self.cancelCoverage()
+        self.cancelBeside()
 
     def of(self, parameters) -> dict[str, Verdict]:
-        """The three verdicts by name; where one is not known, what to do to be told."""
+        """The verdicts by name; where one is not known, what to do to be told."""
         return {name: self._known_or(name, parameters) for name in NAMES}
 
     def judge(self, parameters, comparison, report, asked=None) -> None:
         """Judge what was reconstructed, by its `TrackingReport` and the `Comparison` of CT and sweep (None without labels).
 
-        `asked` is what was reconstructed, an `Asked`; it is kept until the coverage of that is looked at.
+        `asked` is what was reconstructed, an `Asked`; it is kept until more of that is looked at.
         """
         self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
@@ -63,36 +63,43 @@ class SweepVerdicts:
         names = boneNames(parameters.bone, list(parameters.boneSegments))
         self._tell(REGISTRATION, parameters, registration_verdict(agreement, names))
 
-    def beginCoverage(self, parameters) -> bool:
-        """Have the worker look at the coverage of what was reconstructed last; False where it cannot be told, or is told."""
+    @property
+    def sought(self) -> tuple:
+        """Names of the verdicts that the worker is looking for."""
+        return tuple(self._sought)
+
+    def beginBeside(self, parameters) -> None:
+        """Have the worker look at what takes it seconds, of what was reconstructed last, where that can be told and is not."""
         asked, self._asked = self._asked, None
         if asked is None or parameters.bone is None:
-            return False
-        task = worker.begin(met_of_sweep, asked.sequence, asked.bone.volume, asked.bone.to_reference, asked.recipe)
+            return
         names = boneNames(parameters.bone, list(parameters.boneSegments))
-        self._looking = task, _key(COVERAGE, parameters), names, parameters.output
-        return True
+        looks: dict[str, tuple] = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
+        if self._known[REGISTRATION][1].level is Level.GOOD:
+            looks[CALIBRATION] = calibration_of_sweep, lambda verdict: verdict
+        else:
+            self._tell(CALIBRATION, parameters, unknown("known where CT and sweep agree"))
+        for name, (look, verdictOf) in looks.items():
+            task = worker.begin(look, asked.sequence, asked.bone.volume, asked.bone.to_reference, asked.recipe)
+            self._sought[name] = task, _key(name, parameters), verdictOf, parameters.output
 
-    def takeCoverage(self) -> bool:
-        """Hear of it; whether nothing more is looked for."""
-        if self._looking is None:
-            return True
-        task, key, names, output = self._looking
-        if not task.is_done:
-            return False
-        self._looking = None
-        try:
-            self._known[COVERAGE] = key, _verdictOn(task.result(), names)
-        except AIFReconError as error:
-            self._known[COVERAGE] = key, unknown(said(error))
-        self._keep(output)
-        return True
+    def takeBeside(self) -> bool:
+        """Hear of it; whether something was told."""
+        done = [name for name, (task, *_more) in self._sought.items() if task.is_done]
+        for name in done:
+            task, key, verdictOf, output = self._sought.pop(name)
+            try:
+                self._known[name] = key, verdictOf(task.result())
+            except AIFReconError as error:
+                self._known[name] = key, unknown(said(error))
+            self._keep(output)
+        return bool(done)
 
-    def cancelCoverage(self) -> None:
+    def cancelBeside(self) -> None:
         """Look no further."""
-        if self._looking is not None:
-            self._looking[0].cancel()
-            self._looking = None
+        for task, *_more in self._sought.values():
+            task.cancel()
+        self._sought = {}
 
     def guide(self, parameters, progress=None) -> GuidanceSeen:
         """What the chosen sweeps have met, and the next move from where the last one ended; with that, the coverage is known.

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, wrongly_calibrated
 
-from AIFReconLib.calibration import calibration
+from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
-from AIFReconLib.calibration.check import _sizes, crossing, mirrored, quarter_turns
+from AIFReconLib.calibration.check import Repair, _sizes, crossing, mirrored, quarter_turns
 from AIFReconLib.calibration.echoes import Correction, Track
 from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector
 from AIFReconLib.geometry.transforms import with_unit_depth
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.registration.agreement import Agreement
+from AIFReconLib.remedies import Remedy
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -181,3 +185,18 @@ def test_without_times_the_delay_is_not_asked_for(bone):
     found = calibrate_echoes(replace(timed, times=np.full(len(timed.times), np.nan)), bone, np.eye(4))
     assert not found.held[-1]
     assert found.correction.delay == 0.0
+
+
+@pytest.mark.parametrize(("close", "asked"), [(0.2, 1), (0.4, 2)])
+def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_calibrations_fit_as_well(true, monkeypatch, close, asked):
+    refused = SimpleNamespace(accepted=False, said="Two fit as well.", before=Agreement(0.9, 0.3, 1000, 0, closeness=close))
+    calls = []
+    monkeypatch.setattr(check, "sweeps_of", list)
+    monkeypatch.setattr(check, "imaged_echoes", lambda *given: true)
+    monkeypatch.setattr(check, "repairs", lambda *given: [Repair("the images look mirrored", Remedy.MIRROR, {}, lambda: true)])
+    monkeypatch.setattr(check, "calibrate_echoes", lambda *given: calls.append(given) or refused)
+    monkeypatch.setattr(check, "TRIED", 1)
+    found = check.checked([], Volume(np.tri(3, dtype=np.uint8)[None].repeat(3, axis=0), np.eye(4)), np.eye(4))
+    assert found.agrees is None
+    assert ("Two fit as well." in found.finding) is (asked == 1)
+    assert len(calls) == asked

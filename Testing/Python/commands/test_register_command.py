@@ -13,9 +13,10 @@ import pytest
 from AIFReconLib.batch.case import TRANSFORM, Task, carry_out
 from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
+from AIFReconLib.calibration.check import Checked
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
-from AIFReconLib.errors import DisagreementWarning
+from AIFReconLib.errors import AIFReconError, DisagreementWarning
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
 from AIFReconLib.geometry.volume import Volume
@@ -23,10 +24,12 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
+from AIFReconLib.message import Sentence
 from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
+from AIFReconLib.remedies import Remedy
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -79,6 +82,37 @@ def test_the_report_has_what_it_promises(done):
     np.testing.assert_allclose(report["transform"], read_transform(done / "found.tfm"), atol=1e-6)
 
 
+def test_the_report_says_of_the_calibration_what_info_says_with_the_transform_that_was_found(patient, done, capsys):
+    told = json.loads((done / "report.json").read_text())["calibration"]
+    words = [patient.sequence, "--config", patient.configuration, "--bone-labels", patient.labels, "--bone-transform", done / "found.tfm"]
+    assert main(["info", *map(str, words)]) == 0
+    assert "\n".join(told) in capsys.readouterr().out
+    assert told[0].startswith("Calibration: agrees with this sweep within ")
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [
+        (Checked(False, Sentence("image points lie 2.0 mm off.", Remedy.CALIBRATE), ("More.",)), ["image points lie 2.0 mm off.", "More."]),
+        (Checked(None, "cannot be told from this sweep."), []),
+        (AIFReconError("Too few echoes."), []),
+    ],
+)
+def test_register_says_what_bone_tells_of_the_calibration_and_nothing_where_it_cannot(found, said, patient, tmp_path, monkeypatch, capsys):
+    def checked(*given, **named):
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+    monkeypatch.setattr("AIFReconLib.calibration.check.checked", checked)
+    assert command(patient, tmp_path / "found.tfm", "--bone-transform", patient.ct_to_reference, "--report", tmp_path / "report.json") == 0
+    out, told = capsys.readouterr().out, json.loads((tmp_path / "report.json").read_text())["calibration"]
+    assert (tmp_path / "found.tfm").exists()
+    assert ("Calibration" in out) is bool(said)
+    assert "\n  ".join(told) in out
+    assert all(words in line for words, line in zip(said, told, strict=True))
+
+
 def test_placed_labels_lie_where_the_transform_puts_them(patient, done):
     placed, labels = read_labels(done / "placed.nrrd"), read_labels(patient.labels)
     expected = labels.placed_by(read_transform(done / "found.tfm"))
@@ -104,7 +138,8 @@ def test_the_surface_lies_around_the_placed_labels(done):
     np.testing.assert_allclose(bounds[:, 1], points.max(0), atol=1.0)
 
 
-def test_a_start_that_leads_nowhere_is_exit_code_1_and_one_line_and_no_file(patient, tmp_path, capsys):
+def test_a_start_that_leads_nowhere_is_exit_code_1_and_one_line_and_no_file(patient, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("AIFReconLib.calibration.check.checked", None)  # not asked for
     far, output = tmp_path / "far.tfm", tmp_path / "found.tfm"
     matrix = np.eye(4)
     matrix[:3, 3] = 800.0
@@ -114,7 +149,8 @@ def test_a_start_that_leads_nowhere_is_exit_code_1_and_one_line_and_no_file(pati
     assert message.count("\n") == 1
     assert "No transform is written" in message
     assert not output.exists()
-    assert json.loads((tmp_path / "report.json").read_text())["accepted"] is False
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert (report["accepted"], report["calibration"]) == (False, [])
 
 
 def test_a_start_that_scales_is_exit_code_2_and_leaves_nothing(patient, tmp_path, capsys):

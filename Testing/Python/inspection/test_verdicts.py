@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from AIFReconLib.calibration.check import Checked
 from AIFReconLib.inspection.tracking_report import PoseJump, TrackingReport
-from AIFReconLib.inspection.verdicts import Level, Verdict, coverage_verdict, registration_verdict, tracking_verdict
+from AIFReconLib.inspection.verdicts import Level, Verdict, calibration_verdict, coverage_verdict, registration_verdict, tracking_verdict
+from AIFReconLib.message import Sentence, advised
 from AIFReconLib.registration.agreement import Agreement, LabelAgreement
+from AIFReconLib.remedies import IN_PYTHON, Remedy
 
 JUMP = PoseJump(11, 12, 34.0, 0.05)
 
@@ -100,3 +103,15 @@ def test_bone_that_faces_the_back_is_told_by_label():
     shares = back_of_labels(Met(guided_bone(Volume(array, np.eye(4)))))
     assert set(shares) == {"1", "2"}
     assert [share.expected_visibility for share in shares.values()] == pytest.approx([1.0, 1.0])
+
+
+@pytest.mark.parametrize(("agrees", "level"), [(True, Level.GOOD), (False, Level.LOOK), (None, Level.UNKNOWN)])
+def test_a_calibration_is_as_good_as_the_check_says(agrees, level):
+    verdict = calibration_verdict(Checked(agrees, "as it is."))
+    assert (verdict.level, verdict.finding, advised(verdict.advice)) == (level, "as it is.", "")
+
+
+def test_a_calibration_that_is_off_is_told_with_all_that_was_found_and_what_to_do():
+    verdict = calibration_verdict(Checked(False, Sentence("points lie off.", Remedy.CALIBRATE), ("Images are late.",)))
+    assert verdict.finding == "points lie off."
+    assert advised(verdict.advice) == f"Images are late. {IN_PYTHON[Remedy.CALIBRATE]}"
