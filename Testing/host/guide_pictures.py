@@ -64,7 +64,7 @@ def imported(module, folder: Path) -> None:
         window = importer._window._object
         window.adjustSize()
         view_frames.write_png(view_frames.titled(window.grab().toImage(), window.windowTitle()), folder / "step-import.png")
-        importer._close()
+        importer._window.close()
 
 
 def registration(module, folder: Path) -> None:
@@ -139,7 +139,7 @@ def guidance(module, folder: Path) -> None:
         center = np.add(np.reshape(bounds, (3, 2)).mean(axis=1), (0.0, -25.0, 0.0))
         view.look(center, np.add(center, (-130.0, -300.0, 110.0)), (0.0, 0.0, 1.0), 430.0)
         shown = view_frames.framed(view.image(), "1   Bone hit by the sweep, and the next move", node.GetLayoutColor())
-    section = _section(module, ui.coverageSignalLabel, ui.picturePlace)
+    section = _section(module, ui.coverageSignalLabel, ui.calibrationSignalLabel)
     picture = view_frames.tiled([[section, shown]], background=_background(module))
     view_frames.write_png(picture, folder / "step-guidance.png")
     ui.guidanceCheckBox.click()
