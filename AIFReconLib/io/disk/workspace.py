@@ -49,9 +49,14 @@ def workspace(parent: Path) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        # First, because removing takes a descriptor too, and there may be no more; whoever takes it for left behind now removes it for us
-        _release(lock)
-        shutil.rmtree(folder, ignore_errors=True)
+        try:
+            # First, because removing takes a descriptor too, and there may be no more; who takes it for left behind now removes it for us
+            _release(lock)
+            shutil.rmtree(folder, ignore_errors=True)
+        except KeyboardInterrupt:
+            # Ctrl-C, just now
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
 
 
 def remove_left_behind(parent: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -120,3 +121,16 @@ def test_a_new_folder_that_another_program_clears_away_is_made_again(tmp_path, m
     with workspace(tmp_path) as folder:
         assert folder.is_dir()
     assert len(seen) == 2
+
+
+def test_ctrl_c_while_a_folder_is_removed_leaves_nothing(tmp_path, monkeypatch):
+    removed = shutil.rmtree
+
+    def interrupted(*arguments, **named):
+        monkeypatch.setattr(shutil, "rmtree", removed)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(shutil, "rmtree", interrupted)
+    with pytest.raises(KeyboardInterrupt), workspace(tmp_path) as folder:
+        (folder / "part").write_bytes(b"1")
+    assert list(tmp_path.iterdir()) == []

@@ -23,7 +23,8 @@ PLACE = rigid((20.0, -30.0, 40.0), (100.0, -50.0, 20.0)) @ np.diag([0.8, 0.9, 1.
 @pytest.fixture
 def logic(scene, monkeypatch):
     # The application around a scene that is tested without windows
-    application = SimpleNamespace(applicationLogic=lambda: scene.host.applicationLogic)
+    drawn = {name: lambda: None for name in ("pauseRender", "resumeRender")}
+    application = SimpleNamespace(applicationLogic=lambda: scene.host.applicationLogic, **drawn)
     monkeypatch.setattr(slicer, "app", application, raising=False)
     return scene.host.applicationLogic
 
