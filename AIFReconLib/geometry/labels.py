@@ -78,7 +78,7 @@ class Labels(Volume):
         import scipy
 
         array = cast(Integers, self.array.view(np.uint8) if self.array.dtype.kind == "b" else self.array)
-        if array.max(initial=0) > MOST_NUMBER:
+        if array.dtype.kind == "f" or array.max(initial=0) > MOST_NUMBER:
             return {int(number): box_around(array == number) for number in np.unique(array) if number > 0}
         return {number: (box[0], box[1], box[2]) for number, box in enumerate(scipy.ndimage.find_objects(array), 1) if box is not None}
 
