@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,25 +17,21 @@ from ..geometry.transforms import as_matrix, invert, with_unit_depth
 from ..geometry.volume import Volume
 from ..message import Sentence, listed
 from ..progress import Progress, part, report
-from ..recipe.recipe import Recipe
+from ..recipe.recipe import SCANNER_SPEED, Recipe
 from ..registration.registration import LEAST_CLOSENESS
 from ..remedies import Remedy
 from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
-from .calibration import Calibration, calibrate_echoes
+from .calibration import FARTHEST, Calibration, calibrate_echoes
 from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
-from .solve import PARAMETERS, UNITS, in_words
-
-SPEED = 1540.0
-"""m/s. What scanners assume."""
+from .solve import EXPECTED, PARAMETERS, UNITS, as_vector, in_words
 
 SURE = 3.0
 """Standard deviations from which a number of the calibration is told to be wrong."""
 
-SIZES = (0.8, 0.9, 1.1, 1.25)
-"""Times the size of a pixel, across, along or both, that are tried: from each a calibration is near."""
+_SIZES = [PARAMETERS.index("size across"), PARAMETERS.index("size along")]
 
 CROSSING_ECHOES, CLEARLY, TRIED = 2000, 0.8, 2
 """Echoes by which angles are compared, the part of the distance as given below which a repair is clearly better, and how many of the best
@@ -115,14 +109,16 @@ def checked(
     if found.before.enough and found.before.closeness <= LEAST_CLOSENESS:
         # It lies on the bone as it is: what else would lie there tells nothing
         return Checked(None, f"cannot be told from this sweep. {found.said}")
-    tried = better[:TRIED] or sorted(_sizes(echoes), key=lambda one: one[0])[:TRIED]
-    for number, (_, repair, mended) in enumerate(tried):
-        again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.5 * number / TRIED, 0.5 + 0.5 * (number + 1) / TRIED))
+    for number, (_, repair, mended) in enumerate(better[:TRIED]):
+        again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.2 * number, 0.7 + 0.2 * number))
         if again.accepted:
-            if repair is None:
-                return _size(echoes, again)
             agreeing = f"{found.before.share:.0%} of the echoes agree with the CT's bone, {again.before.share:.0%} with that mended"
             return _told(repair, agreeing)
+    if (np.abs(as_vector(found.correction)) > FARTHEST * EXPECTED)[_SIZES].any():
+        # What is known of calibrations draws sizes to those given: from the ones found the true ones are near
+        again = calibrate_echoes(echoes.mended(found.correction), bone, found.labels_to_reference, part(progress, 0.9, 1.0))
+        if again.accepted:
+            return _size(echoes, again)
     report(progress, 1.0, "Tried repairs")
     return Checked(
         None,
@@ -154,16 +150,6 @@ def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator
             yield apart, repair, mended
 
 
-def _sizes(echoes: ImagedEchoes) -> Iterator[tuple[float, None, ImagedEchoes]]:
-    """The echoes with pixels of other sizes, and how far angles lie apart for their size: what is smaller lies nearer anyhow."""
-    for across, along in itertools.product((1.0, *SIZES), repeat=2):
-        if across == along == 1.0 or (across != along and 1.0 not in (across, along)):
-            continue
-        spacing = echoes.spacing[0] * across, echoes.spacing[1] * along
-        mended = replace(echoes, points=echoes.points * [across, along, 1.0], spacing=spacing)
-        yield crossing(mended) / math.sqrt(across * along), None, mended
-
-
 def _size(echoes: ImagedEchoes, found: Calibration) -> Checked:
     """What is said where pixels of quite another size explain the sweep."""
     times = found.correction.scale * np.array(found.echoes.spacing) / np.array(echoes.spacing)
@@ -184,10 +170,11 @@ def _near(found: Calibration) -> Checked:
     wrong = [f"{name} {value:+.1f} {unit}" for name, value, unit, one in zip(PARAMETERS, values, UNITS, sure, strict=True) if one]
     off = f"image points lie {found.changed:.1f} mm off. To be changed: {listed(wrong) or 'several numbers together'}."
     more = []
-    size = PARAMETERS.index("size along")
-    if sure[size]:
-        speed = SPEED * found.correction.scale[1]
-        more.append(Sentence(f"The size along would fit a speed of sound of {speed:.0f} m/s where the scanner took {SPEED:.0f} m/s."))
+    if sure[_SIZES[1]]:
+        speed = SCANNER_SPEED * found.correction.scale[1]
+        more.append(
+            Sentence(f"The size along would fit a speed of sound of {speed:.0f} m/s where the scanner took {SCANNER_SPEED:.0f} m/s.")
+        )
     if sure[-1]:
         more.append(Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", Remedy.STEP, offset=f"{found.values[-1]:.3f}"))
     return Checked(False, Sentence(off, Remedy.CALIBRATE), tuple(more))

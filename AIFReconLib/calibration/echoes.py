@@ -148,6 +148,20 @@ class ImagedEchoes:
         beams = np.einsum("nij,nj->ni", planes[:, :3, :3], self.beams)
         return SweepEchoes(points, beams / np.linalg.norm(beams, axis=1, keepdims=True), self.scores, self.frames)
 
+    def mended(self, correction: Correction) -> ImagedEchoes:
+        """The same echoes by a calibration that is corrected so; its delay is left out."""
+        size, change = np.array([*correction.scale, 1.0]), correction.plane
+        change[:3, :3] = correction.turn
+        beams = self.beams * size
+        return replace(
+            self,
+            points=self.points * size,
+            beams=beams / np.linalg.norm(beams, axis=1, keepdims=True),
+            planes=self.planes @ change,
+            tracks=tuple(replace(track, planes=track.planes @ change) for track in self.tracks),
+            spacing=(self.spacing[0] * correction.scale[0], self.spacing[1] * correction.scale[1]),
+        )
+
     def spread(self, most: int) -> ImagedEchoes:
         """At most so many, as many of each angle, evenly in space within it: no angle and no place rules."""
         placed = self.placed(Correction.none(self.center))

@@ -29,6 +29,9 @@ HOLE_FILLINGS = ("off", "nearest", "cube", "gaussian", "stick")
 
 DEFAULT_SPACING = 0.5
 """mm, where neither the caller nor a configuration says."""
+SCANNER_SPEED = 1540.0
+"""m/s. The speed of sound that scanners assume."""
+
 LONGEST_GAP = 0.5
 """s. Poses of a recording that are farther apart are not interpolated between. Plus's own limit."""
 
@@ -145,7 +148,7 @@ class ImagingSettings(Branch):
         label="Speed of sound:",
     )
     scanner_speed_of_sound: float = _speed(
-        1540.0, "speed of sound that the scanner assumes; matters with the true one alone", label="Scanner's speed:"
+        SCANNER_SPEED, "speed of sound that the scanner assumes; matters with the true one alone", label="Scanner's speed:"
     )
 
 

@@ -88,6 +88,8 @@ class TrackingErrors:
         By how much recorded poses are late; between two passes they are interpolated over the turn.
     dropout : float, 0 to 1
         Part of the frames in which the probe is out of the tracker's view, in runs.
+    drift : float, mm
+        How far the probe is recorded beside where it is at the end of the scan, in a direction of the tracker; it grows from 0 with time.
     """
 
     noise: float = 0.0
@@ -96,9 +98,10 @@ class TrackingErrors:
     calibration_deg: float = 0.0
     time_offset: float = 0.0
     dropout: float = 0.0
+    drift: float = 0.0
 
     def __post_init__(self) -> None:
-        values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg)
+        values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg, self.drift)
         if min(values) < 0 or not math.isfinite(sum(values) + self.time_offset):
             raise SettingsError(f"Input tracking errors must be finite and not negative; got {self}.")
         if not 0.0 <= self.dropout < 1.0:
@@ -297,19 +300,26 @@ def simulate_sweep(
     Recorded poses are late, noisy or missing. Images and errors draw from separate generators, so the same seed gives the same images
     under any errors of tracking.
     """
-    errors = errors or TrackingErrors()
-    rng = np.random.default_rng([seed, 30])
-    wrong = random_rigid(errors.calibration, errors.calibration_deg, rng)
-    true_probe = probe.miscalibrated(wrong)
-    probe_to_reference = np.array([true_probe.probe_to_reference(pose) for pose in path.transducer_to_reference])
-    late = np.array([true_probe.probe_to_reference(pose) for pose in path.delayed(errors.time_offset).transducer_to_reference])
-    reference_to_tracker = tracker_poses(path.timestamps)
-    statuses = _dropouts(len(path), errors.dropout, rng)
+    poses = np.array([probe.probe_to_reference(pose) for pose in path.transducer_to_reference])
     images = np.empty((len(path), probe.rows, probe.columns), dtype=np.uint8)
-    with closing(Images(phantom, true_probe, probe_to_reference, seed, effects).drawn(processes)) as drawn:
+    with closing(Images(phantom, probe, poses, seed, effects).drawn(processes)) as drawn:
         for n in range(len(path)):
             report(progress, n / len(path), "Simulating ultrasound frames")
             images[n] = next(drawn)
+    report(progress, 1.0, "Sweep simulated")
+    return TrackedSequence(images, recorded_poses(probe, path, errors, seed))
+
+
+def recorded_poses(probe: PhasedArray, path: ProbePath, errors: TrackingErrors | None = None, seed: int = 0) -> list[FrameRecord]:
+    """What is recorded beside the images of a scan: ProbeToTracker and ReferenceToTracker of each frame, with these errors."""
+    errors = errors or TrackingErrors()
+    rng = np.random.default_rng([seed, 30])
+    true_probe = probe.miscalibrated(random_rigid(errors.calibration, errors.calibration_deg, rng))
+    late = np.array([true_probe.probe_to_reference(pose) for pose in path.delayed(errors.time_offset).transducer_to_reference])
+    reference_to_tracker = tracker_poses(path.timestamps)
+    statuses = _dropouts(len(path), errors.dropout, rng)
+    gone = (path.timestamps - path.timestamps[0]) / max(np.ptp(path.timestamps), 1e-9)
+    drift = errors.drift * gone[:, None] * random_rigid(1.0, 0.0, np.random.default_rng([seed, 32]))[:3, 3]
     records = []
     for n, timestamp in enumerate(path.timestamps):
         shake = np.eye(4)
@@ -317,13 +327,13 @@ def simulate_sweep(
         shake[:3, 3] = errors.noise * rng.standard_normal(3)
         seen = statuses[n] is TransformStatus.OK
         probe_to_tracker = reference_to_tracker[n] @ late[n] @ shake if seen else np.eye(4)
+        probe_to_tracker[:3, 3] += drift[n] if seen else 0.0
         transforms = {
             PROBE_TO_TRACKER: TransformSample(probe_to_tracker, statuses[n]),
             REFERENCE_TO_TRACKER: TransformSample(reference_to_tracker[n]),
         }
         records.append(FrameRecord(float(timestamp), float(timestamp), TransformStatus.OK, transforms))
-    report(progress, 1.0, "Sweep simulated")
-    return TrackedSequence(images, records)
+    return records
 
 
 def _dropouts(frames: int, dropout: float, rng: np.random.Generator) -> list[TransformStatus]:

@@ -15,7 +15,7 @@ its thickness by beam width).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Bytes, Floats, Matrix, Numbers, Singles
 from ..geometry.volume import Volume
+from ..recipe.recipe import SCANNER_SPEED
 from .phased_array import PhasedArray
 
 DYNAMIC_RANGE_DB = 58.0
@@ -109,6 +110,8 @@ class UltrasoundEffects:
         Off: gray is amplitude, 255 for bone met squarely.
     clutter : bool
         Reverberation and clutter behind bone, which leave a real shadow gray. Off by default: see docs/decisions/0022.
+    speed_of_sound : float, m/s
+        Of the body. The scanner takes `SCANNER_SPEED`, so in faster tissue all lies deeper than it is shown.
     """
 
     tissue: bool = True
@@ -123,6 +126,7 @@ class UltrasoundEffects:
     noise: bool = True
     log_compression: bool = True
     clutter: bool = False
+    speed_of_sound: float = SCANNER_SPEED
 
 
 def specular_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
@@ -181,6 +185,7 @@ def simulate_frame(
         0 outside the sector, at least 1 inside.
     """
     effects = effects or UltrasoundEffects()
+    shown, probe = probe, replace(probe, depth=probe.depth * effects.speed_of_sound / SCANNER_SPEED)
     transducer_to_reference = probe_to_reference @ probe.transducer_to_probe
     hits, cosines = _first_surfaces(phantom.bone_distance, probe, transducer_to_reference, effects)
     field: Field = np.zeros((probe.lines, probe.samples), dtype=np.complex64)
@@ -190,7 +195,7 @@ def simulate_frame(
     if effects.reverberation:
         field += _reverberation(probe, rng)
     field = _receive(field, probe, rng, effects)
-    return _to_image(np.abs(field), probe, effects)
+    return _to_image(np.abs(field), shown, effects)
 
 
 def _first_surfaces(

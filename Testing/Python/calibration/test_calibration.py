@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, wrongly_calibrated
+from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, spine, wrongly_calibrated
 
 from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
-from AIFReconLib.calibration.check import Repair, _sizes, crossing, mirrored, quarter_turns
+from AIFReconLib.calibration.check import Repair, crossing, mirrored, quarter_turns
 from AIFReconLib.calibration.echoes import Correction, Track
 from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector
 from AIFReconLib.geometry.transforms import with_unit_depth
@@ -167,10 +168,21 @@ def test_angles_lie_nearer_to_each_other_as_they_are_than_mirrored(true):
     assert crossing(wrong) < 0.8 * crossing(mirrored(wrong))
 
 
-def test_pixels_of_quite_another_size_are_among_what_is_tried_first(true):
+def test_echoes_mended_by_a_correction_lie_where_it_places_them(true):
+    correction = as_correction(np.array([1.0, -2.0, 3.0, 0.02, -0.03, 0.04, 0.1, -0.12, 0.0]), true.center)
+    mended = true.mended(correction)
+    assert mended.placed(Correction.none(true.center)).points == pytest.approx(true.placed(correction).points, abs=1e-9)
+    assert mended.placed(Correction.none(true.center)).beams == pytest.approx(true.placed(correction).beams, abs=1e-9)
+    assert mended.spacing == pytest.approx(np.array(true.spacing) * correction.scale)
+
+
+def test_pixels_of_quite_another_size_are_told(true, monkeypatch):
     wide = wrongly_calibrated(true, 0.0, 0.0, (1.2, 1.0))
-    _, _, best = min(_sizes(wide), key=lambda one: one[0])
-    assert best.spacing == pytest.approx(true.spacing, rel=0.1)
+    monkeypatch.setattr(check, "sweeps_of", list)
+    monkeypatch.setattr(check, "imaged_echoes", lambda *given: wide)
+    monkeypatch.setattr(check, "repairs", lambda *given: [])
+    finding = check.checked([], spine().labels, start(wide)).finding
+    assert re.fullmatch(r"pixels look 1(19|20|21)% as wide and (99|100|101)% as high as they are\.", finding), finding
 
 
 def test_there_are_23_other_ways_to_mount_a_marker():
@@ -189,7 +201,8 @@ def test_without_times_the_delay_is_not_asked_for(bone):
 
 @pytest.mark.parametrize(("close", "asked"), [(0.2, 1), (0.4, 2)])
 def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_calibrations_fit_as_well(true, monkeypatch, close, asked):
-    refused = SimpleNamespace(accepted=False, said="Two fit as well.", before=Agreement(0.9, 0.3, 1000, 0, closeness=close))
+    before, wide = Agreement(0.9, 0.3, 1000, 0, closeness=close), as_correction(np.array([0, 0, 0, 0, 0, 0, 0.2, 0, 0]), true.center)
+    refused = SimpleNamespace(accepted=False, said="Two fit as well.", before=before, correction=wide, labels_to_reference=np.eye(4))
     calls = []
     monkeypatch.setattr(check, "sweeps_of", list)
     monkeypatch.setattr(check, "imaged_echoes", lambda *given: true)

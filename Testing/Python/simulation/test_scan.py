@@ -18,6 +18,7 @@ from AIFReconLib.simulation.scan import (
     multi_angle_sweep,
     plus_configuration_xml,
     random_rigid,
+    recorded_poses,
     simulate_sweep,
     single_angle_sweep,
 )
@@ -174,6 +175,13 @@ def test_a_time_offset_records_late_poses(phantom):
     late = simulate_sweep(phantom, TINY, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
     recorded = image_to_reference(late.records[5], TINY.transducer_to_probe)
     assert recorded == pytest.approx(sweep.transducer_to_reference[4], abs=1e-6)
+
+
+def test_a_tracker_that_drifts_is_right_at_first_and_off_by_its_drift_at_the_end(phantom):
+    path = single_angle_sweep(phantom, 9)
+    drifting, true = (recorded_poses(TINY, path, TrackingErrors(drift=drift)) for drift in (2.0, 0.0))
+    off = [np.linalg.norm((image_to_reference(one) - image_to_reference(other))[:3, 3]) for one, other in zip(drifting, true, strict=True)]
+    assert off == pytest.approx(np.linspace(0.0, 2.0, 9), abs=1e-9)
 
 
 def test_dropout_takes_its_share_of_frames_out_of_view(phantom):

@@ -5,6 +5,7 @@ import pytest
 
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.recipe.recipe import SCANNER_SPEED
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import (
     CLUTTER_DB,
@@ -18,7 +19,7 @@ from AIFReconLib.simulation.ultrasound import (
     specular_echo,
 )
 
-NOTHING = UltrasoundEffects(**dict.fromkeys(UltrasoundEffects.__dataclass_fields__, False))
+NOTHING = UltrasoundEffects(**{name: False for name, value in vars(UltrasoundEffects()).items() if isinstance(value, bool)})
 BONE_ONLY = replace(NOTHING, specular=True, diffuse=True, log_compression=True)
 SPACING = 2.0
 
@@ -89,6 +90,11 @@ def test_image_is_black_outside_the_sector():
 @pytest.mark.parametrize("depth", [25.0, 45.0, 70.0])
 def test_echo_lies_where_the_surface_is(depth):
     assert np.argmax(middle_column(frame(Plane(depth), BONE_ONLY))) == pytest.approx(row_of(depth), abs=1)
+
+
+def test_in_faster_tissue_an_echo_comes_earlier():
+    fast = replace(BONE_ONLY, speed_of_sound=1.05 * SCANNER_SPEED)
+    assert np.argmax(middle_column(frame(Plane(52.5), fast))) == pytest.approx(row_of(50.0), abs=1)
 
 
 def test_a_flat_surface_is_flat_in_the_image():

@@ -1,0 +1,323 @@
+"""Is a wrong calibration found from the scan itself, does the check tell what is wrong, and do both say so where a sweep cannot tell?
+
+    python Testing/study calibration --output study-output/calibration
+
+writes calibration.md and calibration-check.md. About five minutes per patient and core; an interrupted study goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from measured import keep
+
+from AIFReconLib.calibration.calibration import Calibration, calibrate
+from AIFReconLib.calibration.check import checked
+from AIFReconLib.calibration.solve import Solved
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transforms import invert, transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import (
+    PROBE_TO_TRACKER,
+    REFERENCE_TO_TRACKER,
+    ProbePath,
+    TrackingErrors,
+    multi_angle_sweep,
+    random_rigid,
+    recorded_poses,
+    simulate_sweep,
+)
+from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.sweep.edits import inverted
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
+
+from .command import carry_out, parsed, study_parser
+from .lumbar_shapes import lumbar_shapes
+from .method_cases import EFFECTS
+from .patients import table_line
+
+FRAMES, PASSES = 270, 9
+CHOSEN_PASSES = {"three angles": (3, 4, 7), "five angles": (1, 3, 4, 5, 7), "nine angles": tuple(range(PASSES))}
+"""Of three tilts in the image and three across it; neighbors run to and fro."""
+
+ONE_WAY, ONE_ANGLE, RIGHT = "nine angles, one direction", "one angle", "a right calibration"
+DRAWN = 3
+"""Wrong calibrations for each number of angles."""
+
+SHIFT_MM, TURN_DEG, SCALE, DELAY = 5.0, 3.0, 0.03, 0.06
+"""The largest errors; the smallest are a third of them, those of size and delay 0."""
+
+DEPTHS_MM = (10.0, 70.0)
+"""Where points of the image are asked for, under the face."""
+
+WITHIN_MM = 0.4, 0.8
+"""What image points placed rightly lie within: in the median, and 95 of 100."""
+
+FAST_TISSUE = 1.03
+"""Times the speed that the scanner takes."""
+
+IMAGE_TO_PROBE = TransformName("Image", "Probe")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One calibration or check, and what came of it."""
+
+    patient: int
+    kind: str  #: "calibrate", "check" with the CT, "check without"
+    case: str
+    accepted: bool  #: A calibration is given; of a check: it told something wrong
+    right: bool  #: Within `WITHIN_MM`; of a check: it told what is wrong, or, of a right one, nothing
+    said: str
+    before: float = math.nan  #: mm. Median error of image points by the calibration as given, the CT's place refined
+    median: float = math.nan
+    worst: float = math.nan  #: 95 of 100
+    echoes: float = math.nan  #: mm. Median error of the bone echoes
+    stated: float = math.nan  #: mm. What it says that is within, 9 times in 10
+    delay_ms: float = math.nan  #: Error of the delay, where it is held
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A sweep that was recorded with a mistake, and where its pixels truly are."""
+
+    sequence: TrackedSequence
+    true: TrackedSequence
+    delay: float = 0.0  #: s by which poses are late
+
+
+@dataclass(frozen=True, eq=False)
+class Patient:
+    """A back with one simulated sweep, of which poses and calibration are recorded anew for every case."""
+
+    seed: int
+    probe: PhasedArray
+    path: ProbePath
+    images: np.ndarray
+    labels: Volume
+    ct_to_reference: np.ndarray
+
+    @classmethod
+    def scanned(cls, seed: int, speed: float = 1.0) -> Patient:
+        """Scan the back of a seed; its CT lies in a frame of its own."""
+        back, probe = lumbar_shapes(seed + 1), PhasedArray()
+        path = multi_angle_sweep(back, FRAMES)
+        effects = replace(EFFECTS, speed_of_sound=EFFECTS.speed_of_sound * speed)
+        place = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]), (0.0, 40.0, 0.0))
+        images = np.asarray(simulate_sweep(back, probe, path, effects=effects, seed=seed).images)
+        return cls(seed, probe, path, images, back.labels.placed_by(invert(place)), place)
+
+    def case(
+        self, passes: tuple[int, ...], errors: TrackingErrors | None = None, image_to_probe: np.ndarray | None = None, mirror: bool = False
+    ) -> Case:
+        """Some passes, with such poses and such a calibration."""
+        chosen = np.isin(np.arange(FRAMES) * PASSES // FRAMES, passes)
+        images = self.images[chosen][:, :, ::-1] if mirror else self.images[chosen]
+        errors = errors or TrackingErrors()
+        sweeps = []
+        for wrong, matrix in ((errors, image_to_probe), (TrackingErrors(), None)):
+            records = [one for one, kept in zip(recorded_poses(self.probe, self.path, wrong, self.seed), chosen, strict=True) if kept]
+            calibration = {IMAGE_TO_PROBE: TransformSample(self.probe.image_to_probe if matrix is None else matrix)}
+            configuration = PlusConfiguration(Path("simulated"), calibration, region=self.probe.region, probe=self.probe.geometry)
+            sweeps.append(TrackedSequence(images, records, configuration=configuration))
+        return Case(sweeps[0], sweeps[1], errors.time_offset)
+
+    def wrong_calibration(self, rng: np.random.Generator, scale: tuple[float, float] = (1.0, 1.0)) -> np.ndarray:
+        """Shifted and turned at the middle of the image, its pixels of another size."""
+        middle = np.array([(self.probe.columns - 1) / 2, self.probe.rows / 2, 0.0])
+        sized = np.diag([*scale, 1.0, 1.0])
+        sized[:3, 3] = middle - sized[:3, :3] @ middle
+        about = transform_points(self.probe.image_to_transducer, middle[None])[0]
+        moved = random_rigid(SHIFT_MM * rng.uniform(1 / 3, 1), TURN_DEG * rng.uniform(1 / 3, 1), rng, about)
+        return self.probe.transducer_to_probe @ moved @ self.probe.image_to_transducer @ sized
+
+
+def patient_rows(seed: int) -> list[Row]:
+    """All calibrations and checks of one patient."""
+    patient, rng = Patient.scanned(seed), np.random.default_rng([seed, 80])
+    rows = []
+    for name, passes in CHOSEN_PASSES.items():
+        for _ in range(DRAWN):
+            scale = tuple(1.0 + SCALE * rng.uniform(-1, 1, 2))
+            late = TrackingErrors(time_offset=DELAY * rng.uniform(-1, 1))
+            rows.append(_calibrated(patient, name, patient.case(passes, late, patient.wrong_calibration(rng, scale))))
+        rows.append(_calibrated(patient, f"{RIGHT}, {name}", patient.case(passes)))
+    every = CHOSEN_PASSES["nine angles"]
+    wrong = patient.wrong_calibration(rng)
+    rows.append(_calibrated(patient, ONE_WAY, patient.case(every[::2], TrackingErrors(time_offset=0.04), wrong)))
+    rows.append(_calibrated(patient, ONE_ANGLE, patient.case(every[4:5], None, wrong)))
+    rows.append(_calibrated(patient, "the tracker drifts by 2 mm", patient.case(every, TrackingErrors(drift=2.0))))
+    fast = Patient.scanned(seed, FAST_TISSUE)
+    tissue = fast.case(every)
+    true = replace(tissue.true, configuration=_sized(tissue.true.configuration, 1.0, FAST_TISSUE, patient.probe))
+    rows.append(_calibrated(fast, f"tissue {FAST_TISSUE - 1:.0%} faster", replace(tissue, true=true)))
+    for name, (case, told) in mistakes(patient, rng).items():
+        for kind, labels in (("check", patient.labels), ("check without", None)):
+            rows.append(_checked(patient, kind, name, case, labels, told))
+    return rows
+
+
+def mistakes(patient: Patient, rng: np.random.Generator) -> dict[str, tuple[Case, str]]:
+    """Cases of the check by their names, with what of its sentence tells the mistake; nothing of a right calibration."""
+    probe, every = patient.probe, CHOSEN_PASSES["nine angles"]
+    right, calibration = patient.case(every), patient.probe.image_to_probe
+
+    def turned(axis: int) -> Case:
+        turn = np.diag([1.0 if k == axis else -1.0 for k in range(3)] + [1.0])
+        return replace(right, sequence=replace(right.sequence, records=[*_turned(right.sequence, turn)]))
+
+    def sized(across: float, along: float) -> Case:
+        return patient.case(every, image_to_probe=calibration @ _about_face(across, along, probe))
+
+    def inverse(name: TransformName) -> Case:
+        return replace(right, sequence=inverted(right.sequence, name))
+
+    return {
+        "right": (right, ""),
+        "images mirrored": (patient.case(every, mirror=True), "mirrored"),
+        "images mirrored, calibration off": (patient.case(every, None, patient.wrong_calibration(rng), mirror=True), "mirrored"),
+        **{f"marker turned about {'xyz'[axis]}": (turned(axis), f"180 degrees about its {'xyz'[axis]} axis") for axis in range(3)},
+        "ProbeToTracker inverse": (inverse(PROBE_TO_TRACKER), "ProbeToTracker looks recorded as its inverse"),
+        "ReferenceToTracker inverse": (inverse(REFERENCE_TO_TRACKER), "ReferenceToTracker looks recorded as its inverse"),
+        "pixels 20% too wide": (sized(1.2, 1.0), "as wide"),
+        "pixels 20% too high": (sized(1.0, 1.2), "as high"),
+        "pixels 20% too large": (sized(1.2, 1.2), "as wide"),
+        "speed of sound 5% off": (sized(1.0, 1.05), "size along"),
+        "60 ms late": (patient.case(every, TrackingErrors(time_offset=0.06)), "out of step"),
+        "shifted and turned": (patient.case(every, None, patient.wrong_calibration(rng)), "image points lie"),
+    }
+
+
+def _turned(sequence: TrackedSequence, turn: np.ndarray) -> Iterator[FrameRecord]:
+    for record in sequence.records:
+        sample = record.transforms[PROBE_TO_TRACKER]
+        yield replace(record, transforms={**record.transforms, PROBE_TO_TRACKER: replace(sample, matrix=sample.matrix @ turn)})
+
+
+def _about_face(across: float, along: float, probe: PhasedArray) -> np.ndarray:
+    """Pixels of other sizes, (4, 4): the middle of the probe's face stays."""
+    face = invert(probe.image_to_transducer)[:3, 3]
+    sized = np.diag([across, along, 1.0, 1.0])
+    sized[:3, 3] = face - sized[:3, :3] @ face
+    return sized
+
+
+def _sized(configuration: PlusConfiguration, across: float, along: float, probe: PhasedArray) -> PlusConfiguration:
+    matrix = probe.image_to_probe @ _about_face(across, along, probe)
+    return replace(configuration, transforms={IMAGE_TO_PROBE: TransformSample(matrix)})
+
+
+def _calibrated(patient: Patient, name: str, case: Case) -> Row:
+    try:
+        found = calibrate(case.sequence, patient.labels)
+    except AIFReconError as error:
+        return Row(patient.seed, "calibrate", name, False, False, str(error))
+    said = found.refusal or found.advice or ""
+    off = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), _image_points(patient.probe))
+    before = _misplaced(patient, case, found, found.given, _image_points(patient.probe))
+    echoes = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), None)
+    median, worst = float(np.median(off)), float(np.quantile(off, 0.95))
+    delay = float(1e3 * abs(found.correction.delay - case.delay)) if found.held[-1] else math.nan
+    right = median <= WITHIN_MM[0] and worst <= WITHIN_MM[1]
+    return Row(
+        patient.seed,
+        "calibrate",
+        name,
+        found.accepted,
+        bool(right),
+        said,
+        float(np.median(before)),
+        median,
+        worst,
+        float(np.median(echoes)),
+        found.uncertainty,
+        delay,
+    )
+
+
+def _image_points(probe: PhasedArray) -> np.ndarray:
+    """Pixels of the sector, evenly, (n, 2)."""
+    depths, angles = np.linspace(*DEPTHS_MM, 7) + probe.apex_offset, np.linspace(-0.9, 0.9, 7) * probe.half_angle
+    points = np.stack([np.outer(depths, np.sin(angles)), np.outer(depths, np.cos(angles))], axis=-1).reshape(-1, 2)
+    return np.asarray(probe.apex_px) + points / probe.pixel_spacing
+
+
+def _misplaced(patient: Patient, case: Case, found: Calibration, solved: Solved, pixels: np.ndarray | None) -> np.ndarray:
+    """mm by which pixels of every frame with echoes, (n, 2), or its echoes are placed beside where they are in the CT."""
+    echoes = found.echoes
+    if pixels is None:
+        frames, at = echoes.frames, echoes.points[:, :2] / echoes.spacing
+    else:
+        frames = np.repeat(np.arange(len(echoes.planes)), len(pixels))
+        at = np.tile(pixels, (len(echoes.planes), 1))
+    here = echoes.planes_at(solved.correction.delay)[frames] @ solved.correction.plane
+    in_mm = np.concatenate([at * echoes.spacing, np.zeros((len(at), 1)), np.ones((len(at), 1))], axis=1)
+    placed = transform_points(invert(solved.labels_to_reference), np.einsum("nij,nj->ni", here, in_mm)[:, :3])
+    poses = sweep_poses(case.true).image_to_reference[echoes.numbers][frames]
+    there = np.einsum("nij,nj->ni", poses, np.concatenate([at, np.zeros((len(at), 1)), np.ones((len(at), 1))], axis=1))[:, :3]
+    return np.linalg.norm(placed - transform_points(invert(patient.ct_to_reference), there), axis=1)
+
+
+def _checked(patient: Patient, kind: str, name: str, case: Case, labels: Volume | None, told: str) -> Row:
+    try:
+        found = checked(case.sequence, labels)
+    except AIFReconError as error:
+        return Row(patient.seed, kind, name, False, False, str(error))
+    said = " ".join(found.lines)
+    wrong = found.agrees is False
+    return Row(patient.seed, kind, name, wrong, told in said and wrong if told else not wrong, said)
+
+
+def main(words: list[str]) -> int:
+    """Run what is missing, then write the pages; the answer is the exit status."""
+    arguments = parsed(study_parser("calibration", __doc__), words)
+
+    def write(rows: list[Row]) -> list[Path]:
+        texts = {"calibration": calibrations(rows), "calibration-check": checks(rows)}
+        for name, text in texts.items():
+            write_text(arguments.output / f"{name}.md", text)
+        return [*(arguments.output / f"{name}.md" for name in texts), *(keep(texts, "make study") if arguments.pages else ())]
+
+    return carry_out(arguments, patient_rows, Row, write, "calibrations and checks")
+
+
+def calibrations(rows: list[Row]) -> str:
+    """A line for each kind of case."""
+    lines = [
+        "| | n | given | right | image points off: before | after | worst | 95 of 100 | worst | error within the stated | delay off, ms |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    rows = [row for row in rows if row.kind == "calibrate"]
+    for case in dict.fromkeys(row.case for row in rows):
+        these = [row for row in rows if row.case == case]
+        given = [row for row in these if row.accepted]
+        cells = [str(len(these)), str(len(given)), str(sum(row.right for row in given))]
+        if given:
+            for name, of in (("before", (np.median,)), ("median", (np.median, np.max)), ("worst", (np.median, np.max))):
+                cells += [f"{one([getattr(row, name) for row in given]):.2f}" for one in of]
+            cells.append(f"{sum(row.echoes <= row.stated for row in given) / len(given):.0%}")
+            delays = [row.delay_ms for row in given if not math.isnan(row.delay_ms)]
+            cells.append(f"{max(delays):.1f}" if delays else "not told")
+        lines.append(table_line(case, [*cells, *[""] * (10 - len(cells))]))
+    return "\n".join(lines) + "\n"
+
+
+def checks(rows: list[Row]) -> str:
+    """A line for each mistake."""
+    lines = ["| | n | told, with a CT | something else told | told, without | something else told |", "|---|---|---|---|---|---|"]
+    tell: Callable[[str, str], list[Row]] = lambda kind, case: [row for row in rows if (row.kind, row.case) == (kind, case)]  # noqa: E731
+    for case in dict.fromkeys(row.case for row in rows if row.kind == "check"):
+        cells = [str(len(tell("check", case)))]
+        for kind in ("check", "check without"):
+            these = tell(kind, case)
+            cells += [str(sum(row.right for row in these)), str(sum(row.accepted and not row.right for row in these))]
+        lines.append(table_line(case, cells))
+    return "\n".join(lines) + "\n"
