@@ -129,8 +129,7 @@ class Cohort:
         """How far the work is, from 0 to 1 and in words."""
         left = len(self.to_do) - done
         failed = self.count(FAILED) + self.count(LOST)
-        values = {"done": len(self.cases) - left, "cases": len(self.cases), "failed": failed}
-        message = "{done} of {cases} cases, {failed} failed".format(**values)
+        message = f"{len(self.cases) - left} of {len(self.cases)} cases, {failed} failed"
         if done and left:
             message = f"{message}, {duration(left * (time.monotonic() - started) / done)} left"
         return (len(self.cases) - left) / len(self.cases), message

@@ -180,9 +180,8 @@ def _check_workers(client: Client, folder: Path) -> None:
         found = client.run(_about, str(folder))
     except Exception as error:  # of whatever kind a worker without the package answers with
         raise SettingsError(
-            "A worker cannot be asked for its version of AIFRecon ({reason}). Install AIFRecon {version} on every worker.".format(
-                reason=shorten(f"{type(error).__name__}: {error}"), version=__version__
-            )
+            f"A worker cannot be asked for its version of AIFRecon ({shorten(f'{type(error).__name__}: {error}')}). Install AIFRecon "
+            f"{__version__} on every worker."
         ) from None
     for worker, (version, sees) in found.items():
         if version != __version__:
@@ -253,10 +252,8 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
 
 def dashboard(client: Client) -> str:
     """How many workers there are, and where Dask shows what they do."""
-    values = {"count": len(client.nthreads()), "address": client.dashboard_link}
-    if find_spec("bokeh") is None:
-        return "{count} worker(s); Dask's dashboard at {address} needs bokeh (pip install bokeh)".format(**values)
-    return "{count} worker(s); Dask's dashboard is at {address}".format(**values)
+    what = f"at {client.dashboard_link} needs bokeh (pip install bokeh)" if find_spec("bokeh") is None else f"is at {client.dashboard_link}"
+    return f"{len(client.nthreads())} worker(s); Dask's dashboard {what}"
 
 
 @contextmanager

@@ -85,7 +85,8 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
             f"Input --memory must be at least {(OURS + PROCESS) / 1e9:.2f} GB, which one process and this one take; got "
             f"{memory / 1e9:.2f}. Give more."
         )
-    cores, needed = usable_cores(), memory_needed(cases)
+    largest = sorted(cases, key=_weight, reverse=True)[:LOOKED_AT]
+    cores, needed = usable_cores(), PROCESS + max((_of_case(case) for case in largest), default=0)
     if memory is None and (free := available_memory()) is not None:
         memory = max(int(SAFETY * free), OURS + PROCESS)
     if memory is None:
@@ -96,12 +97,6 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
     count = min(workers, left // PROCESS) if workers else min(cores, left // needed, len(cases))
     count = max(count, 1)
     return Shares(count, max(cores // count, 1), left // count, needed)
-
-
-def memory_needed(cases: Sequence[Case]) -> int:
-    """Bytes that a worker is expected to need for the largest of these cases."""
-    largest = sorted(cases, key=_weight, reverse=True)[:LOOKED_AT]
-    return PROCESS + max((_of_case(case) for case in largest), default=0)
 
 
 def _weight(case: Case) -> float:

@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -143,9 +143,8 @@ def write_simulated_patient(
     Parameters
     ----------
     folder : Path
-    seed : int
+    seed, frames : int
     path : "multi-angle", "single-angle" or "freehand"
-    frames : int
     progress : Progress or None
     planned : ProbePath or None
         Instead of `path` and `frames`.
@@ -176,6 +175,4 @@ def write_simulated_patient(
     sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, processes=usable_cores(), progress=part(progress, 0.25, 0.9))
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
-    return SimulatedFiles(
-        files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference, junctions[len(junctions) // 2]
-    )
+    return replace(files, center_ras=junctions[len(junctions) // 2])
