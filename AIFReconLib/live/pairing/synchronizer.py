@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import SettingsError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus, capital
 from ...message import listed
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedFrame
 from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 from .placement import Placement, metadata_transforms, stream_name
-from .pose_history import MISSING, Answer, PoseHistory
+from .pose_history import Answer, PoseHistory
 
 MOST_WAITING = 128
 """Images that wait for their transforms at the same time; then the oldest is decided as it stands."""
