@@ -49,17 +49,9 @@ class Cohort:
         return sum(record.state == state for record in self.records.values())
 
     def prepare(self, retry_failed: bool) -> None:
-        """Look what is there, and what is to be done.
+        """Look what is there, and what is to be done; with `retry_failed` also what has failed and is unchanged since.
 
-        Parameters
-        ----------
-        retry_failed : bool
-            Also compute again what has failed and is unchanged since.
-
-        Raises
-        ------
-        OutputError
-            When the folder cannot be written to.
+        Raises OutputError when the folder cannot be written to.
         """
         with output_errors(self.output):
             (self.output / RECORDS).mkdir(parents=True, exist_ok=True)

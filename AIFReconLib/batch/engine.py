@@ -65,10 +65,7 @@ class Lost:
 def require(name: str) -> ModuleType:
     """One of the packages of the group `batch`.
 
-    Raises
-    ------
-    OutputError
-        When it is not installed, with how to get it.
+    Raises OutputError when it is not installed, with how to get it.
     """
     try:
         return import_module(name)
@@ -82,6 +79,8 @@ def require(name: str) -> ModuleType:
 def local_workers(count: int, threads: int = 1, memory: int | None = None) -> Iterator[Client]:
     """So many processes on this computer, reached on its loopback alone, by who has the key that is made for them.
 
+    Raises OutputError when dask, or what makes keys, is not installed.
+
     Parameters
     ----------
     count : int
@@ -89,11 +88,6 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
         That each may use.
     memory : int or None
         Bytes that each may take: Dask ends one that takes more. None: no limit.
-
-    Raises
-    ------
-    OutputError
-        When dask, or what makes keys, is not installed.
 
     Notes
     -----
@@ -142,19 +136,15 @@ def own_memory() -> int | None:
 def cluster_at(address: str, folder: Path) -> Iterator[Client]:
     """The cluster whose scheduler is at this address, if its workers can do the work.
 
+    Raises SettingsError when there is no scheduler or no worker, or a worker has another version or does not see the folder; OutputError
+    when dask is not installed.
+
     Parameters
     ----------
     address : str
         As Dask writes it: ``tcp://10.0.0.5:8786``.
     folder : Path
         That every worker must see.
-
-    Raises
-    ------
-    SettingsError
-        When there is no scheduler or no worker, or a worker has another version or does not see the folder.
-    OutputError
-        When dask is not installed.
     """
     distributed = require("distributed")
     with ExitStack() as stack:

@@ -66,6 +66,8 @@ class Shares:
 def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:
     """Processes, as many as cores and memory allow, among which the threads of the engine are divided.
 
+    Raises SettingsError when that is too little for a single process.
+
     Parameters
     ----------
     cases : sequence of Case
@@ -74,11 +76,6 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
         As many as the user asks for.
     memory : int or None
         Bytes for all together, this process included; by default what is free.
-
-    Raises
-    ------
-    SettingsError
-        When that is too little for a single process.
     """
     if memory is not None and memory < OURS + PROCESS:
         raise SettingsError(

@@ -105,15 +105,12 @@ class Cases:
 def read_cases(path: str | Path) -> Cases:
     """The cases of a table, with what is wrong with each.
 
+    Raises FileFormatError when the file is no such table.
+
     Parameters
     ----------
     path : str or Path
         CSV in UTF-8, separated by commas, semicolons or tabs, with a line of column names.
-
-    Raises
-    ------
-    FileFormatError
-        When the file is no such table.
     """
     path = Path(path).absolute()
     columns = Columns()

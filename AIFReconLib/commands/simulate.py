@@ -94,10 +94,7 @@ def run(arguments: argparse.Namespace) -> None:
 def planned_path(path: Path) -> ProbePath:
     """The way of the simulated probe through all passes of a plan file, two seconds between passes.
 
-    Raises
-    ------
-    FileFormatError
-        When the file is no plan, or one for another probe.
+    Raises FileFormatError when the file is no plan, or one for another probe.
     """
     try:
         passes = passes_of(json.loads(path.read_text("utf-8")))
@@ -119,10 +116,7 @@ def planned_path(path: Path) -> ProbePath:
 def check_simulated_folder(folder: Path, names: Sequence[str]) -> None:
     """Return if files of these names can be written: simulated ones replace none but simulated ones, of whatever seed.
 
-    Raises
-    ------
-    OutputError
-        When one of them is there, and the folder has not the configuration that a simulation writes.
+    Raises OutputError when one of them is there, and the folder has not the configuration that a simulation writes.
     """
     there = [name for name in names if os.path.lexists(folder / name)]
     configuration = folder / FILES[1]

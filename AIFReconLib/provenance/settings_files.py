@@ -28,15 +28,12 @@ MOST_BYTES = 2**20
 def read_settings(path: str | Path) -> KeptSettings:
     """The settings in a file.
 
+    Raises SettingsFileError when it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
+
     Parameters
     ----------
     path : str or Path
         .json or .toml, as `write_settings` writes them; or a volume (.nrrd, .nhdr, .mha, .mhd) that says how it was made.
-
-    Raises
-    ------
-    SettingsFileError
-        When it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -73,16 +70,13 @@ def made_with(path: Path) -> Recipe | None:
 def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
     """Write settings, as `kept_settings` returns them, completely or not at all.
 
+    Raises OutputError when the suffix is another, or the file cannot be written.
+
     Parameters
     ----------
     settings : mapping
     path : str or Path
         .json or .toml.
-
-    Raises
-    ------
-    OutputError
-        When the suffix is another, or the file cannot be written.
     """
     table = {WRITTEN_BY: __version__, **{name: settings[name] for name in sorted(settings)}}
     if _writable_suffix(path) == JSON:
@@ -97,9 +91,7 @@ def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
 def check_settings_path(path: str | Path) -> None:
     """Return if settings can be written to `path`; to be asked before a long computation.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError otherwise.
     """
     _writable_suffix(path)
     check_writable(path)

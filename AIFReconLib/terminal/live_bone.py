@@ -51,10 +51,7 @@ class LiveBone:
     def of(cls, arguments: argparse.Namespace) -> LiveBone | None:
         """What the options ask for; None where they ask for none.
 
-        Raises
-        ------
-        SettingsError
-            When options do not go together.
+        Raises SettingsError when options do not go together.
         """
         if arguments.bone_frames:
             raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")

@@ -148,10 +148,7 @@ def labels_inputs(arguments: argparse.Namespace) -> list[Path]:
 def labels_from(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels | None:
     """The labels that the options name, or find in the CT, with notes that say what a user should know; None where they name none.
 
-    Raises
-    ------
-    SettingsError
-        When options do not go together.
+    Raises SettingsError when options do not go together.
     """
     chosen, ct, above = arguments.labels, getattr(arguments, "ct", None), getattr(arguments, "bone_above", None)
     if above is not None and (arguments.bone_labels or not ct):

@@ -42,10 +42,7 @@ class MethodAction(TakingAction):
 def load_method_here(name: str) -> None:
     """Import the module of a method of one's own, from the folder that the program is called in too.
 
-    Raises
-    ------
-    MethodError
-        When it cannot be had.
+    Raises MethodError when it cannot be had.
     """
     # As `python -m` has it: the installed program knows the packages alone
     if not {"", os.getcwd()} & set(sys.path):

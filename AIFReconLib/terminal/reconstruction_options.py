@@ -119,9 +119,7 @@ def add_width_options(group: argparse._ActionsContainer) -> None:
 def check_bone_options(arguments: argparse.Namespace) -> None:
     """Return if the options that say where bone is go together.
 
-    Raises
-    ------
-    SettingsError
+    Raises SettingsError otherwise.
     """
     check_seen_bone(arguments)
     if arguments.bone_transform and not (names_labels(arguments) or arguments.bone_probability):
@@ -136,9 +134,7 @@ def seen_source(arguments: argparse.Namespace) -> str | None:
 def check_seen_bone(arguments: argparse.Namespace) -> None:
     """Return if these options go together with the others.
 
-    Raises
-    ------
-    SettingsError
+    Raises SettingsError otherwise.
     """
     source = seen_source(arguments)
     if getattr(arguments, "bone_frames_px", None) and not getattr(arguments, "bone_frames", None):

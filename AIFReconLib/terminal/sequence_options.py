@@ -58,10 +58,7 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
 def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argparse.Namespace]:
     """The arguments for each of several sequences, with the sequence's own configuration where there is one for each.
 
-    Raises
-    ------
-    SettingsError
-        When configurations are neither one nor one for each, or transforms of one sequence are given for several.
+    Raises SettingsError when configurations are neither one nor one for each, or transforms of one sequence are given for several.
     """
     configs = arguments.config or [None]
     if len(configs) not in (1, len(paths)):

@@ -25,6 +25,8 @@ _ITK_MAGIC = "#Insight Transform File"
 def read_calibration(path: str | Path, name: TransformName | None = None) -> tuple[TransformName, Matrix]:
     """Name and matrix of a calibration, pixels to mm.
 
+    Raises TransformFileError or ConfigurationError when the file cannot be used.
+
     Parameters
     ----------
     path : str or Path
@@ -32,11 +34,6 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
     name : TransformName or None
         The transform to take from a configuration, by default its only one from Image; for other files, what to call it (ImageToProbe by
         default).
-
-    Raises
-    ------
-    TransformFileError, ConfigurationError
-        When the file cannot be used.
     """
     path = Path(path)
     suffix = path.suffix.lower()

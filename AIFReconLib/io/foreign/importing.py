@@ -81,18 +81,9 @@ def import_sequence(
 ) -> tuple[TrackedSequence, tuple[str, ...]]:
     """The sequence of these images and poses, and in words how they were understood.
 
-    Parameters
-    ----------
-    images : ImportedImages
-    poses : PoseTable
-    settings : ImportSettings
-    patient : PoseTable or None
-        Poses of the marker on the patient, in the direction of the others; it is the frame Reference.
+    `patient` are the poses of the marker on the patient, in the direction of the others; it is the frame Reference.
 
-    Raises
-    ------
-    SettingsError
-        When images and poses do not fit each other, or something that is needed is not known.
+    Raises SettingsError when images and poses do not fit each other, or something that is needed is not known.
     """
     name = settings.transform
     places_image = IMAGE_FRAME in (name.source, name.target)

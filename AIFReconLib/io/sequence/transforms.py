@@ -31,17 +31,14 @@ from .file_images import MAXIMUM_FRAMES
 def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | None, TransformSample]]:
     """The samples of one transform, each with its time in s, in the order of the file.
 
+    Raises SequenceFormatError when the file cannot be understood or does not hold the transform.
+
     Parameters
     ----------
     path : str or Path
         .seq.mha or .seq.mhd of Slicer, or any sequence file that holds the transform.
     name : str
         ``ImageToReference``. Where the file holds one transform alone, under whatever name, that one is meant.
-
-    Raises
-    ------
-    SequenceFormatError
-        When the file cannot be understood or does not hold the transform.
     """
     path = Path(path)
     lines, per_frame = _frame_fields(path)
@@ -66,6 +63,9 @@ def pair_transforms(
 ) -> tuple[Sequence[FrameRecord], tuple[str, ...]]:
     """Records with the transforms of these files, each taken at the time of the image, and what a user should know.
 
+    Raises SequenceFormatError when a file cannot be used; SettingsError when times are missing and the numbers of samples differ, or a name
+    is none.
+
     Parameters
     ----------
     records : list of FrameRecord
@@ -73,13 +73,6 @@ def pair_transforms(
         As in ``{"ImageToReference": "Transform.seq.mha"}``.
     longest_gap : float, s
         See `PoseTrack.at`.
-
-    Raises
-    ------
-    SequenceFormatError
-        When a file cannot be used.
-    SettingsError
-        When times are missing and the numbers of samples differ, or a name is none.
     """
     notes = []
     for text, path in files.items():

@@ -97,9 +97,7 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
 def check_sequence_name(path: Path) -> None:
     """Return if a sequence can have this name; to be asked before long work.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError otherwise.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")

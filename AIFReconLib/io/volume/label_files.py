@@ -87,10 +87,7 @@ def read_label_names(path: str | Path) -> dict[int, str]:
     """What the labels in a file are called, by their numbers, where it says so: Slicer's segmentations (.seg.nrrd), and NIfTI files of
     TotalSegmentator. Else nothing.
 
-    Raises
-    ------
-    VolumeFormatError
-        When the file cannot be read.
+    Raises VolumeFormatError when the file cannot be read.
     """
     path = Path(path)
     if suffix_of(path) in NIFTI_SUFFIXES:
@@ -226,11 +223,7 @@ def _common_grid(bones: list[_Bone]) -> VoxelGrid:
 def doubts(labels: Labels, ct: Volume | None = None) -> list[str]:
     """What speaks against labels being bone, a sentence each: they are too thick, fill too much, or are soft in the CT.
 
-    Parameters
-    ----------
-    labels : Labels
-    ct : Volume or None
-        In HU, in the frame of the labels.
+    That is in HU, in the frame of the labels.
     """
     found = []
     steps = np.maximum(np.round(2.0 / labels.spacing[::-1]), 1).astype(int)

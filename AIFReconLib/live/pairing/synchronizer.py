@@ -161,12 +161,7 @@ class Synchronizer:
         return self._waiting[0].message.received + self.settings.patience if self._waiting else None
 
     def feed(self, message: StreamMessage) -> list[LiveFrame]:
-        """Take one message; the answer is the frames that it decides, often none.
-
-        Parameters
-        ----------
-        message : ImageMessage, TransformMessage or StreamEvent
-        """
+        """Take one message; the answer is the frames that it decides, often none."""
         self._arrival += 1
         frames = []
         if isinstance(message, StreamEvent):

@@ -96,9 +96,7 @@ class ScoutedFrames:
     def sequence(self) -> tuple[TrackedSequence, SweepPoses]:
         """The usable frames of one size that were kept, as a recording and its poses.
 
-        Raises
-        ------
-        NoUsableFramesError
+        Raises NoUsableFramesError when there is none.
         """
         placed = [(*frame.placed(), frame.timestamp) for frame, _ in self._kept]
         if not placed:
@@ -114,6 +112,8 @@ class ScoutedFrames:
 
         A place that no hand reaches in the time between two frames does not count: one wrong pose would make it larger than any memory.
 
+        Raises NoUsableFramesError, GeometryError or InsufficientMemoryError.
+
         Parameters
         ----------
         imaging : Imaging
@@ -123,10 +123,6 @@ class ScoutedFrames:
         bytes_per_voxel : int
         margin : float, mm
         fits_spacing : bool
-
-        Raises
-        ------
-        NoUsableFramesError, GeometryError, InsufficientMemoryError
         """
         (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
         poses = poses[self._reachable((poses @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3])]

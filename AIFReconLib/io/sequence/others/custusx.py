@@ -149,9 +149,7 @@ def _frames(path: Path, base: str) -> list[Path]:
 def refuse_one_frame(path: Path) -> None:
     """Return unless a file is one frame of an acquisition, which alone has neither place nor time.
 
-    Raises
-    ------
-    SequenceFormatError
+    Raises SequenceFormatError for one.
     """
     base = re.sub(r"_[0-9]{1,9}\.mhd$", "", path.name)
     if base != path.name and path.with_name(f"{base}.fts").is_file():
