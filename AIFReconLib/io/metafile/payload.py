@@ -51,15 +51,6 @@ class Inflater:
             self.position += len(piece)
         return b"".join(pieces)
 
-    def read_into(self, file: BinaryIO, view: memoryview) -> None:
-        """Fill `view`, of bytes, with the next decoded bytes.
-
-        Raises PayloadError when the stream is corrupt or ends before.
-        """
-        for start in range(0, len(view), _PIECE):
-            part = view[start : start + _PIECE]
-            part[:] = self.read(file, len(part))
-
     def skip(self, file: BinaryIO, count: int) -> None:
         """Decode `count` bytes and drop them."""
         while count > 0:
