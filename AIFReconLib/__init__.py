@@ -14,42 +14,50 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     # The names below, for editors and type checkers; a test compares
-    from .bone.ct.from_ct import labels_from_ct
-    from .bone.echoes.surface import bone_from_sweep
-    from .bone.map import BoneMap
-    from .calibration.calibration import calibrate
-    from .calibration.check import check_calibration
-    from .compounding.own.method import Method, register_method
-    from .compounding.reconstructor import Reconstructor
-    from .compounding.state import Reconstruction
-    from .errors import AIFReconError, DisagreementWarning
-    from .evaluation.metrics import evaluate
-    from .geometry.labels import Labels
-    from .geometry.transform_graph import TransformGraph
-    from .geometry.volume import Volume, VoxelGrid
-    from .guidance.coverage import coverage
-    from .guidance.plan import plan
-    from .imaging.beams import ProbeGeometry
-    from .imaging.region import ClipRectangle, Fan, ImageRegion
-    from .inspection.offset_estimate import estimate_time_offset
-    from .io.plus.configuration import read_plus_configuration
-    from .io.sequence.files import read_sequence
-    from .io.sequence.writer import write_sequence
-    from .io.transform.files import read_transform
-    from .io.volume.dicom_series import read_ct
-    from .io.volume.files import read_volume, write_volume
-    from .io.volume.label_files import read_labels
-    from .live.pairing.synchronizer import SynchronizerSettings
-    from .live.replay.server import ReplayServer
-    from .live.session.session import LiveSession
-    from .live.wire.client import OpenIGTLinkClient
-    from .paths.free_paths import free_paths
-    from .recipe.recipe import Recipe, ReconstructionSettings
-    from .reconstruction import reconstruct
-    from .registration.labeled_bone import LabeledBone
-    from .registration.registration import register
-    from .sweep.frames import TrackedFrame, TrackedSequence
-    from .sweep.time_offset import with_time_offset
+    from .bone.ct.from_ct import labels_from_ct as labels_from_ct
+    from .bone.echoes.surface import bone_from_sweep as bone_from_sweep
+    from .bone.map import BoneMap as BoneMap
+    from .calibration.calibration import calibrate as calibrate
+    from .calibration.check import check_calibration as check_calibration
+    from .compounding.own.method import Method as Method
+    from .compounding.own.method import register_method as register_method
+    from .compounding.reconstructor import Reconstructor as Reconstructor
+    from .compounding.state import Reconstruction as Reconstruction
+    from .errors import AIFReconError as AIFReconError
+    from .errors import DisagreementWarning as DisagreementWarning
+    from .evaluation.metrics import evaluate as evaluate
+    from .geometry.labels import Labels as Labels
+    from .geometry.transform_graph import TransformGraph as TransformGraph
+    from .geometry.volume import Volume as Volume
+    from .geometry.volume import VoxelGrid as VoxelGrid
+    from .guidance.coverage import coverage as coverage
+    from .guidance.plan import plan as plan
+    from .imaging.beams import ProbeGeometry as ProbeGeometry
+    from .imaging.region import ClipRectangle as ClipRectangle
+    from .imaging.region import Fan as Fan
+    from .imaging.region import ImageRegion as ImageRegion
+    from .inspection.offset_estimate import estimate_time_offset as estimate_time_offset
+    from .io.plus.configuration import read_plus_configuration as read_plus_configuration
+    from .io.sequence.files import read_sequence as read_sequence
+    from .io.sequence.writer import write_sequence as write_sequence
+    from .io.transform.files import read_transform as read_transform
+    from .io.volume.dicom_series import read_ct as read_ct
+    from .io.volume.files import read_volume as read_volume
+    from .io.volume.files import write_volume as write_volume
+    from .io.volume.label_files import read_labels as read_labels
+    from .live.pairing.synchronizer import SynchronizerSettings as SynchronizerSettings
+    from .live.replay.server import ReplayServer as ReplayServer
+    from .live.session.session import LiveSession as LiveSession
+    from .live.wire.client import OpenIGTLinkClient as OpenIGTLinkClient
+    from .paths.free_paths import free_paths as free_paths
+    from .recipe.recipe import Recipe as Recipe
+    from .recipe.recipe import ReconstructionSettings as ReconstructionSettings
+    from .reconstruction import reconstruct as reconstruct
+    from .registration.labeled_bone import LabeledBone as LabeledBone
+    from .registration.registration import register as register
+    from .sweep.frames import TrackedFrame as TrackedFrame
+    from .sweep.frames import TrackedSequence as TrackedSequence
+    from .sweep.time_offset import with_time_offset as with_time_offset
 
 __version__ = "0.1.0"
 
@@ -100,52 +108,7 @@ _PUBLIC = {
     "write_volume": "io.volume.files",
 }
 
-__all__ = [
-    "AIFReconError",
-    "BoneMap",
-    "ClipRectangle",
-    "DisagreementWarning",
-    "Fan",
-    "ImageRegion",
-    "LabeledBone",
-    "Labels",
-    "LiveSession",
-    "Method",
-    "OpenIGTLinkClient",
-    "ProbeGeometry",
-    "Recipe",
-    "Reconstruction",
-    "ReconstructionSettings",
-    "Reconstructor",
-    "ReplayServer",
-    "SynchronizerSettings",
-    "TrackedFrame",
-    "TrackedSequence",
-    "TransformGraph",
-    "Volume",
-    "VoxelGrid",
-    "bone_from_sweep",
-    "calibrate",
-    "check_calibration",
-    "coverage",
-    "estimate_time_offset",
-    "evaluate",
-    "free_paths",
-    "labels_from_ct",
-    "plan",
-    "read_ct",
-    "read_labels",
-    "read_plus_configuration",
-    "read_sequence",
-    "read_transform",
-    "read_volume",
-    "reconstruct",
-    "register",
-    "register_method",
-    "with_time_offset",
-    "write_sequence",
-    "write_volume",
-]
+__all__ = sorted(_PUBLIC)
 
 # What is worth knowing afterwards is logged under this name; nothing is shown unless a program wants it
 logging.getLogger(__name__).addHandler(logging.NullHandler())

@@ -128,10 +128,7 @@ class DisagreementWarning(UserWarning):
 def require_kind(name: str, value: object, kinds: type | tuple[type, ...], advice: str) -> None:
     """Return if `value`, which the caller knows as `name`, is of one of these kinds.
 
-    Raises
-    ------
-    InputTypeError
-        With `advice`, where it is not.
+    Raises InputTypeError with `advice`, where it is not.
     """
     if not isinstance(value, kinds):
         raise not_of_kind(name, value, kinds if isinstance(kinds, tuple) else (kinds,), advice)

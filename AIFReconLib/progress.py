@@ -11,19 +11,9 @@ Progress = Callable[[float, str], bool]
 
 
 def report(progress: Progress | None, fraction: float, step: str) -> None:
-    """Tell the caller how far the work is.
+    """Tell the caller how far the work is, and what is being done.
 
-    Parameters
-    ----------
-    progress : Progress or None
-    fraction : float
-    step : str
-        What is being done.
-
-    Raises
-    ------
-    OperationCanceled
-        When the caller's function returns False. (None and other values mean: go on.)
+    Raises OperationCanceled when the caller's function returns False. (None and other values mean: go on.)
     """
     if progress is None:
         return

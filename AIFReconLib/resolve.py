@@ -70,10 +70,7 @@ def resolve_settings(settings: Recipe, configuration: PlusConfiguration, has_bon
     That is the method (where there is no bone), spacing, skip, interpolation (where the method has one) and pixel rejection. With an
     importance mask the method is average where none is named.
 
-    Raises
-    ------
-    SettingsError
-        When a way to fill holes has no limit.
+    Raises SettingsError when a way to fill holes has no limit.
     """
     if settings.holes not in (None, "off") and settings.hole_limit == 0:
         raise SettingsError(f"Input hole_limit must be above 0 mm to fill holes by {settings.holes}; got 0.", Remedy.HOLE_LIMIT)
@@ -102,10 +99,7 @@ def _first_known(own: Value | None, configured: Value | None) -> Value | None:
 def reconstructor_parts(asked: Recipe, resolved: Recipe, configuration: PlusConfiguration) -> ReconstructorParts:
     """The parts for settings as `asked` by the caller and as `resolve_settings` returned them.
 
-    Raises
-    ------
-    FileFormatError
-        When the importance mask cannot be read.
+    Raises FileFormatError when the importance mask cannot be read.
     """
     importance = read_importance_mask(mask) if isinstance(mask := asked.importance_mask, str | Path) else mask
     notes = []
@@ -143,10 +137,7 @@ class Imaging:
     def known_probe(self) -> ProbeGeometry:
         """The probe.
 
-        Raises
-        ------
-        BeamGeometryError
-            When it is not known.
+        Raises BeamGeometryError when it is not known.
         """
         if self.probe is None:
             raise BeamGeometryError("The directions of the beams are not known.", Remedy.NAME_THE_PROBE)
@@ -195,10 +186,8 @@ def asked_imaging(
 ) -> tuple[ImageRegion | None, ProbeGeometry | None]:
     """Region and probe that are asked for, completed by the configuration's; None where they are left open. `pixel` (x, y), mm.
 
-    Raises
-    ------
-    SettingsError
-        When they do not go together, or the apex of a sector is not known; before a scan there are no `images` that show it.
+    Raises SettingsError when they do not go together, or the apex of a sector is not known; before a scan there are no `images` that show
+    it.
     """
     probe = _asked_probe(asked, configuration, images, pixel)
     if asked.clip_px is None and asked.fan_radius_px is None:
@@ -309,10 +298,7 @@ def recognized_imaging(
 ) -> Imaging:
     """What `known_imaging` leaves open, recognized in the images.
 
-    Raises
-    ------
-    BeamGeometryError
-        When the probe is needed and cannot be told.
+    Raises BeamGeometryError when the probe is needed and cannot be told.
     """
     region, probe = region or configuration.imaged_region, probe or configuration.probe
     try:

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..arrays import Matrix
 from ..bone.map import BoneMap
 from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
@@ -32,7 +31,7 @@ from ..guidance.coverage import Coverage, coverage
 from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.workspace import workspace
-from ..io.transform.files import read_transform, write_transform
+from ..io.transform.files import write_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import write_volume
 from ..io.volume.label_files import read_labels
@@ -44,7 +43,7 @@ from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
-from ..terminal.options import labels_from, required_labels
+from ..terminal.options import labels_from, place_from, required_labels
 from ..terminal.recipe_options import load_method_here, recipe_from
 from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_from, bone_inputs, check_bone_options, grid_from
 from ..terminal.remedies import in_columns
@@ -94,7 +93,8 @@ def carry_out(task: Task) -> Record:
     attempts = before.attempts + 1 if before is not None and before.run == task.run else 1
     record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts)
     try:
-        _require_version(task)
+        if task.version != __version__:
+            raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {task.version}. Install the same on both.")
         write_record(output, record)
         record = _computed(case, output, record)
     except (OutputError, MemoryError) as error:
@@ -118,11 +118,6 @@ def carry_out(task: Task) -> Record:
     except OutputError as error:
         record = replace(record, state=LOST, message=in_columns(error))
     return record
-
-
-def _require_version(task: Task) -> None:
-    if task.version != __version__:
-        raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {task.version}. Install the same on both.")
 
 
 def _computed(case: Case, output: Path, record: Record) -> Record:
@@ -164,8 +159,7 @@ class _Work:
         self._parts = [sequence_from(one) for one in each]
         self._sequence: TrackedSequence = joined(self._parts)
         self._recipe = recipe_from(self._arguments)
-        placed = self._arguments.bone_transform
-        self._ct_to_reference = read_transform(placed) if placed else None
+        self._ct_to_reference = place_from(self._arguments)
         self._report: dict[str, Any] = {}
         self._numbers: Row = {}
         self._notes: list[str] = []
@@ -184,10 +178,11 @@ class _Work:
         check_bone_options(self._arguments)
         if self._given is not None:
             self._notes += map(in_columns, self._given.notes)
-            self._labeled = LabeledBone(self._given, self._place(), self._sequence, self._recipe)
+            self._labeled = LabeledBone(self._given, place_from(self._arguments), self._sequence, self._recipe)
         else:
             self._bone = bone_from(self._arguments, None, self._sequence, self._recipe)
-        grid, ct = grid_from(self._arguments), self._ct()
+        grid = grid_from(self._arguments)
+        ct = read_ct(self._arguments.ct).placed_by(self._ct_to_reference) if self._arguments.ct else None
         rows = [self._of_method(method, grid, truth, labels, ct) for method in self._case.methods]
         write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
         return rows
@@ -224,11 +219,7 @@ class _Work:
 
     def _labels(self) -> Volume | None:
         """The labels where they lie in Reference."""
-        return None if self._given is None else _in_reference(self._given, self._place())
-
-    def _place(self) -> Matrix | None:
-        placed = self._arguments.bone_transform
-        return read_transform(placed) if placed else None
+        return None if self._given is None else self._given.placed_by(place_from(self._arguments))
 
     def _cover(self, labels: Volume) -> None:
         try:
@@ -243,7 +234,7 @@ class _Work:
     def _truth(self, labels: Volume | None) -> BoneTruth | None:
         """What volumes are measured against."""
         arguments = self._arguments
-        true = _in_reference(read_labels(arguments.bone), self._ct_to_reference) if arguments.bone else labels
+        true = read_labels(arguments.bone).placed_by(self._ct_to_reference) if arguments.bone else labels
         if true is None:
             return None
         try:
@@ -251,9 +242,6 @@ class _Work:
         except (BeamGeometryError, GeometryError) as problem:
             self._notes.append(in_columns(problem))
             return None
-
-    def _ct(self) -> Volume | None:
-        return _in_reference(read_ct(self._arguments.ct), self._ct_to_reference) if self._arguments.ct else None
 
     def _of_method(
         self,
@@ -333,7 +321,3 @@ class _Work:
         title = f"{self._case.name}: {result.method}, {result.frames_inserted} frames"
         preview(result.intensity, result.mask, labels, ct, title, result.score).write(self._folder / f"{stem}.png")
         return f"{self._case.name}/{stem}.png"
-
-
-def _in_reference(volume: Volume, to_reference: Matrix | None) -> Volume:
-    return volume if to_reference is None else volume.placed_by(to_reference)

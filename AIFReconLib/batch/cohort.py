@@ -49,17 +49,9 @@ class Cohort:
         return sum(record.state == state for record in self.records.values())
 
     def prepare(self, retry_failed: bool) -> None:
-        """Look what is there, and what is to be done.
+        """Look what is there, and what is to be done; with `retry_failed` also what has failed and is unchanged since.
 
-        Parameters
-        ----------
-        retry_failed : bool
-            Also compute again what has failed and is unchanged since.
-
-        Raises
-        ------
-        OutputError
-            When the folder cannot be written to.
+        Raises OutputError when the folder cannot be written to.
         """
         with output_errors(self.output):
             (self.output / RECORDS).mkdir(parents=True, exist_ok=True)
@@ -129,8 +121,7 @@ class Cohort:
         """How far the work is, from 0 to 1 and in words."""
         left = len(self.to_do) - done
         failed = self.count(FAILED) + self.count(LOST)
-        values = {"done": len(self.cases) - left, "cases": len(self.cases), "failed": failed}
-        message = "{done} of {cases} cases, {failed} failed".format(**values)
+        message = f"{len(self.cases) - left} of {len(self.cases)} cases, {failed} failed"
         if done and left:
             message = f"{message}, {duration(left * (time.monotonic() - started) / done)} left"
         return (len(self.cases) - left) / len(self.cases), message

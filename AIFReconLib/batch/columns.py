@@ -81,16 +81,13 @@ class Columns:
     def read(self, column: str, text: str, folder: Path) -> object:
         """What a cell says; None where it is empty.
 
+        Raises SettingsError with what the column takes.
+
         Parameters
         ----------
         column, text : str
         folder : Path
             Which paths are relative to.
-
-        Raises
-        ------
-        SettingsError
-            With what the column takes.
         """
         text = text.strip()
         if not text:

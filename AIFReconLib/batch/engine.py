@@ -65,10 +65,7 @@ class Lost:
 def require(name: str) -> ModuleType:
     """One of the packages of the group `batch`.
 
-    Raises
-    ------
-    OutputError
-        When it is not installed, with how to get it.
+    Raises OutputError when it is not installed, with how to get it.
     """
     try:
         return import_module(name)
@@ -82,6 +79,8 @@ def require(name: str) -> ModuleType:
 def local_workers(count: int, threads: int = 1, memory: int | None = None) -> Iterator[Client]:
     """So many processes on this computer, reached on its loopback alone, by who has the key that is made for them.
 
+    Raises OutputError when dask, or what makes keys, is not installed.
+
     Parameters
     ----------
     count : int
@@ -89,11 +88,6 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
         That each may use.
     memory : int or None
         Bytes that each may take: Dask ends one that takes more. None: no limit.
-
-    Raises
-    ------
-    OutputError
-        When dask, or what makes keys, is not installed.
 
     Notes
     -----
@@ -142,19 +136,15 @@ def own_memory() -> int | None:
 def cluster_at(address: str, folder: Path) -> Iterator[Client]:
     """The cluster whose scheduler is at this address, if its workers can do the work.
 
+    Raises SettingsError when there is no scheduler or no worker, or a worker has another version or does not see the folder; OutputError
+    when dask is not installed.
+
     Parameters
     ----------
     address : str
         As Dask writes it: ``tcp://10.0.0.5:8786``.
     folder : Path
         That every worker must see.
-
-    Raises
-    ------
-    SettingsError
-        When there is no scheduler or no worker, or a worker has another version or does not see the folder.
-    OutputError
-        When dask is not installed.
     """
     distributed = require("distributed")
     with ExitStack() as stack:
@@ -180,9 +170,8 @@ def _check_workers(client: Client, folder: Path) -> None:
         found = client.run(_about, str(folder))
     except Exception as error:  # of whatever kind a worker without the package answers with
         raise SettingsError(
-            "A worker cannot be asked for its version of AIFRecon ({reason}). Install AIFRecon {version} on every worker.".format(
-                reason=shorten(f"{type(error).__name__}: {error}"), version=__version__
-            )
+            f"A worker cannot be asked for its version of AIFRecon ({shorten(f'{type(error).__name__}: {error}')}). Install AIFRecon "
+            f"{__version__} on every worker."
         ) from None
     for worker, (version, sees) in found.items():
         if version != __version__:
@@ -253,10 +242,8 @@ def completed(client: Client, work: Callable[[Given], Made], given: Mapping[str,
 
 def dashboard(client: Client) -> str:
     """How many workers there are, and where Dask shows what they do."""
-    values = {"count": len(client.nthreads()), "address": client.dashboard_link}
-    if find_spec("bokeh") is None:
-        return "{count} worker(s); Dask's dashboard at {address} needs bokeh (pip install bokeh)".format(**values)
-    return "{count} worker(s); Dask's dashboard is at {address}".format(**values)
+    what = f"at {client.dashboard_link} needs bokeh (pip install bokeh)" if find_spec("bokeh") is None else f"is at {client.dashboard_link}"
+    return f"{len(client.nthreads())} worker(s); Dask's dashboard {what}"
 
 
 @contextmanager

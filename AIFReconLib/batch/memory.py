@@ -66,6 +66,8 @@ class Shares:
 def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:
     """Processes, as many as cores and memory allow, among which the threads of the engine are divided.
 
+    Raises SettingsError when that is too little for a single process.
+
     Parameters
     ----------
     cases : sequence of Case
@@ -74,18 +76,14 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
         As many as the user asks for.
     memory : int or None
         Bytes for all together, this process included; by default what is free.
-
-    Raises
-    ------
-    SettingsError
-        When that is too little for a single process.
     """
     if memory is not None and memory < OURS + PROCESS:
         raise SettingsError(
             f"Input --memory must be at least {(OURS + PROCESS) / 1e9:.2f} GB, which one process and this one take; got "
             f"{memory / 1e9:.2f}. Give more."
         )
-    cores, needed = usable_cores(), memory_needed(cases)
+    largest = sorted(cases, key=_weight, reverse=True)[:LOOKED_AT]
+    cores, needed = usable_cores(), PROCESS + max((_of_case(case) for case in largest), default=0)
     if memory is None and (free := available_memory()) is not None:
         memory = max(int(SAFETY * free), OURS + PROCESS)
     if memory is None:
@@ -96,12 +94,6 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
     count = min(workers, left // PROCESS) if workers else min(cores, left // needed, len(cases))
     count = max(count, 1)
     return Shares(count, max(cores // count, 1), left // count, needed)
-
-
-def memory_needed(cases: Sequence[Case]) -> int:
-    """Bytes that a worker is expected to need for the largest of these cases."""
-    largest = sorted(cases, key=_weight, reverse=True)[:LOOKED_AT]
-    return PROCESS + max((_of_case(case) for case in largest), default=0)
 
 
 def _weight(case: Case) -> float:

@@ -110,20 +110,9 @@ for (const button of document.querySelectorAll(".cases-table th button")) button
 
 
 def write_page(output: Path, title: str, rows: list[Row]) -> Path:
-    """Write the page; the answer is its path.
+    """Write the page into the folder of all results, of rows as `flat_rows` returns them; the answer is its path.
 
-    Parameters
-    ----------
-    output : Path
-        Folder of all results.
-    title : str
-    rows : list of dict
-        As `flat_rows` returns them.
-
-    Raises
-    ------
-    OutputError
-        When it cannot be written.
+    Raises OutputError when it cannot be written.
     """
     write_text(output / PAGE, page(title, rows))
     return output / PAGE

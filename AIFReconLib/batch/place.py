@@ -24,15 +24,7 @@ OF_THE_DESKTOP = (".DS_Store", "Thumbs.db", "desktop.ini")
 def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
     """Return if nothing but results of the same table would be replaced.
 
-    Parameters
-    ----------
-    cases : iterable of Case
-    table, output : Path
-
-    Raises
-    ------
-    OutputError
-        When the folder holds an input, a link or a file that no run of the command has written; names the first.
+    Raises OutputError when the folder holds an input, a link or a file that no run of the command has written; names the first.
     """
     cases = list(cases)
     inside = Path(as_compared(real_path(output)))
@@ -64,9 +56,7 @@ def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
 def require_results(folder: Path, known: Collection[str], where: Path) -> None:
     """Return if a folder, which belongs at `where`, is none yet or holds nothing but results, known by their names.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError otherwise.
     """
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise _refused(where)

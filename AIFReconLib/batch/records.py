@@ -117,9 +117,7 @@ def _is_number(value: object) -> bool:
 def write_record(output: Path, record: Record) -> None:
     """Keep a record. Of a case that is not done, what was in its folder before goes on being known, whoever computes it.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError when it cannot be written.
     """
     before = None if record.state == DONE else read_record(output, record.case)
     if before is not None:

@@ -47,10 +47,7 @@ def said_of(record: Record) -> str:
 def write_tables(output: Path, rows: list[Row]) -> list[Path]:
     """Write both tables; the answer names them.
 
-    Raises
-    ------
-    OutputError
-        When they cannot be written.
+    Raises OutputError when they cannot be written.
     """
     write_text(output / CSV, _csv(rows))
     with atomic_output(output / PARQUET) as temporary:

@@ -105,15 +105,12 @@ class Cases:
 def read_cases(path: str | Path) -> Cases:
     """The cases of a table, with what is wrong with each.
 
+    Raises FileFormatError when the file is no such table.
+
     Parameters
     ----------
     path : str or Path
         CSV in UTF-8, separated by commas, semicolons or tabs, with a line of column names.
-
-    Raises
-    ------
-    FileFormatError
-        When the file is no such table.
     """
     path = Path(path).absolute()
     columns = Columns()
@@ -130,9 +127,7 @@ def read_cases(path: str | Path) -> Cases:
             continue
         case = reading.case(number, cells)
         cases.append(case)
-        problem = _of_name(case.name, number, seen)
-        if problem is not None:
-            problems.append(problem)
+        problems += _of_name(case.name, number, seen)
         seen.setdefault(case.name.casefold(), number)
     if not cases:
         problems.append(Problem(1, "", "there are no cases below the column names. Add a row for each."))
@@ -169,15 +164,14 @@ def _of_head(head: list[str], columns: Columns) -> Iterator[Problem]:
                 yield Problem(1, name, "there is no such column. Remove it; aifrecon batch --help lists all.")
 
 
-def _of_name(name: str, row: int, seen: dict[str, int]) -> Problem | None:
+def _of_name(name: str, row: int, seen: dict[str, int]) -> Iterator[Problem]:
     """What is wrong with the name of a case, which is that of a folder on every system."""
     if not name:
-        return Problem(row, CASE, "the case has no name. Give each its own.")
-    if not _NAME.fullmatch(name) or name.endswith((" ", ".")) or _OF_WINDOWS.fullmatch(name):
-        return Problem(row, CASE, f"{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.")
-    if name.casefold() in seen:
-        return Problem(row, CASE, f"{name} is the name of row {seen[name.casefold()]} too. Give each its own.")
-    return None
+        yield Problem(row, CASE, "the case has no name. Give each its own.")
+    elif not _NAME.fullmatch(name) or name.endswith((" ", ".")) or _OF_WINDOWS.fullmatch(name):
+        yield Problem(row, CASE, f"{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.")
+    elif name.casefold() in seen:
+        yield Problem(row, CASE, f"{name} is the name of row {seen[name.casefold()]} too. Give each its own.")
 
 
 class _Reading:
@@ -279,7 +273,8 @@ class _Reading:
         for method in case.methods:
             message = self._why_not_settings(with_method(arguments, method), has_bone)
             if message is not None:
-                yield Problem(case.row, _column_of(message, self._columns.names), in_columns(message))
+                about = message.partition("Input ")[2].partition(" ")[0]
+                yield Problem(case.row, about if about in self._columns.names else METHOD, in_columns(message))
 
     def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> str | None:
         """What is wrong with the parameters of a reconstruction; most rows have those of another."""
@@ -306,12 +301,6 @@ def method_files(case: Case) -> Iterator[Path]:
             file = getattr(sys.modules.get(method.partition(":")[0]), "__file__", None)
             if file:
                 yield Path(file)
-
-
-def _column_of(message: str, names: tuple[str, ...]) -> str:
-    """The column that a sentence about a setting is about."""
-    name = message.partition("Input ")[2].partition(" ")[0]
-    return name if name in names else METHOD
 
 
 def _why_not_a_file(path: Path) -> str | None:

@@ -128,7 +128,7 @@ class BoneMap(Described):
         probability = _smoothed(probability, sigma_kji)
         probability /= probability.max()
         report(progress, 0.9, "Making the bone map")
-        placed = _matrix_of_box(labels if labels_to_reference is None else labels.placed_by(labels_to_reference), box)
+        placed = _matrix_of_box(labels.placed_by(labels_to_reference), box)
         bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed))
         report(progress, 1.0, "Made the bone map")
         return bone_map
@@ -144,7 +144,7 @@ class BoneMap(Described):
         labels_to_reference : (4, 4) array or None, mm
             The registration of the CT, when its labels do not hold Reference coordinates already.
         """
-        distance = field.distance if labels_to_reference is None else field.distance.placed_by(labels_to_reference)
+        distance = field.distance.placed_by(labels_to_reference)
         away = distance.array.astype(np.float32, copy=False)
         probability = np.exp(-0.5 * (away / np.float32(width)) ** 2)
         probability[np.abs(away) > FIELD_REACH * width] = 0.0
@@ -183,8 +183,7 @@ class BoneMap(Described):
                 f"Input probability must be 0 to 1; got values up to {np.nanmax(probability.array):g}.", Remedy.TAKE_AS_LABELS
             )
         array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
-        volume = Volume(array, probability.ijk_to_reference)
-        return cls(volume if probability_to_reference is None else volume.placed_by(probability_to_reference))
+        return cls(Volume(array, probability.ijk_to_reference).placed_by(probability_to_reference))
 
     def _potential(self, direction: str) -> Numbers:
         """What V_dir is the gradient of, on the map's voxels."""
@@ -200,7 +199,8 @@ class BoneMap(Described):
 
         Arguments as in `on_grid`.
         """
-        _require_known(direction)
+        if direction not in DIRECTIONS:
+            raise GeometryError(f"Input direction must be {listed(DIRECTIONS, ' or ')}; got {direction!r}.")
         report(progress, 0.0, "Placing the bone map")
         array = np.ascontiguousarray(self.probability.array, np.float32)
         potential = (
@@ -250,11 +250,6 @@ class BoneMap(Described):
         in_parts(sample, stop - first, usable_cores(), part(progress, 0.1, 1.0), "Placing the bone map")
         report(progress, 1.0, "Placed the bone map")
         return BoneOnGrid(probability, directions, placed.map_probability, placed.ijk_to_map)
-
-
-def _require_known(direction: str) -> None:
-    if direction not in DIRECTIONS:
-        raise GeometryError(f"Input direction must be {listed(DIRECTIONS, ' or ')}; got {direction!r}.")
 
 
 def _edges_of_slabs(count: int) -> Integers:

@@ -46,8 +46,7 @@ def add_to(commands: Commands) -> None:
         "batch",
         description="Compute every case of a table on this computer's cores or on a Dask cluster: volumes, registration, coverage, metrics "
         "and previews in a folder each, and results.csv, results.parquet and index.html of all.",
-        epilog=EXAMPLE.format(columns=names),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE.format(columns=names),
     )
     parser.add_argument("table", type=Path, metavar="CASES.csv", help="a row per case")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR", help="folder of all results; made if it is not there")

@@ -46,8 +46,7 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "convert",
         description="Write a tracked sequence as .mha, .mhd or .nrrd. Images and fields stay as they are, but for what the options change.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("sequence", type=Path, metavar="IN", help="tracked frames, e.g. sweep.igs.mha")
     parser.add_argument("output", type=Path, metavar="OUT", help=f"where to write ({', '.join(SUFFIXES)})")

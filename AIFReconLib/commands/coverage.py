@@ -9,12 +9,19 @@ from pathlib import Path
 from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
-from ..io.transform.files import read_transform
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..registration.labeled_bone import LabeledBone
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_beam_option, add_labels_options, labels_inputs, refuse_to_overwrite, required_labels
+from ..terminal.options import (
+    Commands,
+    add_beam_option,
+    add_labels_options,
+    labels_inputs,
+    place_from,
+    refuse_to_overwrite,
+    required_labels,
+)
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
@@ -33,8 +40,7 @@ def add_to(commands: Commands) -> None:
         "coverage",
         description="Tell from poses, images and a registered CT's segmentation how much of each bone the beams hit, at which angles, and "
         "what a reconstruction will show of it.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
     add_placed_labels_options(parser)
@@ -69,7 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
         check_writable(arguments.report)
     with ProgressBar() as progress:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
-        placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        placed = place_from(arguments)
         sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
         labels = LabeledBone(labels, placed, sequences, recipe).labels
         found = coverage(

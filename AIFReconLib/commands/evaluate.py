@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
 
-from ..arrays import Matrix
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import comparison_png, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import evaluate
@@ -18,7 +17,6 @@ from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
-from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import columns, listed
@@ -31,6 +29,7 @@ from ..terminal.options import (
     add_beam_option,
     add_labels_options,
     labels_inputs,
+    place_from,
     refuse_to_overwrite,
     required_labels,
 )
@@ -52,8 +51,7 @@ def add_to(commands: Commands) -> None:
         description="Measure volumes against the surface of a registered segmentation: contrast and contrast-to-noise ratio (CNR) of "
         "bone, its thickness and place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, "
         "noise and speckle.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("volumes", type=Path, nargs="+", metavar="VOLUME", help="reconstructed volumes, one row each")
     add_labels_options(parser, None, "--bone", "--bone-labels", several=False)
@@ -96,9 +94,9 @@ def run(arguments: argparse.Namespace) -> None:
     shown: dict[str, Volume] = {}
     with ProgressBar() as progress:
         beams = _beams(arguments) if arguments.sweep else None
-        to_reference = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        to_reference = place_from(arguments)
         given = required_labels(arguments, part(progress, 0.0, 0.05)).told_by(read_volume(arguments.volumes[0]).grid, to_reference)
-        labels = _placed(given, to_reference)
+        labels = given.placed_by(to_reference)
         mask = read_volume(arguments.mask) if arguments.mask else None
         truth = bone_truth(labels, beams, progress=part(progress, 0.05, 0.6))
         for number, (name, path) in enumerate(unique_names(arguments.volumes).items()):
@@ -119,7 +117,7 @@ def run(arguments: argparse.Namespace) -> None:
         figure = None
         if arguments.ct and arguments.report:
             progress(0.9, "Drawing")
-            ct = _placed(read_ct(arguments.ct), to_reference)
+            ct = read_ct(arguments.ct).placed_by(to_reference)
             center = within_spinous_process(truth.surface, next(iter(shown.values())).grid)
             figure = comparison_png(ct, shown, center, bone=labels, mask=mask)
     frames = len(beams.image_to_reference) if beams else None
@@ -151,10 +149,6 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
 def _beams(arguments: argparse.Namespace) -> SweepBeams:
     sequence = joined(read_sequence(one.sequence, config=one.config) for one in of_each(arguments, arguments.sweep))
     return SweepBeams.of_sequence(sequence, recipe_from(arguments), arguments.beam_thickness)
-
-
-def _placed(volume: Volume, to_reference: Matrix | None) -> Volume:
-    return volume if to_reference is None else volume.placed_by(to_reference)
 
 
 def _report(

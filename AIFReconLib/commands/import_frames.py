@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..inspection.imported import Checked, calibration_file, check_import, import_files
+from ..inspection.imported import calibration_file, check_import, import_files
 from ..io.disk.atomic import check_writable, write_text
 from ..io.foreign.importing import REFERENCE_FRAME
 from ..io.foreign.options import RULES, ImportOptions
@@ -38,8 +38,7 @@ def add_to(commands: Commands) -> None:
         "import",
         description="Write a tracked sequence from images (PNG, JPEG, TIFF, BMP, DICOM, video, .npy) and poses (CSV, TXT, JSON).\n"
         "Prints how everything was understood, and draws the sweep for a check.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES", help="files or a folder, in natural order (2 before 10)")
     parser.add_argument("--poses", type=Path, required=True, metavar="FILE", help="one pose per image, or with times or names of images")
@@ -67,14 +66,10 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         write_sequence(imported.sequence, arguments.output, arguments.compress, progress)
     seen = check_import(imported, arguments.output.name)
-    lines = [*map(in_options, (*imported.understood, *seen.lines)), *_next_step(seen, arguments.output.name)]
+    lines = [*map(in_options, (*imported.understood, *seen.lines))]
     if seen.drawing is not None:
+        option = "" if seen.reference == REFERENCE_FRAME else f" --reference {seen.reference}"
+        lines.append(f"to reconstruct: {program()} reconstruct {arguments.output.name}{option} --output volume.nrrd")
         write_text(drawing, seen.drawing.to_svg())
         lines.append(f"drew {drawing}")
     print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {arguments.output}"]))
-
-
-def _next_step(seen: Checked, name: str) -> list[str]:
-    """The command that uses the sequence, where its images can be placed."""
-    option = "" if seen.reference == REFERENCE_FRAME else f" --reference {seen.reference}"
-    return [] if seen.drawing is None else [f"to reconstruct: {program()} reconstruct {name}{option} --output volume.nrrd"]

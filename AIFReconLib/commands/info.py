@@ -16,7 +16,6 @@ from ..geometry.volume import Volume
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
-from ..io.transform.files import read_transform
 from ..message import columns
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
@@ -24,7 +23,7 @@ from ..reconstruction import Plan, plan
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
-from ..terminal.options import Commands, add_labels_options, labels_from
+from ..terminal.options import Commands, add_labels_options, labels_from, place_from
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_sequence_options, add_tracking_options, of_each, sequence_from
@@ -71,7 +70,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     sequence = sequence_from(arguments)
     recipe = recipe_from(arguments)
     labels = labels_from(arguments, progress)
-    placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    placed = place_from(arguments)
     has_bone = labels is not None
     told = recipe.probe if recipe.probe == LINEAR else SECTOR if recipe.apex_px else None
     report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress, told and f"{told} (as given)", has_bone)

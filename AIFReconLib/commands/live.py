@@ -78,8 +78,7 @@ def add_to(commands: Commands) -> None:
         "live",
         description="Receive images and poses over OpenIGTLink, from Plus for example, and reconstruct while they come. "
         "Ctrl-C ends the scan and saves the volume. Without --grid-like, move over the whole region at first.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     server = parser.add_argument_group("server")
     server.add_argument("--host", default="127.0.0.1", metavar="H", help="name or address of the server (default: %(default)s)")

@@ -91,18 +91,7 @@ def build_parser(names: Collection[str] = COMMANDS) -> argparse.ArgumentParser:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run the command line.
-
-    Parameters
-    ----------
-    argv : list of str or None
-        Arguments; those of the process by default.
-
-    Returns
-    -------
-    code : int
-        0, 1, 2, or 128 and the number of the signal that ended it.
-    """
+    """Run the command line, of the process by default; the answer is the exit code: 0, 1, 2, or 128 and the signal that ended it."""
     if "_ARGCOMPLETE" in os.environ:
         # A shell asks how a line may go on; this ends the program
         import_module("argcomplete").autocomplete(build_parser())

@@ -12,7 +12,6 @@ from ..evaluation.figures import require_matplotlib
 from ..geometry.transforms import LPS_FROM_RAS, transform_points
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
-from ..io.transform.files import read_transform
 from ..io.volume.files import read_volume
 from ..io.volume.models import LPS, RAS, read_model
 from ..io.volume.surfaces import check_surface_path
@@ -21,7 +20,7 @@ from ..paths.shown import markups, paths_figure, write_skin_map
 from ..progress import part
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, labels_from, labels_inputs, refuse_to_overwrite
+from ..terminal.options import Commands, labels_from, labels_inputs, place_from, refuse_to_overwrite
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_tracking_options, of_each
@@ -45,8 +44,7 @@ def add_to(commands: Commands) -> None:
         "paths",
         description="Find straight lines from the skin to a target that meet no bone that a volume shows: how far each keeps from it, "
         "how much of it was seen, and the best one of each window. Research only.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("volume", type=Path, metavar="VOLUME", help="a reconstructed volume")
     parser.add_argument("--mask", type=Path, metavar="VOLUME", help="0 where nothing was measured (default: where the volume is 0)")
@@ -108,7 +106,7 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         volume = read_volume(arguments.volume)
         mask, score = (read_volume(path) if path else None for path in (arguments.mask, arguments.score))
-        placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        placed = place_from(arguments)
         labels = labels_from(arguments, part(progress, 0.0, 0.2))
         labels = None if labels is None else labels.told_by(volume.grid, placed)
         recipe, rest = recipe_from(arguments), part(progress, 0.2, 0.95)

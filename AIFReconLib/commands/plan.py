@@ -17,11 +17,10 @@ from ..guidance.coverage import covered
 from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, plan_scan
 from ..guidance.probe import ProbeOnBack
 from ..io.disk.atomic import check_writable, write_text
-from ..io.transform.files import read_transform
 from ..message import columns
 from ..progress import part
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, labels_inputs, refuse_to_overwrite, required_labels
+from ..terminal.options import Commands, labels_inputs, place_from, refuse_to_overwrite, required_labels
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
@@ -45,8 +44,7 @@ def add_to(commands: Commands) -> None:
         "plan",
         description="Choose the passes of a scan that show most of a target with a number of frames, from a registered CT's segmentation, "
         "and say how much of it a reconstruction will show.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     add_placed_labels_options(parser)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="PLAN.json", help="where to write the passes and their poses")
@@ -87,7 +85,7 @@ def run(arguments: argparse.Namespace) -> None:
         require_matplotlib()
     with ProgressBar() as progress:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
-        placed = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        placed = place_from(arguments)
         like = sequence_from(arguments) if arguments.probe_like else None
         bone, probe, assumed = patient_and_probe(labels, placed, like, recipe_from(arguments), part(progress, 0.05, 0.1))
         notes = (*labels.notes, *assumed)

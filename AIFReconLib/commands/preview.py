@@ -7,6 +7,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+from ..arrays import Matrix
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import require_matplotlib
@@ -14,14 +15,13 @@ from ..evaluation.preview import preview
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable
-from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import Sentence
 from ..remedies import Remedy
 from ..sweep.poses import SweepPoses
 from ..terminal.console import ProgressBar, program, shell_words
-from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite
+from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, place_from, refuse_to_overwrite
 from ..terminal.remedies import in_options
 
 
@@ -72,27 +72,22 @@ def run(arguments: argparse.Namespace) -> None:
         mask = read_volume(arguments.mask) if arguments.mask else None
         if mask is not None and not mask.grid.matches(volume.grid):
             raise GeometryError(f"{arguments.mask}: must have the voxels of {arguments.volume}. Give its own mask.")
-        given = labels_from(arguments, progress)
+        given, place = labels_from(arguments, progress), place_from(arguments)
         if given is not None:
-            given = _in_sight(given, volume, arguments)
-        labels = None if given is None else _placed(given, arguments)
-        ct = _placed(read_ct(arguments.ct), arguments) if arguments.ct else None
+            given = _in_sight(given, volume, place)
+        labels = None if given is None else given.placed_by(place)
+        ct = read_ct(arguments.ct).placed_by(place) if arguments.ct else None
         progress(0.5, "Drawing")
         preview(volume, mask, labels, ct, arguments.volume.name, patient=arguments.patient or None).write(arguments.output)
     print("\n  ".join([f"wrote {arguments.output}", *map(in_options, () if given is None else given.notes)]))
 
 
-def _in_sight(labels: Labels, volume: Volume, arguments: argparse.Namespace) -> Labels:
+def _in_sight(labels: Labels, volume: Volume, place: Matrix | None) -> Labels:
     """The labels in the space in which the volume shows them, with a warning where it shows none."""
-    place = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     labels = labels.told_by(volume.grid, place)
     if labels.share_within(volume.grid, place):
         return labels
     return replace(labels, notes=(*labels.notes, Sentence("WARNING: None of the bone lies in the volume.", Remedy.REGISTER)))
-
-
-def _placed(volume: Volume, arguments: argparse.Namespace) -> Volume:
-    return volume.placed_by(read_transform(arguments.bone_transform)) if arguments.bone_transform else volume
 
 
 def write_preview(

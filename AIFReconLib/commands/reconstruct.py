@@ -71,8 +71,7 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "reconstruct",
         description="Reconstruct a volume from a tracked sequence recorded by Plus (.mha, .mhd, .nrrd).",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument(
         "sequences",

@@ -14,7 +14,7 @@ from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..io.disk.atomic import check_writable, write_text
-from ..io.transform.files import read_transform, write_transform
+from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
 from ..progress import Progress, part
@@ -28,6 +28,7 @@ from ..terminal.options import (
     add_labels_options,
     add_placing_options,
     labels_inputs,
+    place_from,
     refuse_to_overwrite,
     required_labels,
 )
@@ -50,8 +51,7 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "register",
         description="Lay the bone of a CT's segmentation upon the bone that a sweep shows, and say how well they agree.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
     add_labels_options(parser)
@@ -104,7 +104,7 @@ def run(arguments: argparse.Namespace) -> None:
         require_matplotlib()
     with ProgressBar() as progress:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
-        start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
+        start = place_from(arguments)
         sequences = [sequence_from(one) for one in each]
         given = labels
         if given.space_is_guessed:

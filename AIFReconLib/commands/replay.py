@@ -23,8 +23,7 @@ def add_to(commands: Commands) -> None:
         "replay",
         description="Send a tracked sequence over OpenIGTLink with the device names, shared time stamps and statuses of a Plus server. "
         "It begins when the first client connects and serves until Ctrl-C, which is no error.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha")
     server = parser.add_argument_group("server")

@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -94,10 +94,7 @@ def run(arguments: argparse.Namespace) -> None:
 def planned_path(path: Path) -> ProbePath:
     """The way of the simulated probe through all passes of a plan file, two seconds between passes.
 
-    Raises
-    ------
-    FileFormatError
-        When the file is no plan, or one for another probe.
+    Raises FileFormatError when the file is no plan, or one for another probe.
     """
     try:
         passes = passes_of(json.loads(path.read_text("utf-8")))
@@ -119,10 +116,7 @@ def planned_path(path: Path) -> ProbePath:
 def check_simulated_folder(folder: Path, names: Sequence[str]) -> None:
     """Return if files of these names can be written: simulated ones replace none but simulated ones, of whatever seed.
 
-    Raises
-    ------
-    OutputError
-        When one of them is there, and the folder has not the configuration that a simulation writes.
+    Raises OutputError when one of them is there, and the folder has not the configuration that a simulation writes.
     """
     there = [name for name in names if os.path.lexists(folder / name)]
     configuration = folder / FILES[1]
@@ -143,9 +137,8 @@ def write_simulated_patient(
     Parameters
     ----------
     folder : Path
-    seed : int
+    seed, frames : int
     path : "multi-angle", "single-angle" or "freehand"
-    frames : int
     progress : Progress or None
     planned : ProbePath or None
         Instead of `path` and `frames`.
@@ -176,6 +169,4 @@ def write_simulated_patient(
     sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, processes=usable_cores(), progress=part(progress, 0.25, 0.9))
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
-    return SimulatedFiles(
-        files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference, junctions[len(junctions) // 2]
-    )
+    return replace(files, center_ras=junctions[len(junctions) // 2])

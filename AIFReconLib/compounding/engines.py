@@ -20,15 +20,12 @@ INSTALL_NUMBA = "pip install 'numba>=0.60'"
 def choose_engine(wanted: str) -> tuple[type[NumpyEngine] | type[NumbaEngine], str | None]:
     """The class of an engine, and what the user should know about the choice.
 
+    Raises SettingsError when numba is asked for and is not there, or does not work.
+
     Parameters
     ----------
     wanted : "auto", "numpy" or "numba"
         "auto" is numba where it is installed and works.
-
-    Raises
-    ------
-    SettingsError
-        When numba is asked for and is not there, or does not work.
     """
     if wanted == "numpy":
         return NumpyEngine, None

@@ -115,10 +115,7 @@ class SplatEngine(Engine):
 def weights_of(layout: PixelLayout, importance: Reals | None) -> Singles | None:
     """The importance of the pixels that count, (n,) float32; None where all count alike.
 
-    Raises
-    ------
-    SettingsError
-        When the importance mask is of another size than the images.
+    Raises SettingsError when the importance mask is of another size than the images.
     """
     if importance is None:
         return None

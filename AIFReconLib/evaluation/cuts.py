@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..arrays import Bytes, Floats, Mask
+from ..arrays import Bytes, Floats
 from ..geometry.volume import Volume
 from ..inspection.raised import BANDS
 from .figures import BONE_COLOR, CT_WINDOW, NOT_SCANNED
@@ -87,7 +87,8 @@ def _colors(scene: Scene, plane: Plane, center: Floats) -> Bytes:
         opacity = (sampled(scene.bands) * (MOST_RAISED / len(BANDS)))[..., None]
         picture = (1 - opacity) * picture + opacity * np.array(RAISED)
     if scene.labels is not None:
-        picture[_edge(sampled(scene.labels) > 0)] = _rgb(BONE_COLOR)
+        inside = sampled(scene.labels) > 0
+        picture[inside & ~scipy.ndimage.binary_erosion(inside, border_value=1)] = _rgb(BONE_COLOR)
     return np.clip(np.rint(picture), 0, 255).astype(np.uint8)
 
 
@@ -95,11 +96,6 @@ def _gray(levels: Floats, window: tuple[float, float]) -> Floats:
     low, high = window
     gray: Floats = np.clip((levels - low) / max(high - low, 1e-9), 0.0, 1.0) * 255.0
     return gray
-
-
-def _edge(inside: Mask) -> Mask:
-    edge: Mask = inside & ~scipy.ndimage.binary_erosion(inside, border_value=1)
-    return edge
 
 
 def _rgb(color: str) -> tuple[int, ...]:

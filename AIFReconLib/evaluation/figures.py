@@ -53,10 +53,7 @@ def require_matplotlib() -> None:
 def own_looks() -> Iterator[None]:
     """Within the block, or the function that it decorates, figures are drawn as matplotlib does by itself.
 
-    Raises
-    ------
-    OutputError
-        When matplotlib is not installed, or cannot be loaded.
+    Raises OutputError when matplotlib is not installed, or cannot be loaded.
 
     Notes
     -----
@@ -109,6 +106,8 @@ def compare_figure(
 ) -> None:
     """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side, into a PNG, PDF or SVG file.
 
+    Raises OutputError when the file cannot be written.
+
     Parameters
     ----------
     ct : Volume of HU, placed in Reference
@@ -120,11 +119,6 @@ def compare_figure(
         Its outline is drawn over the CT.
     mask : Volume or None
         As reconstructions give it: where it is 0 nothing was scanned, and the picture is tinted instead of black.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
     """
     save_figure(path, _draw(ct, reconstructions, center_ras, bone, mask, title))
 

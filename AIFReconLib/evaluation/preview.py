@@ -88,6 +88,8 @@ def preview(
 ) -> Picture:
     """Draw three cuts through the bone, and bone as the probe sees it: at each place what is brightest above what lies behind it.
 
+    Raises OutputError when matplotlib is not installed.
+
     Parameters
     ----------
     volume : Volume
@@ -107,11 +109,6 @@ def preview(
     patient : bool or None
         Whether Reference lies as the patient does, in RAS. By default where there are labels or a CT. Without, the planes have the names of
         the axes: x, y and z of the frame.
-
-    Raises
-    ------
-    OutputError
-        When matplotlib is not installed.
     """
     scanned = (volume.array if mask is None else mask.array) != 0
     center = middle_of_bone(volume, scanned, labels)

@@ -70,6 +70,8 @@ class BoneSurface:
 def distance_from_labels(labels: Volume) -> Volume:
     """Signed distance to the surface of everything labeled, float32, mm: negative inside, cut off at `DISTANCE_LIMIT`.
 
+    Raises GeometryError when no voxel, or every voxel, is labeled.
+
     Parameters
     ----------
     labels : Volume of integers or bool
@@ -79,11 +81,6 @@ def distance_from_labels(labels: Volume) -> Volume:
     -------
     distance : Volume
         On the part of the labels' voxels that lies within the limit of bone.
-
-    Raises
-    ------
-    GeometryError
-        When no voxel, or every voxel, is labeled.
 
     Notes
     -----
@@ -109,6 +106,8 @@ def distance_from_labels(labels: Volume) -> Volume:
 def bone_surface(distance: Volume, labels: Volume | None = None, pitch: float = PITCH) -> BoneSurface:
     """The zero level of a signed distance.
 
+    Raises GeometryError when the distance is nowhere 0.
+
     Parameters
     ----------
     distance : Volume of float, mm
@@ -117,11 +116,6 @@ def bone_surface(distance: Volume, labels: Volume | None = None, pitch: float = 
         Tells the bones apart; any grid.
     pitch : float, mm
         Points are thinned to about one per pitch^2, evenly; 0 keeps all.
-
-    Raises
-    ------
-    GeometryError
-        When the distance is nowhere 0.
 
     Notes
     -----

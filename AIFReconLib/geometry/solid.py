@@ -22,16 +22,13 @@ AT_ONCE = 1 << 22
 def inside_of_surface(points_reference: Floats, triangles: Integers, grid: VoxelGrid) -> Mask:
     """Which voxels of a grid lie within a closed surface, [k, j, i] bool.
 
+    Raises GeometryError when the surface is not closed.
+
     Parameters
     ----------
     points_reference : (n, 3) array, mm
     triangles : (m, 3) array of int
         Places in `points_reference`; which way they run does not matter.
-
-    Raises
-    ------
-    GeometryError
-        When the surface is not closed.
 
     Notes
     -----

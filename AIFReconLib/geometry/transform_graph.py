@@ -96,6 +96,9 @@ class TransformSample:
     status: TransformStatus = TransformStatus.OK
 
 
+MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
+
+
 @dataclass(frozen=True)
 class FoundTransform:
     """The answer of a look-up: the matrix, the status of the chain, and the transforms it is made of."""

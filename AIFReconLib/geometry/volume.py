@@ -308,8 +308,10 @@ class Volume(Described):
         """
         return _way_out("to_sitk")(self)
 
-    def placed_by(self: AnyVolume, volume_to_reference: Matrix) -> AnyVolume:
-        """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration."""
+    def placed_by(self: AnyVolume, volume_to_reference: Matrix | None) -> AnyVolume:
+        """The same voxels moved by a (4, 4) transform, e.g. a CT put into Reference by its registration; None moves nothing."""
+        if volume_to_reference is None:
+            return self
         placed = as_matrix(volume_to_reference, "volume_to_reference") @ self.ijk_to_reference
         return replace(self, ijk_to_reference=placed, fields={})
 

@@ -24,6 +24,8 @@ LARGEST_SIZE = 201
 class HoleFilling:
     """One way to fill holes.
 
+    Raises SettingsError, which names what is out of range.
+
     Parameters
     ----------
     kind : "cube", "gaussian", "gaussian by hits", "inverse distance" or "stick"
@@ -36,11 +38,6 @@ class HoleFilling:
         all but stick: a hole is filled where more than this part of size^3 voxels is measured.
     sticks : int
         stick: how many of the shortest are averaged; those of one length count together.
-
-    Raises
-    ------
-    SettingsError
-        Names what is out of range.
     """
 
     kind: str

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Protocol
 
 import numpy as np
@@ -25,6 +26,34 @@ class ImageStack(Protocol):
     def __len__(self) -> int: ...
 
     def __getitem__(self, index: int, /) -> Numbers: ...
+
+
+class ImagesOnDemand:
+    """An `ImageStack` whose images are read, decoded or cut when asked for; who derives from it sets `shape` and `dtype`, and gives one."""
+
+    shape: tuple[int, ...]
+    dtype: NumberType
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int) -> Numbers:
+        index = operator.index(index)
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"Input frame must be below {len(self)}; got {index}.")
+        return self._image(index % len(self))
+
+    def __array__(self, dtype: NumberType | None = None, copy: bool | None = None) -> Numbers:
+        if copy is False:
+            raise ValueError("Images that are read one by one cannot become an array without a copy.")
+        array = np.empty(self.shape, self.dtype if dtype is None else dtype)
+        for index in range(len(self)):
+            array[index] = self[index]
+        return array
+
+    def _image(self, index: int) -> Numbers:
+        """Image `index`, from 0: (rows, columns)."""
+        raise NotImplementedError
 
 
 def luminance(image: Numbers) -> Numbers:

@@ -50,12 +50,8 @@ class Checked:
 def import_files(images: Sequence[str | Path], poses: str | Path, options: ImportOptions) -> Imported:
     """The sequence of images and a file of poses.
 
-    Raises
-    ------
-    FileFormatError
-        When a file cannot be understood.
-    SettingsError
-        When something is not known that decides where an image goes; `questions_of` has the options that answer.
+    Raises FileFormatError when a file cannot be understood; SettingsError when something is not known that decides where an image goes,
+    and `questions_of` has the options that answer.
     """
     settings = _settings_from(options)
     mechanism = read_mechanism(options.mechanism) if options.mechanism else None

@@ -177,7 +177,9 @@ def free_paths(
     states = states_of(clearance, seen)
     report(progress, 0.9, "Telling windows apart")
     windows = windows_of(surroundings, entries, ends, number, last, clearance, seen, states)
-    best = _best_of_each(number, states, clearance)
+    # Of each entry the best line: by its state, then by its clearance
+    order = np.lexsort((clearance, states, number))
+    best = order[np.flatnonzero(np.diff(number[order], append=-1))]
     return FreePaths(
         center,
         entries,
@@ -227,12 +229,6 @@ def _lines(skin: Floats, center: Floats, axis: Floats, within: float, cone_deg: 
     number, last = np.nonzero(way @ axis > np.cos(np.radians(cone_deg)) * np.linalg.norm(way, axis=2))
     kept, number = np.unique(number, return_inverse=True)
     return skin[kept], ends, number, last
-
-
-def _best_of_each(number: Integers, states: Bytes, clearance: Floats) -> Integers:
-    """The best line of each entry: by its state, then by its clearance."""
-    order = np.lexsort((clearance, states, number))
-    return order[np.flatnonzero(np.diff(number[order], append=-1))]
 
 
 def _notes(shown: ShownVolume, agrees: bool | None, states: Bytes, margin: float) -> tuple[str, ...]:

@@ -49,10 +49,7 @@ class KeptSettings:
 def understood(path: Path, table: dict[str, Any], version: str, inputs: tuple[Mapping[str, object], ...]) -> KeptSettings:
     """Names and values of a file as what they mean.
 
-    Raises
-    ------
-    SettingsFileError
-        When a name is not known, or a value is not of its kind or out of its range.
+    Raises SettingsFileError when a name is not known, or a value is not of its kind or out of its range.
     """
     for name in table:
         if name not in KEPT:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import cast
 
 from .. import __version__
 from ..errors import OutputError, SettingsFileError
@@ -28,15 +27,12 @@ MOST_BYTES = 2**20
 def read_settings(path: str | Path) -> KeptSettings:
     """The settings in a file.
 
+    Raises SettingsFileError when it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
+
     Parameters
     ----------
     path : str or Path
         .json or .toml, as `write_settings` writes them; or a volume (.nrrd, .nhdr, .mha, .mhd) that says how it was made.
-
-    Raises
-    ------
-    SettingsFileError
-        When it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
     """
     path = Path(path)
     suffix = path.suffix.lower()
@@ -47,12 +43,10 @@ def read_settings(path: str | Path) -> KeptSettings:
             raise SettingsFileError(
                 f"{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml)."
             )
-        table = {WRITTEN_BY: header.get(VERSION, ""), **_from_json(path, header[SETTINGS])}
+        table = {WRITTEN_BY: header.get(VERSION, ""), **_table(path, header[SETTINGS], JSON)}
         inputs = _inputs(header.get(INPUTS, ""))
-    elif suffix == JSON:
-        table = _from_json(path, _text(path, MOST_BYTES))
-    elif suffix == TOML:
-        table = _from_toml(path, _text(path, MOST_TOML_BYTES))
+    elif suffix in (JSON, TOML):
+        table = _table(path, _text(path, MOST_BYTES if suffix == JSON else MOST_TOML_BYTES), suffix)
     else:
         raise SettingsFileError(
             f"{path}: settings are read from .json, .toml, {', '.join(VOLUME_SUFFIXES)}. Give such a file; others have no room for "
@@ -73,16 +67,13 @@ def made_with(path: Path) -> Recipe | None:
 def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
     """Write settings, as `kept_settings` returns them, completely or not at all.
 
+    Raises OutputError when the suffix is another, or the file cannot be written.
+
     Parameters
     ----------
     settings : mapping
     path : str or Path
         .json or .toml.
-
-    Raises
-    ------
-    OutputError
-        When the suffix is another, or the file cannot be written.
     """
     table = {WRITTEN_BY: __version__, **{name: settings[name] for name in sorted(settings)}}
     if _writable_suffix(path) == JSON:
@@ -97,9 +88,7 @@ def write_settings(settings: Mapping[str, object], path: str | Path) -> None:
 def check_settings_path(path: str | Path) -> None:
     """Return if settings can be written to `path`; to be asked before a long computation.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError otherwise.
     """
     _writable_suffix(path)
     check_writable(path)
@@ -125,30 +114,20 @@ def _text(path: Path, most: int) -> str:
         raise SettingsFileError(f"{path}: it is not text in UTF-8. Give a settings file, or save it as UTF-8.") from None
 
 
-def _from_json(path: Path, text: str) -> dict[str, object]:
-    try:
-        table = parse_table(text, JSON)
-    except (ValueError, RecursionError) as error:
-        raise _damaged(path, "JSON", error) from None
-    if not isinstance(table, dict):
-        raise SettingsFileError(
-            "{path}: settings are names and values, as {example}. Correct the file.".format(path=path, example='{"alpha": 0.1}')
-        )
-    return table
-
-
-def _from_toml(path: Path, text: str) -> dict[str, object]:
-    if not reads_toml():
+def _table(path: Path, text: str, suffix: str) -> dict[str, object]:
+    """Names and values, of JSON or TOML by the suffix."""
+    if suffix == TOML and not reads_toml():
         raise SettingsFileError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Give the settings as .json.")
     try:
-        return cast("dict[str, object]", parse_table(text, TOML))
+        table = parse_table(text, suffix)
     except (ValueError, RecursionError) as error:
-        raise _damaged(path, "TOML", error) from None
-
-
-def _damaged(path: Path, kind: str, error: Exception) -> SettingsFileError:
-    reason = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
-    return SettingsFileError(f"{path}: it cannot be read as {kind} ({reason}). Correct it, or have it written anew.")
+        reason = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
+        raise SettingsFileError(
+            f"{path}: it cannot be read as {suffix[1:].upper()} ({reason}). Correct it, or have it written anew."
+        ) from None
+    if not isinstance(table, dict):
+        raise SettingsFileError(f'{path}: settings are names and values, as {{"alpha": 0.1}}. Correct the file.')
+    return table
 
 
 def _inputs(text: str) -> tuple[Mapping[str, object], ...]:

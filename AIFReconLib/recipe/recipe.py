@@ -42,10 +42,7 @@ _speed = partial(setting, unit="m/s", minimum=800.0, maximum=2500.0, decimals=0)
 class Branch:
     """Settings that belong together.
 
-    Raises
-    ------
-    SettingsError
-        When a value is not of its kind, or outside its range.
+    Raises SettingsError when a value is not of its kind, or outside its range.
     """
 
     def __post_init__(self) -> None:

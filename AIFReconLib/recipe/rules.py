@@ -97,10 +97,7 @@ def expected(rule: Rule) -> str:
 def checked(name: str, value: Any, rule: Rule) -> Any:
     """A value as it is kept, lists as tuples.
 
-    Raises
-    ------
-    SettingsError
-        When it does not obey the rule.
+    Raises SettingsError when it does not obey the rule.
     """
     if value is None and rule["default"] is None:
         return None

@@ -80,7 +80,7 @@ class LabeledBone(Described):
 
     def in_reference(self) -> Labels:
         """The labels where they lie in Reference."""
-        return self.labels if self.labels_to_reference is None else self.labels.placed_by(self.labels_to_reference)
+        return self.labels.placed_by(self.labels_to_reference)
 
     def is_automatic(self, method: str) -> bool:
         """Whether the width follows from how well CT and sweep agree."""

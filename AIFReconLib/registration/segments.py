@@ -67,16 +67,11 @@ def fit_segments(echoes: SweepEchoes, fields: dict[int, BoneField], labels_to_re
     places = {label: np.array(labels_to_reference, dtype=np.float64) for label in numbers}
     chosen = echoes.thinned(SEGMENT_ECHOES)
     for scale in SEGMENT_SCALES:
-        owners = _owners(chosen, fields, places)
+        # The label that each echo is nearest to
+        distances = [fields[label].sample(transform_points(invert(places[label]), chosen.points))[0] for label in numbers]
+        owners: Integers = np.array(numbers)[np.argmin(np.abs(distances), axis=0)]
         places = _moved_together(chosen, fields, places, owners, centers, scale)
     return Segments(places, _agreement(echoes, fields, places))
-
-
-def _owners(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, Floats]) -> Integers:
-    """The label that each echo is nearest to, (n,)."""
-    distances = [fields[label].sample(transform_points(invert(places[label]), echoes.points))[0] for label in fields]
-    owners: Integers = np.array(list(fields))[np.argmin(np.abs(distances), axis=0)]
-    return owners
 
 
 def _moved_together(

@@ -5,24 +5,23 @@ Each function returns a new sequence whose images are views of the old one's, re
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ..arrays import Matrix, Numbers, NumberType
+from ..arrays import Matrix, Numbers
 from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..geometry.transforms import as_matrix, invert, with_unit_depth
-from ..imaging.images import ImageStack
+from ..imaging.images import ImagesOnDemand, ImageStack
 from ..remedies import Remedy
 from .frames import CROPPED, FrameRecord, TrackedSequence, records_from
 
 Transforms = dict[TransformName, TransformSample]
 
 
-class ImageView:
+class ImageView(ImagesOnDemand):
     """Some frames, or a part of each, of another `ImageStack`.
 
     `numbers` are frames, in this order; `columns` and `rows` are (first, count). All by default.
@@ -46,17 +45,8 @@ class ImageView:
         self.shape = (len(self._numbers), height, width)
         self.dtype = np.dtype(images.dtype)
 
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int) -> Numbers:
-        return np.asarray(self._images[self._numbers[operator.index(index)]])[self._part][:, :: self._step]
-
-    def __array__(self, dtype: NumberType | None = None, copy: bool | None = None) -> Numbers:
-        if copy is False:
-            raise ValueError("Images that are read one by one cannot become an array without a copy.")
-        array = np.stack([self[index] for index in range(len(self))])
-        return array if dtype is None else array.astype(dtype)
+    def _image(self, index: int) -> Numbers:
+        return np.asarray(self._images[self._numbers[index]])[self._part][:, :: self._step]
 
 
 def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = None, every: int = 1) -> TrackedSequence:

@@ -9,9 +9,9 @@ from itertools import accumulate
 
 import numpy as np
 
-from ..arrays import Integers, Numbers, NumberType
+from ..arrays import Integers, Numbers
 from ..errors import GeometryError, require_kind
-from ..imaging.images import ImageStack
+from ..imaging.images import ImagesOnDemand, ImageStack
 from .configuration import PlusConfiguration
 from .frames import FrameRecord, TrackedSequence, records_from
 
@@ -32,30 +32,17 @@ OF_THE_VOLUME = (
 """What a configuration says of the volume, of which there is one."""
 
 
-class JoinedImages:
-    """The images of several stacks, one after the other, read when asked for: an `ImageStack`."""
+class JoinedImages(ImagesOnDemand):
+    """The images of several stacks, one after the other."""
 
     def __init__(self, stacks: Sequence[ImageStack]):
         self._stacks = stacks
         self._ends = list(accumulate(map(len, stacks)))
+        self.shape, self.dtype = (self._ends[-1], *stacks[0].shape[1:]), stacks[0].dtype
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(frames, rows, columns)."""
-        return (self._ends[-1], *self._stacks[0].shape[1:])
-
-    @property
-    def dtype(self) -> NumberType:
-        """Type of a pixel."""
-        return self._stacks[0].dtype
-
-    def __len__(self) -> int:
-        return self._ends[-1]
-
-    def __getitem__(self, index: int, /) -> Numbers:
-        number = range(len(self))[index]
-        stack = int(np.searchsorted(self._ends, number, side="right"))
-        return self._stacks[stack][number - self._ends[stack] + len(self._stacks[stack])]
+    def _image(self, index: int) -> Numbers:
+        stack = bisect_right(self._ends, index)
+        return self._stacks[stack][index - self._ends[stack] + len(self._stacks[stack])]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

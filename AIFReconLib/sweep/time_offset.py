@@ -70,15 +70,10 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
 
 def _note(time_offset: float, lost: int) -> str:
     """What was done, and how many frames have no pose for it."""
-    if time_offset > 0:
-        shift = f"Poses are those of {time_offset:g} s after each image's time stamp"
-    else:
-        shift = f"Poses are those of {-time_offset:g} s before each image's time stamp"
+    shift = f"Poses are those of {abs(time_offset):g} s {'after' if time_offset > 0 else 'before'} each image's time stamp"
     if not lost:
         return f"{shift}."
-    if lost == 1:
-        return f"{shift}; 1 frame has no pose then."
-    return f"{shift}; {lost} frames have no pose then."
+    return f"{shift}; {'1 frame has' if lost == 1 else f'{lost} frames have'} no pose then."
 
 
 def _track(sequence: TrackedSequence, name: TransformName, times: list[float]) -> PoseTrack:

@@ -36,12 +36,7 @@ def predictions_path(arguments: argparse.Namespace) -> Path | None:
 
 
 class LiveBone:
-    """What looks for bone beside a session.
-
-    Parameters
-    ----------
-    arguments : Namespace
-    """
+    """What looks for bone beside a session."""
 
     def __init__(self, arguments: argparse.Namespace):
         self.bone = GrowingBone()
@@ -56,10 +51,7 @@ class LiveBone:
     def of(cls, arguments: argparse.Namespace) -> LiveBone | None:
         """What the options ask for; None where they ask for none.
 
-        Raises
-        ------
-        SettingsError
-            When options do not go together.
+        Raises SettingsError when options do not go together.
         """
         if arguments.bone_frames:
             raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
@@ -69,9 +61,7 @@ class LiveBone:
         others = ("bone_labels", "ct", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
         both = next((name for name in others if arguments.bone_image and getattr(arguments, name)), None)
         if both is not None:
-            raise SettingsError(
-                "--bone-image is a source of bone, and so is {other}. Leave out one.".format(other=f"--{both.replace('_', '-')}")
-            )
+            raise SettingsError(f"--bone-image is a source of bone, and so is --{both.replace('_', '-')}. Leave out one.")
         if arguments.bone_image and arguments.bone_image == arguments.image:
             raise SettingsError(f"--bone-image and --image must be two devices; got {arguments.image!r} for both.")
         return cls(arguments)
@@ -91,11 +81,10 @@ class LiveBone:
         if self._watch is None:
             return []
         state = self._watch.state
-        lines = [str(f"bone was looked for in {state.frames} of {self._frames} frames")]
-        if self._device is not None:
-            lines = [str(f"bone was predicted for {state.frames} of {self._frames} frames")]
+        done = "looked for in" if self._device is None else "predicted for"
+        lines = [f"bone was {done} {state.frames} of {self._frames} frames"]
         if state.unmatched:
-            lines.append(str(f"{state.unmatched} predictions belonged to no frame with a pose"))
+            lines.append(f"{state.unmatched} predictions belonged to no frame with a pose")
         if state.problem is not None:
             lines.append(in_options(state.problem))
         if self._watch.recorded is not None:

@@ -59,17 +59,14 @@ def quiet_as_asked(arguments: argparse.Namespace) -> Iterator[None]:
 def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterator[None]:
     """Within the block the library's log goes where the options say; why the block ends is noted too.
 
+    Raises OutputError when the log cannot be written, or its file is something else.
+
     Parameters
     ----------
     arguments : Namespace
         Of the command.
     words : list of str
         As they were given, for the log's first line.
-
-    Raises
-    ------
-    OutputError
-        When the log cannot be written, or its file is something else.
     """
     logger = logging.getLogger(__package__.partition(".")[0])
     # What files contradict themselves in concerns everybody

@@ -27,39 +27,44 @@ def numbers(text: str) -> tuple[float, ...]:
     return tuple(map(_number, text.split())) or (_number(text),)
 
 
-class NumbersAction(argparse.Action):
-    """One number, or three; the parser takes no more words for it than are numbers, so that a file may follow."""
+class TakingAction(argparse.Action):
+    """An option whose value is what `taken` makes of its words."""
 
     def __call__(
         self,
         parser: argparse.ArgumentParser,
         namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
+        values: Any,
         option_string: str | None = None,
     ) -> None:
-        """Take the number, or the three."""
-        given = values or ()
+        """Take them."""
+        setattr(namespace, self.dest, self.taken(values, getattr(namespace, self.dest)))
+
+    def taken(self, given: Any, before: Any) -> object:
+        """The value for these words, where it has been `before` so far."""
+        raise NotImplementedError
+
+
+class NumbersAction(TakingAction):
+    """One number, or three; the parser takes no more words for it than are numbers, so that a file may follow."""
+
+    def taken(self, given: tuple[float, ...], before: object) -> object:
+        """The number, or the three."""
         if len(given) not in (1, SPACING_NUMBERS):
-            parser.error(f"argument {option_string}: takes one number or three (x y z), got {len(given)}")
-        setattr(namespace, self.dest, given[0] if len(given) == 1 else given)
+            raise argparse.ArgumentError(self, f"takes one number or three (x y z), got {len(given)}")
+        return given[0] if len(given) == 1 else given
 
 
-class FilesAction(argparse.Action):
+class FilesAction(TakingAction):
     """Files, as often as wanted and several at a time; collected in a list. `belongs` tells which of the words that follow may be more."""
 
     def __init__(self, option_strings: Sequence[str], dest: str, belongs: Callable[[str], bool] = lambda word: False, **options: Any):
         super().__init__(option_strings, dest, **options)
         self.belongs = belongs
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
-        option_string: str | None = None,
-    ) -> None:
-        """Add one to those before."""
-        setattr(namespace, self.dest, [*(getattr(namespace, self.dest) or []), values])
+    def taken(self, given: Path, before: list[Path] | None) -> list[Path]:
+        """Those before, and one more."""
+        return [*(before or []), given]
 
 
 class AllHelpAction(argparse.Action):
@@ -78,9 +83,11 @@ class AllHelpAction(argparse.Action):
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """Reports wrong arguments in one line, like every other error, and says what may have been meant."""
+    """Reports wrong arguments in one line, like every other error, and says what may have been meant. Its help ends with `examples`."""
 
-    def __init__(self, *arguments: Any, **options: Any):
+    def __init__(self, *arguments: Any, examples: str = "", **options: Any):
+        if examples:
+            options |= {"epilog": examples, "formatter_class": argparse.RawDescriptionHelpFormatter}
         super().__init__(*arguments, **options)
         self.register("type", float, _number)
         self.register("type", int, _whole_number)

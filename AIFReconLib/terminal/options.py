@@ -8,12 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
+from ..arrays import Matrix
 from ..bone.ct.from_ct import labels_from_ct
 from ..errors import AIFReconError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.labels import Labels
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
+from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import sidecar_of, suffix_of
 from ..io.volume.label_files import LABEL_SUFFIXES, doubts, read_labels
@@ -146,10 +148,7 @@ def labels_inputs(arguments: argparse.Namespace) -> list[Path]:
 def labels_from(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels | None:
     """The labels that the options name, or find in the CT, with notes that say what a user should know; None where they name none.
 
-    Raises
-    ------
-    SettingsError
-        When options do not go together.
+    Raises SettingsError when options do not go together.
     """
     chosen, ct, above = arguments.labels, getattr(arguments, "ct", None), getattr(arguments, "bone_above", None)
     if above is not None and (arguments.bone_labels or not ct):
@@ -164,6 +163,11 @@ def labels_from(arguments: argparse.Namespace, progress: Progress | None = None)
     labels = read_labels(arguments.bone_labels, chosen, space=getattr(arguments, "bone_space", None))
     more = [Sentence(f"WARNING: {doubt}", Remedy.CHOOSE_LABELS) for doubt in doubts(labels, read_ct(ct) if ct else None)]
     return replace(labels, notes=(*labels.notes, *more))
+
+
+def place_from(arguments: argparse.Namespace) -> Matrix | None:
+    """The transform of --bone-transform; None where there is none."""
+    return read_transform(arguments.bone_transform) if arguments.bone_transform else None
 
 
 def required_labels(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels:

@@ -15,7 +15,7 @@ from ..compounding.own.method import load_method
 from ..errors import MethodError
 from ..recipe.recipe import RULES, Branch, Recipe
 from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule
-from .one_line_parser import NumbersAction, numbers
+from .one_line_parser import NumbersAction, TakingAction, numbers
 from .remedies import in_options
 
 
@@ -26,33 +26,23 @@ class OwnChoices(tuple[str, ...]):
         return super().__contains__(name) or (isinstance(name, str) and is_own_method(name))
 
 
-class MethodAction(argparse.Action):
+class MethodAction(TakingAction):
     """Takes the name of a method. One of the user's own is imported: the module that was named here, and no other."""
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
-        option_string: str | None = None,
-    ) -> None:
-        """Take the name."""
-        name = str(values)
+    def taken(self, given: str, before: object) -> str:
+        """The name."""
         try:
-            if is_own_method(name):
-                load_method_here(name)
+            if is_own_method(given):
+                load_method_here(given)
         except MethodError as error:
-            parser.error(f"argument {option_string}: {in_options(error).rstrip('.')}")
-        setattr(namespace, self.dest, name)
+            raise argparse.ArgumentError(self, in_options(error).rstrip(".")) from None
+        return given
 
 
 def load_method_here(name: str) -> None:
     """Import the module of a method of one's own, from the folder that the program is called in too.
 
-    Raises
-    ------
-    MethodError
-        When it cannot be had.
+    Raises MethodError when it cannot be had.
     """
     # As `python -m` has it: the installed program knows the packages alone
     if not {"", os.getcwd()} & set(sys.path):

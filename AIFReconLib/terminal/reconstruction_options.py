@@ -7,7 +7,6 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..arrays import Matrix
 from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
@@ -16,14 +15,13 @@ from ..bone.recorded_predictions import RecordedPredictions
 from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..io.sequence.files import read_sequence
-from ..io.transform.files import read_transform
 from ..io.volume.files import read_volume
 from ..machine.threads import usable_cores
 from ..progress import Progress
 from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, ReadingSettings, Recipe, VolumeSettings
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
-from .options import add_labels_options, labels_from, labels_inputs, names_labels
+from .options import add_labels_options, labels_from, labels_inputs, names_labels, place_from
 from .recipe_options import add_imaging_options, add_setting, add_settings
 
 SIDE_OUTPUTS = {
@@ -121,9 +119,7 @@ def add_width_options(group: argparse._ActionsContainer) -> None:
 def check_bone_options(arguments: argparse.Namespace) -> None:
     """Return if the options that say where bone is go together.
 
-    Raises
-    ------
-    SettingsError
+    Raises SettingsError otherwise.
     """
     check_seen_bone(arguments)
     if arguments.bone_transform and not (names_labels(arguments) or arguments.bone_probability):
@@ -138,9 +134,7 @@ def seen_source(arguments: argparse.Namespace) -> str | None:
 def check_seen_bone(arguments: argparse.Namespace) -> None:
     """Return if these options go together with the others.
 
-    Raises
-    ------
-    SettingsError
+    Raises SettingsError otherwise.
     """
     source = seen_source(arguments)
     if getattr(arguments, "bone_frames_px", None) and not getattr(arguments, "bone_frames", None):
@@ -172,11 +166,7 @@ def labeled_bone_from(
     """The labels that the options name, placed in Reference; None where they name none. A live scan has no sequence yet."""
     check_bone_options(arguments)
     labels = labels_from(arguments, progress)
-    return None if labels is None else LabeledBone(labels, _place(arguments), sequence, recipe)
-
-
-def _place(arguments: argparse.Namespace) -> Matrix | None:
-    return read_transform(arguments.bone_transform) if arguments.bone_transform else None
+    return None if labels is None else LabeledBone(labels, place_from(arguments), sequence, recipe)
 
 
 def bone_from(
@@ -193,7 +183,7 @@ def bone_from(
     if labeled is not None:
         return labeled.map(recipe.method_for(True), progress)
     if arguments.bone_probability:
-        return BoneMap.from_probability(read_volume(arguments.bone_probability), _place(arguments))
+        return BoneMap.from_probability(read_volume(arguments.bone_probability), place_from(arguments))
     if sequence is None:
         if recipe.bone_from_sweep:
             raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")

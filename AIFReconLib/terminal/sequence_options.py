@@ -11,32 +11,24 @@ from ..io.sequence.files import read_sequence
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import ends_of
 from ..sweep.time_offset import with_time_offset
+from .one_line_parser import TakingAction
 from .recipe_options import add_setting, recipe_from
 
 OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
 """How a recording is read, which a live scan is not."""
 
 
-class NamedFileAction(argparse.Action):
+class NamedFileAction(TakingAction):
     """NAME=FILE, as often as wanted; collected in a dict."""
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[object] | None,
-        option_string: str | None = None,
-    ) -> None:
-        """Add one to those before."""
-        if not isinstance(values, str):
-            raise TypeError("NamedFileAction takes one value at a time: leave out nargs.")
-        name, equals, file = values.partition("=")
-        if not (equals and name.strip() and file.strip()):
-            parser.error(f"argument {option_string}: takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {values!r}")
-        collected = dict(getattr(namespace, self.dest) or {})
-        if name.strip() in collected:
-            parser.error(f"argument {option_string}: {name.strip()} is given twice")
-        setattr(namespace, self.dest, {**collected, name.strip(): Path(file.strip())})
+    def taken(self, given: str, before: dict[str, Path] | None) -> dict[str, Path]:
+        """Those before, and one more."""
+        name, equals, file = (word.strip() for word in given.partition("="))
+        if not (equals and name and file):
+            raise argparse.ArgumentError(self, f"takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {given!r}")
+        if name in (before or {}):
+            raise argparse.ArgumentError(self, f"{name} is given twice")
+        return {**(before or {}), name: Path(file)}
 
 
 def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False) -> None:
@@ -66,10 +58,7 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
 def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argparse.Namespace]:
     """The arguments for each of several sequences, with the sequence's own configuration where there is one for each.
 
-    Raises
-    ------
-    SettingsError
-        When configurations are neither one nor one for each, or transforms of one sequence are given for several.
+    Raises SettingsError when configurations are neither one nor one for each, or transforms of one sequence are given for several.
     """
     configs = arguments.config or [None]
     if len(configs) not in (1, len(paths)):

@@ -43,15 +43,13 @@ class Memory(mmap.mmap):
     It has no name, and the system frees it with the last process that sees it, however that ends. On Linux it is no file either, so the
     limit of ``/dev/shm`` does not hold; on macOS it is a file that is deleted already; on Windows a mapping that goes with its last handle.
 
+    Raises InsufficientMemoryError when there is none.
+
     Parameters
     ----------
     size : int
     handle : int, str or None
         Of memory that another process has made: a file descriptor, which is closed with this, or on Windows the mapping's name.
-
-    Raises
-    ------
-    InsufficientMemoryError
     """
 
     handle: int | str
@@ -162,10 +160,7 @@ class Channel:
     def receive(self) -> Message:
         """What was sent, waited for; where it cannot be had here (no memory, no such class), `Returned` with the error.
 
-        Raises
-        ------
-        EOFError, OSError
-            When the other end is closed.
+        Raises EOFError or OSError when the other end is closed.
         """
         number, seen, text, places, sizes, names = pickle.loads(self._connection.recv_bytes())
         if os.name != "nt":

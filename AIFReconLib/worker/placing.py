@@ -51,13 +51,7 @@ class Found:
 
 
 class Placing:
-    """The echoes of a sweep or of a scan, and the bone of a CT that is to lie on them.
-
-    Parameters
-    ----------
-    echoes : SweepEchoes
-    labels : Volume of integers
-    """
+    """The echoes of a sweep or of a scan, and the bone of a CT that is to lie on them."""
 
     def __init__(self, echoes: SweepEchoes, labels: Volume):
         from ..bone.field import BoneField

@@ -52,16 +52,13 @@ LOOK_EVERY = 0.05
 class Scan:
     """A scan that goes on from its making to `finish` or `close`.
 
+    Raises AIFReconError with what is missing or wrong; nothing is left running.
+
     Parameters
     ----------
     request : ScanRequest
     progress : Progress or None
         Of what is made before the first frame is received: the bone map, the network, compiled code, the surface of bone.
-
-    Raises
-    ------
-    AIFReconError
-        With what is missing or wrong; nothing is left running.
     """
 
     def __init__(self, request: ScanRequest, progress: Progress | None = None):
@@ -211,20 +208,14 @@ class Scan:
     def use_scouted_box(self) -> None:
         """Reconstruct in the box around what was seen so far.
 
-        Raises
-        ------
-        AIFReconError
-            Where it cannot be told yet.
+        Raises AIFReconError where it cannot be told yet.
         """
         self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
 
     def echoes(self) -> SweepEchoes:
         """The bone echoes so far, to place the CT by.
 
-        Raises
-        ------
-        GeometryError
-            When the scan has shown too little bone.
+        Raises GeometryError when the scan has shown too little bone.
         """
         echoes = SweepEchoes.joined(()) if self._agreement is None else self._agreement.echoes()
         if len(echoes) < FEWEST:

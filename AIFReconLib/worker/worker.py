@@ -59,16 +59,12 @@ class Task:
     def result(self, progress: Progress | None = None) -> Any:
         """What the call returns, waited for; what it raises is raised here.
 
+        Raises OperationCanceled when `progress` returns False; WorkerDiedError.
+
         Parameters
         ----------
         progress : Progress or None
             Hears of the call every 20 ms at least, and may cancel it.
-
-        Raises
-        ------
-        OperationCanceled
-            When `progress` returns False.
-        WorkerDiedError
         """
         try:
             while self._returned is None:

@@ -50,10 +50,7 @@ class SoftTissue:
 def soft_tissue(values: Numbers) -> SoftTissue:
     """The peak of soft tissue among the values of a CT [k, j, i].
 
-    Raises
-    ------
-    GeometryError
-        When they are no Hounsfield units: nothing is below fat, or most of what is no air is no soft tissue.
+    Raises GeometryError when they are no Hounsfield units: nothing is below fat, or most of what is no air is no soft tissue.
     """
     low, high = float(values.min()), float(values.max())
     if not (np.isfinite(low) and np.isfinite(high)):

@@ -130,7 +130,10 @@ def serve() -> None:
     told, data = _received(asked)
     with _within(told["seconds"]):
         runtime = import_module("onnxruntime")
-        _limit_memory(told["memory"])
+        # Refused where less is allowed already, and not there on Windows
+        with contextlib.suppress(ImportError, OSError, ValueError):
+            resource = import_module("resource")
+            resource.setrlimit(resource.RLIMIT_DATA, (told["memory"], told["memory"]))
         try:
             session = _session(runtime, data, told["threads"])
             inputs = [(each.name, each.type, each.shape) for each in session.get_inputs()]
@@ -160,13 +163,6 @@ def _within(seconds: float) -> Iterator[None]:
     faulthandler.dump_traceback_later(seconds, exit=True)
     yield
     faulthandler.cancel_dump_traceback_later()
-
-
-def _limit_memory(most: int) -> None:
-    # Refused where less is allowed already, and not there on Windows
-    with contextlib.suppress(ImportError, OSError, ValueError):
-        resource = import_module("resource")
-        resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 def _session(runtime: Any, data: bytes, threads: int) -> Any:  # onnxruntime has no types

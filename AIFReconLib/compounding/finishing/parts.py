@@ -49,10 +49,7 @@ def memory_to_use(asked: int | None) -> int | None:
 def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None) -> list[Planes]:
     """The parts in which to work a box: one where it fits into `memory` bytes (None: any number), else as few as do, alike in size.
 
-    Raises
-    ------
-    InsufficientMemoryError
-        When the results and one plane do not fit.
+    Raises InsufficientMemoryError when the results and one plane do not fit.
     """
     planes, plane = grid.size[2], grid.size[0] * grid.size[1]
     most = MAXIMUM_VOXELS // plane

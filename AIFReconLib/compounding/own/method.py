@@ -199,10 +199,7 @@ def register_method(function: Callable[..., Answer]) -> Method:
 def load_method(name: str) -> AnyMethod:
     """The method ``module:function``, its module imported if need be. For names that the user gave, never for those of a file.
 
-    Raises
-    ------
-    MethodError
-        When there is no such module, it cannot be imported, or it registers no such method.
+    Raises MethodError when there is no such module, it cannot be imported, or it registers no such method.
     """
     if not is_own_method(name):
         raise MethodError(f"Input name must be module:function; got {name!r}.")

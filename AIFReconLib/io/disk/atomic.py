@@ -40,6 +40,9 @@ _REMEDIES = {
 def atomic_output(path: str | Path) -> Iterator[Path]:
     """A path to write to; it becomes `path` when the block ends without an exception.
 
+    Raises OutputError for every OSError of the block. Whatever the exception, Ctrl-C included, nothing is left and an older file is
+    untouched.
+
     Parameters
     ----------
     path : str or Path
@@ -49,11 +52,6 @@ def atomic_output(path: str | Path) -> Iterator[Path]:
     ------
     Path
         Same file name, in a folder of its own on the same disk.
-
-    Raises
-    ------
-    OutputError
-        For every OSError of the block. Whatever the exception, Ctrl-C included, nothing is left and an older file is untouched.
     """
     with atomic_outputs(path) as (temporary,):
         yield temporary
@@ -96,10 +94,7 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
 def write_text(path: str | Path, text: str) -> None:
     """Write `text` to `path`, UTF-8 with line feeds, completely or not at all.
 
-    Raises
-    ------
-    OutputError
-        When it cannot be written.
+    Raises OutputError when it cannot be written.
     """
     with atomic_output(path) as temporary:
         temporary.write_bytes(text.encode("utf-8", errors="replace"))
@@ -108,10 +103,7 @@ def write_text(path: str | Path, text: str) -> None:
 def check_writable(path: str | Path) -> None:
     """Return if a file can be created at `path`; to be asked before a long computation. Leaves nothing behind.
 
-    Raises
-    ------
-    OutputError
-        When its folder does not exist or cannot be written to, its name is impossible, or it is no regular file.
+    Raises OutputError when its folder does not exist or cannot be written to, its name is impossible, or it is no regular file.
     """
     target = _target(path)
     with output_errors(path), workspace(target.parent) as folder:

@@ -26,17 +26,14 @@ _END = 2**16
 def place_pair(temporary_data: Path, data: Path, temporary_header: Path, header: Path) -> None:
     """Move a data file and the MetaImage header that names it to their places.
 
+    Raises OSError when the pair could not be placed; an older one is then as it was.
+
     Parameters
     ----------
     temporary_data, temporary_header : Path
         The new files, in a workspace of their own on the same disk.
     data, header : Path
         Where they belong. There may be an older pair; its header may name `data` or any other file.
-
-    Raises
-    ------
-    OSError
-        When the pair could not be placed; an older one is then as it was.
 
     Notes
     -----

@@ -13,9 +13,7 @@ _DATA_FILE = b"ElementDataFile"
 def check_pair_name(path: Path) -> None:
     """Return if a header and a data file of this name can be read by others.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError otherwise.
     """
     if "%" in path.name:
         raise OutputError(

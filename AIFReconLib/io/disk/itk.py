@@ -17,10 +17,7 @@ from ...message import shorten
 def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> str:
     """The path as UTF-8 text, whatever encoding Python takes file names to be in.
 
-    Raises
-    ------
-    FileFormatError or OutputError
-        When it cannot be said in UTF-8. SimpleITK would end the program at such a name.
+    Raises FileFormatError or OutputError when it cannot be said in UTF-8. SimpleITK would end the program at such a name.
     """
     try:
         text = os.fsencode(path).decode("utf-8")

@@ -19,17 +19,9 @@ def reads_toml() -> bool:
 
 
 def parse_table(text: str, suffix: str) -> object:
-    """What a text holds.
+    """What a text holds that is JSON or TOML, by its suffix.
 
-    Parameters
-    ----------
-    text : str
-    suffix : ".json" or ".toml"
-
-    Raises
-    ------
-    ValueError, RecursionError
-        When it is damaged, nested too deeply, or gives a name twice.
+    Raises ValueError or RecursionError when it is damaged, nested too deeply, or gives a name twice.
     """
     if suffix == TOML:
         table: object = import_module("tomllib").loads(text)

@@ -39,10 +39,7 @@ _TRIES = 10
 def workspace(parent: Path) -> Iterator[Path]:
     """A new folder in `parent`, removed at the end; before, the folders that killed programs left in `parent` are removed.
 
-    Raises
-    ------
-    OSError
-        When no folder can be made.
+    Raises OSError when no folder can be made.
     """
     remove_left_behind(parent)
     folder, lock = _create(parent)
@@ -109,12 +106,7 @@ def _create(parent: Path) -> tuple[Path, int | None]:
 def _lock(folder: Path) -> int | None:
     """A descriptor that locks the folder until it is closed or the program ends in any way; None where that is not possible.
 
-    Raises
-    ------
-    BlockingIOError
-        When the folder is in use.
-    OSError
-        When it cannot be opened.
+    Raises BlockingIOError when the folder is in use; OSError when it cannot be opened.
     """
     if fcntl is None:
         return None

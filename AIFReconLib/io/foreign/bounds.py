@@ -25,9 +25,7 @@ _PIECE = 2**20
 def check_picture(file: IO[bytes], path: Path) -> None:
     """Return if the chunks of a PNG file can be read in little time; other files are left alone.
 
-    Raises
-    ------
-    FileFormatError
+    Raises FileFormatError otherwise.
     """
     if file.read(8) != b"\x89PNG\r\n\x1a\n":
         return
@@ -45,9 +43,7 @@ def check_picture(file: IO[bytes], path: Path) -> None:
 def check_pixels(path: Path, columns: int, rows: int, bytes_per_pixel: int) -> None:
     """Return if an image is no larger than a frame may be.
 
-    Raises
-    ------
-    FileFormatError
+    Raises FileFormatError otherwise.
     """
     if columns * rows * bytes_per_pixel > MAXIMUM_FRAME_BYTES:
         raise _too_much(path, f"it says that it has {columns} x {rows} pixels")
@@ -56,16 +52,14 @@ def check_pixels(path: Path, columns: int, rows: int, bytes_per_pixel: int) -> N
 def check_scans(pieces: Iterable[bytes], path: Path, pixels: int, images: int = 1) -> None:
     """Return if JPEG images, of so many pixels each, have no more scans than such images have.
 
+    Raises FileFormatError otherwise.
+
     Parameters
     ----------
     pieces : iterable of bytes
         Of the file, or of its images.
     path : Path
     pixels, images : int
-
-    Raises
-    ------
-    FileFormatError
     """
     scans, last = 0, b""
     for piece in pieces:

@@ -15,43 +15,40 @@ from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
 from ..metafile.text_values import NotANumberError, parse_numbers
 from ..plus.configuration import read_plus_configuration
+from ..sequence.files import IMAGE_FRAME
 from ..transform.files import HDF5_SUFFIXES, read_transform
 
 MAXIMUM_BYTES = 2**16
 _ITK_MAGIC = "#Insight Transform File"
 
 
-def read_calibration(path: str | Path, name: TransformName | None = None, image_frame: str = "Image") -> tuple[TransformName, Matrix]:
+def read_calibration(path: str | Path, name: TransformName | None = None) -> tuple[TransformName, Matrix]:
     """Name and matrix of a calibration, pixels to mm.
+
+    Raises TransformFileError or ConfigurationError when the file cannot be used.
 
     Parameters
     ----------
     path : str or Path
         .xml of Plus; .tfm, .txt or .h5 saved by Slicer; or a text file of 16 numbers, row by row.
     name : TransformName or None
-        The transform to take from a configuration, by default its only one from `image_frame`; for other files, what to call it
-        (ImageToProbe by default).
-    image_frame : str
-
-    Raises
-    ------
-    TransformFileError, ConfigurationError
-        When the file cannot be used.
+        The transform to take from a configuration, by default its only one from Image; for other files, what to call it (ImageToProbe by
+        default).
     """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix == ".xml":
         transforms = read_plus_configuration(path).transforms
-        names = [known for known in transforms if known == name or (name is None and known.source == image_frame)]
+        names = [known for known in transforms if known == name or (name is None and known.source == IMAGE_FRAME)]
         if len(names) != 1:
             there = ", ".join(map(str, transforms)) or "none"
             raise TransformFileError(
-                f"{path}: it must hold {name or f'one transform from {image_frame}'}; got {there}.",
+                f"{path}: it must hold {name or f'one transform from {IMAGE_FRAME}'}; got {there}.",
                 Remedy.NAME_THE_CALIBRATION,
                 example="ImageToProbe",
             )
         return names[0], _usable(path, transforms[names[0]].matrix)
-    name = name or TransformName(image_frame, "Probe")
+    name = name or TransformName(IMAGE_FRAME, "Probe")
     require_regular_file(path, TransformFileError)
     if suffix in (*HDF5_SUFFIXES, ".tfm") or _text(path).startswith(_ITK_MAGIC):
         return name, read_transform(path)

@@ -37,10 +37,7 @@ _CENTIMETERS = 3
 def open_dicom(files: list[Path]) -> ImportedImages:
     """The frames of these files, in order of their InstanceNumber where that tells it.
 
-    Raises
-    ------
-    FileFormatError
-        When a file is no DICOM image, or is compressed in a way that needs another package.
+    Raises FileFormatError when a file is no DICOM image, or is compressed in a way that needs another package.
     """
     pydicom = library("pydicom", "DICOM files")
     pixels = library("pydicom.pixels", "DICOM files")

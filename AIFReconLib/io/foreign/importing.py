@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import Floats, Integers, Mask, Matrix
 from ...errors import SettingsError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
 from ...message import Sentence
 from ...remedies import Remedy
@@ -81,18 +81,9 @@ def import_sequence(
 ) -> tuple[TrackedSequence, tuple[str, ...]]:
     """The sequence of these images and poses, and in words how they were understood.
 
-    Parameters
-    ----------
-    images : ImportedImages
-    poses : PoseTable
-    settings : ImportSettings
-    patient : PoseTable or None
-        Poses of the marker on the patient, in the direction of the others; it is the frame Reference.
+    `patient` are the poses of the marker on the patient, in the direction of the others; it is the frame Reference.
 
-    Raises
-    ------
-    SettingsError
-        When images and poses do not fit each other, or something that is needed is not known.
+    Raises SettingsError when images and poses do not fit each other, or something that is needed is not known.
     """
     name = settings.transform
     places_image = IMAGE_FRAME in (name.source, name.target)
@@ -253,9 +244,8 @@ def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
 def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], settings: ImportSettings) -> _Pairs:
     """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
-    missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
     if poses.images is not None:
-        return _paired_by_name(images, poses.images, poses.times, samples, missing)
+        return _paired_by_name(images, poses.images, poses.times, samples)
     if images.unknown_order:
         raise SettingsError(
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
@@ -278,7 +268,7 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
                 f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(image_times)}{by_rate}.",
                 Remedy.TIME_OFFSET,
             )
-        paired = [missing if matrix is None else TransformSample(matrix) for matrix in found]
+        paired = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
         return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
         f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
@@ -299,7 +289,6 @@ def _paired_by_name(
     names: tuple[str, ...],
     times: Floats | None,
     samples: list[TransformSample],
-    missing: TransformSample,
 ) -> _Pairs:
     """Poses of images by the names of their files, whatever their folder."""
     if images.names is None:
@@ -320,7 +309,7 @@ def _paired_by_name(
         raise SettingsError(
             f"No pose names one of the images: poses name {next(iter(rows))}, images are {images.names[0]}. Use the same names."
         )
-    paired = [missing if number is None else samples[number] for number in known]
+    paired = [MISSING if number is None else samples[number] for number in known]
     numbers = [number for number in known if number is not None]
     times = times[numbers] if times is not None and found == len(known) else None
     return paired, times, f"by name: {found} of {len(known)} images have a pose, {len(rows) - found} poses have no image"

@@ -38,6 +38,8 @@ _OF_URDF = {"prismatic": SHIFT, "revolute": TURN, "continuous": TURN, "fixed": F
 def read_mechanism(path: str | Path) -> Mechanism:
     """The mechanism that a file describes.
 
+    Raises FileFormatError, which names what is missing, or cannot be used.
+
     Parameters
     ----------
     path : str or Path
@@ -45,11 +47,6 @@ def read_mechanism(path: str | Path) -> Mechanism:
         of a turn the point that it goes through in mm, all in the base and as they lie with all axes at zero. Or ``joint``, a list as URDF
         has them: name, type (prismatic, revolute, continuous, fixed), axis, xyz in m and rpy in rad. Each may have scale and zero: where
         the table reads r, it has moved by (r - zero) * scale. And ``home``, the probe's pose when all are at zero: 4 rows of 4 numbers, mm.
-
-    Raises
-    ------
-    FileFormatError
-        Names what is missing, or cannot be used.
     """
     path = Path(path)
     table = _table(path)
@@ -77,6 +74,9 @@ def read_mechanism(path: str | Path) -> Mechanism:
 def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | None = None) -> PoseTable:
     """The poses of what a mechanism carries, from a table with a column for each of its axes, by their names.
 
+    Raises FileFormatError, which names the line and the column that cannot be used; SettingsError when the times or what the table says of
+    a pose cannot be understood.
+
     Parameters
     ----------
     path : str or Path
@@ -85,13 +85,6 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
     mechanism : Mechanism
     form : PoseFormat
         Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
-
-    Raises
-    ------
-    FileFormatError
-        Names the line and the column that cannot be used.
-    SettingsError
-        When the times or what the table says of a pose cannot be understood.
     """
     path, form = Path(path), form or PoseFormat()
     if path.suffix.lower() in METAFILES.suffixes:

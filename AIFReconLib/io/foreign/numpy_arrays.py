@@ -14,10 +14,7 @@ from .images import ImportedImages, describe_stack
 def open_numpy(path: Path) -> ImportedImages:
     """The frames of an array (frames, rows, columns), with or without 3 or 4 colors as fourth axis.
 
-    Raises
-    ------
-    FileFormatError
-        When the file is no such array.
+    Raises FileFormatError when the file is no such array.
 
     Notes
     -----

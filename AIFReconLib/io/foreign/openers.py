@@ -31,15 +31,12 @@ NUMPY_SUFFIXES = (".npy",)
 def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     """The frames in these files, in natural order of their names (2 before 10).
 
+    Raises FileFormatError, which names the file, and what was expected.
+
     Parameters
     ----------
     paths : sequence of str or Path
         Pictures, DICOM or MetaImage files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
-
-    Raises
-    ------
-    FileFormatError
-        Names the file, and what was expected.
     """
     _refuse_recordings([Path(path) for path in paths])
     files = _listed([Path(path) for path in paths])

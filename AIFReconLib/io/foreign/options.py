@@ -18,10 +18,7 @@ from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES
 class ImportOptions(Branch):
     """How images and poses are to be understood, where the files leave it open. Their names are those of the options of `aifrecon import`.
 
-    Raises
-    ------
-    SettingsError
-        When a value is not of its kind.
+    Raises SettingsError when a value is not of its kind.
     """
 
     transform: str | None = setting(
@@ -161,10 +158,7 @@ def _choices(rule: Rule) -> tuple[str, ...]:
 def answer(name: str, text: str) -> Any:
     """The value of an option that a text means, several with commas or blanks between them; None of an empty text.
 
-    Raises
-    ------
-    SettingsError
-        When it is none.
+    Raises SettingsError when it is none.
     """
     rule, text = RULES[name], text.strip()
     if not text:

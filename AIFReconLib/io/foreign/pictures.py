@@ -27,10 +27,7 @@ _AS_THEY_ARE = ("L", "I", "F", "RGB", "RGBA", "I;16", "I;16L", "I;16B", "I;16N",
 def open_pictures(files: list[Path]) -> ImportedImages:
     """The pages of these files, one frame each.
 
-    Raises
-    ------
-    FileFormatError
-        When a file is no picture.
+    Raises FileFormatError when a file is no picture.
     """
     opened = {path: file_stamp(path) for path in files}
     readers = {path: tiff_frames(path) if is_tiff(path) else _picture_frames(path) for path in files}

@@ -38,10 +38,7 @@ def is_tiff(path: Path) -> bool:
 def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, ...]]:
     """How many frames a file has, what reads one (gray levels or colors as a viewer shows them), and what is done to its first page.
 
-    Raises
-    ------
-    FileFormatError
-        When the file is damaged, its pages follow each other in a circle, or ImageJ says more than the file holds.
+    Raises FileFormatError when the file is damaged, its pages follow each other in a circle, or ImageJ says more than the file holds.
 
     Notes
     -----

@@ -28,10 +28,7 @@ _EVERY_FRAME = ("-map", "0:v:0", "-fps_mode", "passthrough")
 def open_video(path: Path) -> ImportedImages:
     """The frames of a video file as gray levels, with the time of each.
 
-    Raises
-    ------
-    FileFormatError
-        When it cannot be decoded.
+    Raises FileFormatError when it cannot be decoded.
 
     Notes
     -----

@@ -41,10 +41,7 @@ class FrameLines:
     def add(self, number: int, start: int, end: int) -> None:
         """Take in a line of a frame, from byte `start` to `end` of the file.
 
-        Raises
-        ------
-        OutOfOrder
-            When it cannot belong to the last frame or a later one.
+        Raises OutOfOrder when it cannot belong to the last frame or a later one.
         """
         last = len(self) - 1
         # No more places than a file of this length has lines

@@ -78,10 +78,7 @@ class HeaderLines:
     def keep(self, fields: dict[str, str], key: str, value: str, split: Callable[[str], tuple[str, str]]) -> None:
         """Add the field of the last line to the others, as `store` does; that of a frame is left in the file where the header is long.
 
-        Raises
-        ------
-        OutOfOrder
-            When the header is long, and frames do not follow each other in it.
+        Raises OutOfOrder when the header is long, and frames do not follow each other in it.
         """
         match = None if self._in_memory else FRAME_KEY.match(key)
         if match is None:

@@ -39,10 +39,7 @@ class Inflater:
     def read(self, file: BinaryIO, count: int) -> bytes:
         """The next `count` decoded bytes.
 
-        Raises
-        ------
-        PayloadError
-            When the stream is corrupt or ends before.
+        Raises PayloadError when the stream is corrupt or ends before.
         """
         pieces = []
         while count > 0:
@@ -54,18 +51,6 @@ class Inflater:
             self.position += len(piece)
         return b"".join(pieces)
 
-    def read_into(self, file: BinaryIO, view: memoryview) -> None:
-        """Fill `view`, of bytes, with the next decoded bytes.
-
-        Raises
-        ------
-        PayloadError
-            When the stream is corrupt or ends before.
-        """
-        for start in range(0, len(view), _PIECE):
-            part = view[start : start + _PIECE]
-            part[:] = self.read(file, len(part))
-
     def skip(self, file: BinaryIO, count: int) -> None:
         """Decode `count` bytes and drop them."""
         while count > 0:
@@ -74,9 +59,7 @@ class Inflater:
     def finish(self, file: BinaryIO) -> None:
         """Make sure that the stream ends here, with a right checksum, and that nothing follows.
 
-        Raises
-        ------
-        PayloadError
+        Raises PayloadError otherwise.
         """
         if self._decode(file, 1):
             raise PayloadError("go on behind the last frame or slice: the size in the header is wrong")
@@ -88,10 +71,7 @@ class Inflater:
     def drain(self, file: BinaryIO) -> None:
         """Decode to the end, whatever comes, to verify the checksum.
 
-        Raises
-        ------
-        PayloadError
-            When the stream is corrupt or has no end.
+        Raises PayloadError when the stream is corrupt or has no end.
         """
         while piece := self._decode(file, _PIECE):
             self.position += len(piece)

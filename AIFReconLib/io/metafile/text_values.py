@@ -26,10 +26,7 @@ class NotANumberError(AIFReconError, ValueError):
 def parse_number(text: str) -> float:
     """The number that `text` spells; NaN and infinity as C libraries print them, Microsoft's ``-1.#IND00`` too.
 
-    Raises
-    ------
-    NotANumberError
-        When it is not one number. (`float` alone would also take ``1_000``.)
+    Raises NotANumberError when it is not one number. (`float` alone would also take ``1_000``.)
     """
     word = text.strip()
     if _NUMBER.fullmatch(word):
@@ -44,10 +41,7 @@ def parse_number(text: str) -> float:
 def parse_numbers(text: str) -> list[float]:
     """The numbers in `text`, separated by white space.
 
-    Raises
-    ------
-    NotANumberError
-        When a word is not a number; the message quotes it.
+    Raises NotANumberError when a word is not a number; the message quotes it.
     """
     if _PLAIN_NUMBERS.fullmatch(text):  # of these letters Python makes the same numbers, ten times as fast
         with contextlib.suppress(ValueError):

@@ -14,10 +14,9 @@ import numpy as np
 
 from ...arrays import Numbers, NumberType
 from ...errors import AIFReconError, FileFormatError
-from ...imaging.images import luminance
+from ...imaging.images import ImagesOnDemand, luminance
 from ..disk.regular_files import file_stamp, stamp
 from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
-from .images_on_demand import ImagesOnDemand
 
 _INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
 """What pip calls a package whose import has another name."""
@@ -80,13 +79,12 @@ class DecodedImages(ImagesOnDemand):
 def library(name: str, purpose: str) -> ModuleType:
     """An optional package, or an error that says how to get it."""
     package = name.split(".")[0]
+    package = _INSTALLED_AS.get(package, package)
     try:
         return import_module(name)
     except ImportError:
         raise FileFormatError(
-            "{purpose} cannot be read without the Python package {package}. Install it: pip install {package}.".format(
-                purpose=purpose, package=_INSTALLED_AS.get(package, package)
-            )
+            f"{purpose} cannot be read without the Python package {package}. Install it: pip install {package}."
         ) from None
 
 

@@ -39,17 +39,14 @@ def split_fields(
 ) -> tuple[Sequence[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
     """The records of all frames, and the header's own fields and transforms.
 
+    Raises SequenceFormatError, which names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
+
     Parameters
     ----------
     metafile : Metafile
     frames : int
     spacing : (x, y) or None, mm
         Size of a pixel that the header states, for frames that state none.
-
-    Raises
-    ------
-    SequenceFormatError
-        Names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
     """
     per_frame, header = by_frame(metafile, metafile.fields.items(), frames)
     transforms, fields = _take_transforms(metafile, None, header)
@@ -98,10 +95,7 @@ def by_frame(
 def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STATUS) -> Iterator[tuple[str, str]]:
     """Header keys and values of all frames, frame by frame; `image_status` is what the format calls the image's status.
 
-    Raises
-    ------
-    SettingsError
-        When a custom field has the name of another one.
+    Raises SettingsError when a custom field has the name of another one.
     """
     for number, record in enumerate(records):
         prefix = f"Seq_Frame{number:04d}_"
@@ -127,10 +121,7 @@ def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STAT
 def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
     """Header keys and values that hold for the whole sequence.
 
-    Raises
-    ------
-    SettingsError
-        When a custom field would be read back as something else.
+    Raises SettingsError when a custom field would be read back as something else.
     """
     yield from _transform_entries(transforms)
     for name, value in fields.items():

@@ -7,10 +7,9 @@ from typing import BinaryIO
 import numpy as np
 
 from ...arrays import Numbers
-from ...imaging.images import luminance
+from ...imaging.images import ImagesOnDemand, luminance
 from ..metafile.metafile import RAW, Metafile
 from ..metafile.payload import Inflater, PayloadError
-from .images_on_demand import ImagesOnDemand
 
 MAXIMUM_FRAMES = 1_000_000
 MAXIMUM_FRAME_BYTES = 2**28

@@ -47,10 +47,7 @@ def recording_kind(path: Path) -> RecordingKind | None:
 def require_recording_kind(path: Path) -> RecordingKind:
     """The kind that opens it.
 
-    Raises
-    ------
-    SequenceFormatError
-        When none opens it.
+    Raises SequenceFormatError when none opens it.
     """
     kind = recording_kind(path)
     if kind is None and path.is_dir():

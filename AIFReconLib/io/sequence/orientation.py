@@ -40,10 +40,7 @@ def is_image_key(key: str) -> bool:
 def parse_orientation(code: str) -> str:
     """A B-mode orientation that somebody asks for, upper case.
 
-    Raises
-    ------
-    SettingsError
-        When it is none.
+    Raises SettingsError when it is none.
     """
     if not re.fullmatch("[MU][FN][AD]?", code.upper()):
         raise SettingsError(f"Input orientation must be MF, MN, UF or UN; got {shorten(code)!r}. Say which way the stored pixels run.")
@@ -53,16 +50,13 @@ def parse_orientation(code: str) -> str:
 def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool, bool]:
     """Whether columns, and whether rows must be reversed to bring the stored images to MF.
 
+    Raises SequenceFormatError for radio-frequency data and for a code that is none.
+
     Parameters
     ----------
     metafile : Metafile
     stated : str or None
         The orientation that the caller knows better than the file.
-
-    Raises
-    ------
-    SequenceFormatError
-        For radio-frequency data and for a code that is none.
     """
     with_blanks = metafile.path.suffix.lower() in NRRD_SUFFIXES
     # Plus keeps the other format's key of a file that it converts, and means its own

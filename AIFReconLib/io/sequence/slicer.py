@@ -43,6 +43,8 @@ def slicer_records(
 ) -> tuple[Sequence[FrameRecord], dict[str, str], tuple[str, ...]]:
     """Records with Slicer's times and attributes of frames, the fields that are left, and what a user should know.
 
+    Raises SequenceFormatError when there is not one index value per frame, or an attribute belongs to a frame that does not exist.
+
     Parameters
     ----------
     metafile : Metafile
@@ -50,11 +52,6 @@ def slicer_records(
         As `split_fields` returns them, without times.
     fields : dict of str to str
         The header's own fields.
-
-    Raises
-    ------
-    SequenceFormatError
-        When there is not one index value per frame, or an attribute belongs to a frame that does not exist.
     """
     others: dict[str, str] = {}
     per_frame: dict[int, dict[str, str]] = {}
@@ -90,10 +87,7 @@ def slicer_records(
 def node_geometry(metafile: Metafile) -> Matrix | None:
     """IJKToRAS that the volume node of every frame has, (4, 4), pixels to the node's own RAS in mm; None for the identity.
 
-    Raises
-    ------
-    SequenceFormatError
-        When the header's place in space cannot be understood.
+    Raises SequenceFormatError when the header's place in space cannot be understood.
     """
     directions = metafile.entries.get("space directions")
     if directions is None:
@@ -119,13 +113,7 @@ def node_geometry(metafile: Metafile) -> Matrix | None:
 def place_frames(records: Sequence[FrameRecord], image_frame: str, pixel_to_node: Matrix) -> list[FrameRecord]:
     """Records whose transforms from the image frame take pixels, where they took the RAS coordinates of Slicer's volume node.
 
-    Parameters
-    ----------
-    records : list of FrameRecord
-    image_frame : str
-        "Image".
-    pixel_to_node : (4, 4) array
-        `node_geometry`.
+    `pixel_to_node` is its `node_geometry`.
     """
 
     def placed(name: TransformName, sample: TransformSample) -> TransformSample:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import SequenceFormatError, SettingsError, TransformError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...message import said
 from ...recipe.recipe import LONGEST_GAP
 from ...remedies import Remedy
@@ -31,17 +31,14 @@ from .file_images import MAXIMUM_FRAMES
 def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | None, TransformSample]]:
     """The samples of one transform, each with its time in s, in the order of the file.
 
+    Raises SequenceFormatError when the file cannot be understood or does not hold the transform.
+
     Parameters
     ----------
     path : str or Path
         .seq.mha or .seq.mhd of Slicer, or any sequence file that holds the transform.
     name : str
         ``ImageToReference``. Where the file holds one transform alone, under whatever name, that one is meant.
-
-    Raises
-    ------
-    SequenceFormatError
-        When the file cannot be understood or does not hold the transform.
     """
     path = Path(path)
     lines, per_frame = _frame_fields(path)
@@ -51,18 +48,13 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
         there = ", ".join(present) or "none"
         raise SequenceFormatError(f"{path}: it must hold the transform {name}; got {there}. Name one of these, or give another file.")
     stem = wanted or next(iter(present))
-    samples: list[tuple[float | None, TransformSample]] = []
-    # One for all frames that the file leaves out, of which there may be a million
-    absent = (None, TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING))
-    for number in range(max(per_frame) + 1):
-        if number not in per_frame:
-            samples.append(absent)
-            continue
-        fields = per_frame[number]
+    # A file may leave out a million frames
+    samples: list[tuple[float | None, TransformSample]] = [(None, MISSING)] * (max(per_frame) + 1)
+    for number, fields in sorted(per_frame.items()):
         key, text = stem + MATRIX_SUFFIX, fields.get(stem + MATRIX_SUFFIX)
         matrix = np.full((4, 4), np.nan) if text is None else parsed_matrix(lines, number, key, text)
         status = TransformStatus.parse(fields.get(stem + STATUS_SUFFIX, "MISSING" if text is None else "OK"))
-        samples.append((parsed_time(lines, number, "Timestamp", fields.get("Timestamp")), TransformSample(matrix, status)))
+        samples[number] = parsed_time(lines, number, "Timestamp", fields.get("Timestamp")), TransformSample(matrix, status)
     return samples
 
 
@@ -71,6 +63,9 @@ def pair_transforms(
 ) -> tuple[Sequence[FrameRecord], tuple[str, ...]]:
     """Records with the transforms of these files, each taken at the time of the image, and what a user should know.
 
+    Raises SequenceFormatError when a file cannot be used; SettingsError when times are missing and the numbers of samples differ, or a name
+    is none.
+
     Parameters
     ----------
     records : list of FrameRecord
@@ -78,13 +73,6 @@ def pair_transforms(
         As in ``{"ImageToReference": "Transform.seq.mha"}``.
     longest_gap : float, s
         See `PoseTrack.at`.
-
-    Raises
-    ------
-    SequenceFormatError
-        When a file cannot be used.
-    SettingsError
-        When times are missing and the numbers of samples differ, or a name is none.
     """
     notes = []
     for text, path in files.items():
@@ -109,7 +97,7 @@ def _pair(
     if len(image_times) == len(records) and len(timed) == len(samples):
         track = PoseTrack(timed)
         found = [track.at(time, longest_gap, SLICERS_TIME)[0] for time in image_times]
-        paired = [TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING) if m is None else TransformSample(m) for m in found]
+        paired = [MISSING if m is None else TransformSample(m) for m in found]
         if not sum(m is not None for m in found):
             span = f"{track.times[0]:.3f} to {track.times[-1]:.3f} s" if len(track) else "none"
             raise SequenceFormatError(

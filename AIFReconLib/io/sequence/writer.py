@@ -89,15 +89,15 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     elif suffix == ".mha":
         _write_metaimage(path, sequence, code, entries, compress, write_pixels)
     else:
-        _write_nrrd(path, sequence, code, entries, compress, write_pixels)
+        with atomic_output(path) as temporary, open(temporary, "wb") as file:
+            _write_lines(file, _nrrd_lines(sequence, code, entries, compress))
+            write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL, wbits=16 + zlib.MAX_WBITS) if compress else None)
 
 
 def check_sequence_name(path: Path) -> None:
     """Return if a sequence can have this name; to be asked before long work.
 
-    Raises
-    ------
-    OutputError
+    Raises OutputError otherwise.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise OutputError(f"Cannot write {path}: its suffix must be one of {', '.join(SUFFIXES)}. Choose another name.")
@@ -127,12 +127,6 @@ def _write_header_and_data(
             length = str(file.tell())
         with open(temporary, "wb") as file:
             _write_lines(file, _metaimage_lines(sequence, code, entries, length if compress else None, data_path.name))
-
-
-def _write_nrrd(path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter) -> None:
-    with atomic_output(path) as temporary, open(temporary, "wb") as file:
-        _write_lines(file, _nrrd_lines(sequence, code, entries, compress))
-        write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL, wbits=16 + zlib.MAX_WBITS) if compress else None)
 
 
 def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, compressed_size: str | None, data_file: str) -> Iterator[str]:

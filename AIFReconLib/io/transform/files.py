@@ -67,19 +67,14 @@ def read_transform(path: str | Path) -> Matrix:
 def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
     """Write a linear transform so that Slicer loads it as a node with this matrix.
 
+    Raises OutputError when it cannot be written; GeometryError when the matrix is not finite or not invertible.
+
     Parameters
     ----------
     node_to_parent : (4, 4) array_like, mm
         In RAS.
     path : str or Path
         .tfm, .txt, .h5 or .hdf5.
-
-    Raises
-    ------
-    OutputError
-        When it cannot be written.
-    GeometryError
-        When the matrix is not finite or not invertible.
     """
     path = Path(path)
     if path.suffix.lower() not in TEXT_SUFFIXES + HDF5_SUFFIXES:
@@ -129,10 +124,7 @@ def _read(path: Path) -> bytes:
 def read_transform_text(text: str) -> list[TransformPart]:
     """The transforms of a file in text, in its order: blocks of ``Transform:``, ``Parameters:`` and ``FixedParameters:``.
 
-    Raises
-    ------
-    TransformPartError
-        When a line is none of such a file.
+    Raises TransformPartError when a line is none of such a file.
     """
     blocks: list[dict[str, str]] = []
     for line in text.splitlines():

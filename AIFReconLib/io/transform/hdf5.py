@@ -20,10 +20,7 @@ _CONVERT = "import sys; sys.path[:] = sys.argv[3:]; import SimpleITK as s; s.Wri
 def as_text(path: Path) -> str:
     """What a file of this kind is as a .tfm file, which is made beside it.
 
-    Raises
-    ------
-    TransformPartError
-        When it cannot be read.
+    Raises TransformPartError when it cannot be read.
     """
     text = path.with_suffix(".tfm")
     try:

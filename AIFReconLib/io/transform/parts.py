@@ -58,16 +58,13 @@ class TransformPart:
 def composed(parts: list[TransformPart], folder: Path) -> Matrix:
     """The matrix of a file's transforms, (4, 4), mm: of the only one, or of those behind a CompositeTransform, the last applied first.
 
+    Raises TransformPartError when there is none, more than one without a composite, or one that is not linear or not 3D.
+
     Parameters
     ----------
     parts : list of TransformPart
     folder : Path
         Where a file can be put for SimpleITK.
-
-    Raises
-    ------
-    TransformPartError
-        When there is none, more than one without a composite, or one that is not linear or not 3D.
     """
     if not parts:
         raise TransformPartError("is missing: the file holds none. Save the transform from Slicer again.")

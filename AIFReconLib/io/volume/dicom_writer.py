@@ -34,19 +34,15 @@ OF_THE_STUDY = (
 def write_dicom(volume: Volume, path: Path, temporary: Path, study: Path | None = None) -> None:
     """Write a volume of 8 or 16 bits to a file that will be named `path`.
 
+    Raises OutputError when voxels are of another type, the file holds more than DICOM can, or pydicom is not installed; FileFormatError
+    when the study cannot be read.
+
     Parameters
     ----------
     volume : Volume
         Its fields go into the image comments, as far as they fit (10240 characters).
     study : Path or None
         A DICOM file of the patient, or a folder of such: patient and study are taken from it, the frame of reference is not.
-
-    Raises
-    ------
-    OutputError
-        When voxels are of another type, the file holds more than DICOM can, or pydicom is not installed.
-    FileFormatError
-        When the study cannot be read.
     """
     check_dicom(path, volume.array.dtype)
     array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array

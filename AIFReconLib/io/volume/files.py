@@ -71,10 +71,7 @@ def read_volume(path: str | Path) -> Volume:
 def label_volume(path: Path) -> Volume:
     """The labels in one file, as whole numbers: 0 is background; see `read_labels`.
 
-    Raises
-    ------
-    VolumeFormatError
-        As `read_volume`, and when a voxel is not a whole number or is negative.
+    Raises VolumeFormatError as `read_volume`, and when a voxel is not a whole number or is negative.
     """
     array, ijk_to_lps, fields = _read_stored(path)
     if array.ndim != 3:
@@ -145,10 +142,7 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
 def check_volume_path(path: str | Path, dtype: str = "uint8") -> None:
     """Return if a volume with voxels of this type can be written to `path`; to be asked before a long computation. Leaves nothing behind.
 
-    Raises
-    ------
-    OutputError
-        When no volume format has that suffix, or no file can be created there.
+    Raises OutputError when no volume format has that suffix, or no file can be created there.
     """
     if _writable_suffix(Path(path)) == DICOM_SUFFIX:
         check_dicom(Path(path), dtype)

@@ -14,10 +14,7 @@ from ...geometry.volume import Volume
 def to_sitk(volume: Volume) -> sitk.Image:
     """The volume as a `SimpleITK.Image` with a copy of its voxels, placed in LPS. Truth values become 0 and 1, 8 bit.
 
-    Raises
-    ------
-    GeometryError
-        When SimpleITK has no such voxels: half precision, or numbers of more than 64 bits.
+    Raises GeometryError when SimpleITK has no such voxels: half precision, or numbers of more than 64 bits.
     """
     array = volume.array.astype(np.uint8) if volume.array.dtype == bool else volume.array
     ijk_to_lps = LPS_FROM_RAS @ volume.ijk_to_reference
@@ -37,10 +34,7 @@ def to_sitk(volume: Volume) -> sitk.Image:
 def from_sitk(image: object) -> Volume:
     """A `SimpleITK.Image` of one scalar 3D volume as a `Volume`, its voxels copied, placed in RAS.
 
-    Raises
-    ------
-    GeometryError
-        When it is another thing: a picture, a series, colors, complex numbers.
+    Raises GeometryError when it is another thing: a picture, a series, colors, complex numbers.
     """
     if not isinstance(image, sitk.Image):
         raise GeometryError(f"Input image must be a SimpleITK.Image; got {type(image).__name__}.")

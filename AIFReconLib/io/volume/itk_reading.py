@@ -57,11 +57,7 @@ class StoredVolume(NamedTuple):
 def read_nifti(path: Path) -> StoredVolume:
     """The volume in a .nii or .nii.gz file.
 
-    Raises
-    ------
-    VolumeFormatError
-        When it is damaged, or no 3D volume of real numbers.
-    InsufficientMemoryError
+    Raises VolumeFormatError when it is damaged, or no 3D volume of real numbers; InsufficientMemoryError.
     """
     seen = file_stamp(path)
     head = check_nifti(path, VolumeFormatError)
@@ -74,11 +70,7 @@ def read_nifti(path: Path) -> StoredVolume:
 def read_metafile_volume(path: Path) -> StoredVolume:
     """The volume in a MetaImage or NRRD file, by its suffix.
 
-    Raises
-    ------
-    VolumeFormatError
-        When it is damaged, no 3D volume, or its place in space cannot be understood.
-    InsufficientMemoryError
+    Raises VolumeFormatError when it is damaged, no 3D volume, or its place in space cannot be understood; InsufficientMemoryError.
     """
     seen = file_stamp(path)
     metafile = read_metafile(path, VolumeFormatError)

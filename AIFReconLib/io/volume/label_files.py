@@ -71,7 +71,11 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     if not files:
         raise VolumeFormatError("No file of labels was given. Name one, several or a folder.")
     single = len(files) == 1 and len(given) == 1 and not given[0].is_dir() and suffix_of(files[0]) not in MODEL_SUFFIXES
-    found = _one_file(files[0]) if single else _masks(files, labels, space)
+    if single:
+        volume = label_volume(files[0])
+        found = Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(files[0]))
+    else:
+        found = _masks(files, labels, space)
     found = found.chosen(labels) if labels else with_known_names(found)
     if not labels and not found.array.any():
         return found
@@ -83,10 +87,7 @@ def read_label_names(path: str | Path) -> dict[int, str]:
     """What the labels in a file are called, by their numbers, where it says so: Slicer's segmentations (.seg.nrrd), and NIfTI files of
     TotalSegmentator. Else nothing.
 
-    Raises
-    ------
-    VolumeFormatError
-        When the file cannot be read.
+    Raises VolumeFormatError when the file cannot be read.
     """
     path = Path(path)
     if suffix_of(path) in NIFTI_SUFFIXES:
@@ -118,12 +119,6 @@ def _within(folder: Path) -> list[Path]:
     if not found:
         raise VolumeFormatError(f"{folder}: it holds no labels. Give a folder of masks or models ({listed(LABEL_SUFFIXES)}).")
     return found
-
-
-def _one_file(path: Path) -> Labels:
-    volume = label_volume(path)
-    names = read_label_names(path)
-    return Labels(volume.array, volume.ijk_to_reference, volume.fields, names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,11 +223,7 @@ def _common_grid(bones: list[_Bone]) -> VoxelGrid:
 def doubts(labels: Labels, ct: Volume | None = None) -> list[str]:
     """What speaks against labels being bone, a sentence each: they are too thick, fill too much, or are soft in the CT.
 
-    Parameters
-    ----------
-    labels : Labels
-    ct : Volume or None
-        In HU, in the frame of the labels.
+    That is in HU, in the frame of the labels.
     """
     found = []
     steps = np.maximum(np.round(2.0 / labels.spacing[::-1]), 1).astype(int)

@@ -65,10 +65,7 @@ class SurfaceModel:
 def read_model(path: Path) -> SurfaceModel:
     """The surface in a .stl, .ply, .obj or .vtp file.
 
-    Raises
-    ------
-    VolumeFormatError
-        When the file is damaged, holds no surface, or one that cannot be in mm.
+    Raises VolumeFormatError when the file is damaged, holds no surface, or one that cannot be in mm.
     """
     data = read_bytes(path, 2**31, VolumeFormatError)
     require_bytes(path, _COPIES * len(data), available_memory())

@@ -36,10 +36,7 @@ def is_surface_path(path: str | Path) -> bool:
 def check_surface_path(path: str | Path) -> None:
     """Return if a surface can be written to `path`; to be asked before a long computation.
 
-    Raises
-    ------
-    OutputError
-        When the suffix is another than .vtp, or no file can be created there.
+    Raises OutputError when the suffix is another than .vtp, or no file can be created there.
     """
     if not is_surface_path(path):
         raise OutputError(f"Cannot write {path}: the suffix of a surface must be {SUFFIX}. Choose another name.")
@@ -49,10 +46,7 @@ def check_surface_path(path: str | Path) -> None:
 def check_labels_surface_path(path: str | Path) -> None:
     """Return if the closed surface of labels can be written to `path`; to be asked before a long computation.
 
-    Raises
-    ------
-    OutputError
-        As of `check_surface_path`, and when VTK is not installed.
+    Raises OutputError as of `check_surface_path`, and when VTK is not installed.
     """
     check_surface_path(path)
     if find_spec("vtkmodules") is None:
@@ -61,6 +55,8 @@ def check_labels_surface_path(path: str | Path) -> None:
 
 def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = (), **point_data: ArrayLike) -> None:
     """Write points, the triangles between them and what is known at each.
+
+    Raises OutputError when the file cannot be written; nothing is left then.
 
     Parameters
     ----------
@@ -72,11 +68,6 @@ def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = ()
         Places in `points`, counterclockwise seen from outside. Without any, every point is drawn as itself.
     **point_data : (n,) or (n, k) array_like
         By name.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written; nothing is left then.
     """
     check_surface_path(path)
     places = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
@@ -111,17 +102,14 @@ def _array(name: str, values: Numbers) -> str:
 def write_labels_surface(labels: Volume, path: str | Path) -> None:
     """Write the closed surface of labels, each label's own, with the point data ``label``.
 
+    Raises OutputError as of `check_labels_surface_path`; nothing is left then.
+
     Parameters
     ----------
     labels : Volume of int
         In Reference; 0 is nothing.
     path : str or Path
         Ends in .vtp.
-
-    Raises
-    ------
-    OutputError
-        As of `check_labels_surface_path`; nothing is left then.
 
     Notes
     -----

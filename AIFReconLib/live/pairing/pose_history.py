@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import Matrix
 from ...geometry.pose_interpolation import interpolate_pose, pose_change
-from ...geometry.transform_graph import TransformSample, TransformStatus
+from ...geometry.transform_graph import MISSING, TransformSample, TransformStatus
 from ...geometry.transforms import why_not_rigid
 
 LONGEST_MEMORY = 4096
@@ -22,8 +22,6 @@ LARGEST_SPEED = 500.0
 
 LARGEST_TURN = math.radians(360.0)
 """radians/s: two samples that lie farther apart are no motion of a hand but a jump, as at the end of a looped recording."""
-
-MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
 
 
 @dataclass(frozen=True)
@@ -124,7 +122,7 @@ class PoseHistory:
                 return Answer(TransformSample(sample.matrix, TransformStatus.INVALID), why_not_rigid(sample.matrix))
         span = self._times[index] - self._times[index - 1]
         if span > self._longest_gap:
-            return Answer(TransformSample(MISSING.matrix, TransformStatus.MISSING), "stale")
+            return Answer(MISSING, "stale")
         distance, angle = pose_change(before.matrix, after.matrix)
         if distance > LARGEST_SPEED * span or angle > LARGEST_TURN * span:
             return Answer(TransformSample(MISSING.matrix, TransformStatus.INVALID), "jumps")

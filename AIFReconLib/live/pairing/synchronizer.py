@@ -12,13 +12,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import SettingsError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
+from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus, capital
 from ...message import listed
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedFrame
 from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 from .placement import Placement, metadata_transforms, stream_name
-from .pose_history import MISSING, Answer, PoseHistory
+from .pose_history import Answer, PoseHistory
 
 MOST_WAITING = 128
 """Images that wait for their transforms at the same time; then the oldest is decided as it stands."""
@@ -161,12 +161,7 @@ class Synchronizer:
         return self._waiting[0].message.received + self.settings.patience if self._waiting else None
 
     def feed(self, message: StreamMessage) -> list[LiveFrame]:
-        """Take one message; the answer is the frames that it decides, often none.
-
-        Parameters
-        ----------
-        message : ImageMessage, TransformMessage or StreamEvent
-        """
+        """Take one message; the answer is the frames that it decides, often none."""
         self._arrival += 1
         frames = []
         if isinstance(message, StreamEvent):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Floats, Integers, Matrix
 from ...errors import GeometryError, SettingsError, TransformError
-from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, find_ways
+from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus, find_ways
 from ...geometry.transforms import invert, why_not_affine
 from ...remedies import Remedy
 from ...sweep.frames import CROPPED, FrameRecord, TrackedSequence
@@ -136,7 +136,7 @@ class ReplayFrames:
         matrix, status = np.eye(4), TransformStatus.OK
         for name in path:
             stored = name if name in self._known else name.inverse
-            sample = samples.get(stored, TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING))
+            sample = samples.get(stored, MISSING)
             link = TransformStatus.INVALID if sample.status is TransformStatus.OK and why_not_affine(sample.matrix) else sample.status
             status = link if status is TransformStatus.OK else status
             if why_not_affine(sample.matrix):

@@ -352,9 +352,7 @@ class _Client:
 def _listen(host: str, port: int) -> socket.socket:
     """A listening socket.
 
-    Raises
-    ------
-    LiveConnectionError
+    Raises LiveConnectionError when there can be none.
     """
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]

@@ -49,10 +49,6 @@ class AgreementWatch(Watch):
     bone : BoneField
     labels_to_reference : (4, 4) array, mm
         Rigid.
-
-    Attributes
-    ----------
-    state : LiveState
     """
 
     def __init__(self, session: LiveSession, bone: BoneField, labels_to_reference: Floats):

@@ -307,27 +307,17 @@ def _bytes(frame: TrackedFrame) -> int:
 class KeepUp:
     """Which frames to leave out when they come faster than they can be inserted: evenly, and no more than it takes.
 
-    Decides frame by frame from how long the frames that wait already will take.
-
-    Parameters
-    ----------
-    longest_delay : float, s
-        Above it frames are left out; ever more while it lasts. Below half of it ever fewer.
+    Decides frame by frame from how long the frames that wait already will take: above `longest_delay` s frames are left out, ever more
+    while it lasts, below half of it ever fewer.
     """
 
-    def __init__(self, longest_delay: float = 0.5):
+    def __init__(self, longest_delay: float):
         self._longest_delay = longest_delay
         self._stride = 1.0
         self._credit = 0.0
 
     def admit(self, delay: float) -> bool:
-        """Whether to take the next frame.
-
-        Parameters
-        ----------
-        delay : float, s
-            How long the frames that wait will take.
-        """
+        """Whether to take the next frame, where those that wait will take `delay` s."""
         if delay > self._longest_delay:
             self._stride = min(self._stride * 1.1, LARGEST_STRIDE)
         elif delay < 0.5 * self._longest_delay:

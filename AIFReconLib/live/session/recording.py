@@ -57,15 +57,12 @@ def growing_files(path: Path) -> tuple[Path, Path]:
 class Recorder:
     """Appends live frames to a sequence file, tracked or not, with their transforms, statuses and times.
 
+    Raises OutputError when nothing can be written there, or an unfinished recording of that name is there.
+
     Parameters
     ----------
     path : str or Path
         Where the finished sequence goes: .mha or .nrrd, for which the pixels are copied in the end, or .mhd, for which they are not.
-
-    Raises
-    ------
-    OutputError
-        When nothing can be written there, or an unfinished recording of that name is there.
 
     Notes
     -----

@@ -13,6 +13,7 @@ from ...errors import NoUsableFramesError
 from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
 from ...imaging.extent import grid_around_sweep
+from ...imaging.images import ImagesOnDemand
 from ...imaging.sound_speed import depth_scale
 from ...recipe.recipe import Recipe
 from ...resolve import Imaging
@@ -33,25 +34,21 @@ LONGEST_REACH = 1.0
 MOST_TRACKS = 8
 """Places between which poses jump that are kept in mind."""
 
+MOST_BYTES = 512 * 2**20
+"""Of pixels that are kept; of later frames only the poses are, which is enough for the box."""
+
 
 class ScoutedFrames:
-    """Frames that wait for a volume.
+    """Frames that wait for a volume. Of those that cannot be used only the numbers are kept."""
 
-    Parameters
-    ----------
-    byte_limit : int
-        Bytes of pixels that are kept; of later frames only the poses are, which is enough for the box. Of frames that cannot be used only
-        the numbers are.
-    """
-
-    def __init__(self, byte_limit: int = 512 * 2**20):
+    def __init__(self) -> None:
         self.usable = 0
         self._kept: list[tuple[LiveFrame, Meter]] = []
         self._others: dict[tuple[str, Meter], array[int]] = {}
         self._poses: list[Matrix] = []
         self._times: list[tuple[float, float]] = []
         self.notes: tuple[str, ...] = ()
-        self._left = byte_limit
+        self._left = MOST_BYTES
 
     def add(self, frame: LiveFrame, meter: Meter) -> None:
         """Keep a frame, and what it is counted by."""
@@ -99,9 +96,7 @@ class ScoutedFrames:
     def sequence(self) -> tuple[TrackedSequence, SweepPoses]:
         """The usable frames of one size that were kept, as a recording and its poses.
 
-        Raises
-        ------
-        NoUsableFramesError
+        Raises NoUsableFramesError when there is none.
         """
         placed = [(*frame.placed(), frame.timestamp) for frame, _ in self._kept]
         if not placed:
@@ -117,6 +112,8 @@ class ScoutedFrames:
 
         A place that no hand reaches in the time between two frames does not count: one wrong pose would make it larger than any memory.
 
+        Raises NoUsableFramesError, GeometryError or InsufficientMemoryError.
+
         Parameters
         ----------
         imaging : Imaging
@@ -126,10 +123,6 @@ class ScoutedFrames:
         bytes_per_voxel : int
         margin : float, mm
         fits_spacing : bool
-
-        Raises
-        ------
-        NoUsableFramesError, GeometryError, InsufficientMemoryError
         """
         (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
         poses = poses[self._reachable((poses @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3])]
@@ -148,16 +141,13 @@ class ScoutedFrames:
         return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, grid.spacing)
 
 
-class _Images:
-    """Images in a list, as an `ImageStack` that copies none."""
+class _Images(ImagesOnDemand):
+    """Images in a list, of which none is copied."""
 
     def __init__(self, images: Sequence[Numbers]):
         self._images = images
         self.shape = (len(images), *images[0].shape)
         self.dtype = images[0].dtype
 
-    def __len__(self) -> int:
-        return len(self._images)
-
-    def __getitem__(self, index: int) -> Numbers:
+    def _image(self, index: int) -> Numbers:
         return self._images[index]

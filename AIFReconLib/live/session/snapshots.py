@@ -14,12 +14,6 @@ logger = logging.getLogger(__name__)
 class SnapshotMaker:
     """Makes one snapshot at a time on a thread of its own.
 
-    Parameters
-    ----------
-    session : LiveSession
-
-    Notes
-    -----
     `request` and `take` return at once. A request while one is being made is met by that one. What goes wrong in making one is kept in
     `error` until one succeeds.
     """

@@ -22,9 +22,7 @@ _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK, getattr(errno, "WSAEWOU
 def check_port(port: int, lowest: int = 1) -> int:
     """`port`, if it is one.
 
-    Raises
-    ------
-    SettingsError
+    Raises SettingsError otherwise.
     """
     if not isinstance(port, int) or isinstance(port, bool) or not lowest <= port <= 65535:
         raise SettingsError(f"Input port must be a whole number from {lowest} to 65535; got {port!r}. Plus listens on 18944.")

@@ -39,10 +39,7 @@ Decoded = ImageMessage | TransformMessage | ReadingsMessage
 def codec() -> ModuleType:
     """The messages of pyigtl, which is imported when it is needed: everything but a live stream works without it.
 
-    Raises
-    ------
-    LiveConnectionError
-        When it is not installed.
+    Raises LiveConnectionError when it is not installed.
     """
     try:
         from pyigtl import messages
@@ -55,16 +52,13 @@ def codec() -> ModuleType:
 def decode(raw: RawMessage, received: float = 0.0) -> tuple[Decoded, ...]:
     """What a message holds: one image, transform or readings; nothing if it is not used; for TDATA and QTDATA a transform for each tool.
 
+    Raises LiveMessageError when the body is damaged or does not make sense, or is an image that is not 2D, gray or color.
+
     Parameters
     ----------
     raw : RawMessage
     received : float, s of `time.monotonic`
         When its last byte arrived.
-
-    Raises
-    ------
-    LiveMessageError
-        When the body is damaged or does not make sense, or is an image that is not 2D, gray or color.
     """
     if raw.problem is not None:
         raise LiveMessageError(raw.problem)

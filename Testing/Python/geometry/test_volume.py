@@ -1,4 +1,4 @@
-"""Voxel grids and volumes: what is accepted, where voxels lie, what other packages make of them. Files are tested elsewhere."""
+"""Voxel grids, volumes and labels: what is accepted, where voxels lie, what other packages make of them. Files are tested elsewhere."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from geometry_strategies import rigid, rigid_poses, scaled, spacings, triples
 from hypothesis import given, settings
 
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 OBLIQUE = rigid((0.4, -1.2, 0.8), (10.0, -20.0, 30.0)) @ scaled(0.5, 0.6, 0.7)
@@ -231,3 +232,14 @@ def test_a_volume_goes_through_simpleitk_and_comes_back(kind):
 def test_an_image_that_is_no_scalar_volume_is_refused(image, words):
     with pytest.raises(GeometryError, match=words):
         Volume.from_sitk(image)
+
+
+@pytest.mark.parametrize("dtype", ["?", "u1", "i2", "u4", "i8", "f8"])
+def test_labels_are_found_in_numbers_of_every_type(dtype):
+    boxes = {1: (slice(1, 3), slice(2, 3), slice(3, 5))} | ({} if dtype == "?" else {3: (slice(0, 1), slice(0, 2), slice(0, 1))})
+    array = np.zeros((3, 4, 5), dtype)
+    for number, box in boxes.items():
+        array[box] = number
+    labels = Labels(array, np.eye(4))
+    assert labels.boxes == boxes
+    assert labels.numbers().tolist() == list(boxes)

@@ -75,6 +75,9 @@ class PoseTable:
 def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     """The poses in a .csv, .txt, .tsv, .json or .npy file.
 
+    Raises FileFormatError, which names the row and the column, or the key, that cannot be used; SettingsError when a convention is left
+    open, or the tool.
+
     Parameters
     ----------
     path : str or Path
@@ -84,13 +87,6 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         translation and quaternion or euler.
     form : PoseFormat
         What the file does not say.
-
-    Raises
-    ------
-    FileFormatError
-        Names the row and the column, or the key, that cannot be used.
-    SettingsError
-        When a convention is left open, or the tool.
     """
     path, form = Path(path), form or PoseFormat()
     text = _numpy_text(path) if path.suffix.lower() == ".npy" else _text(path)

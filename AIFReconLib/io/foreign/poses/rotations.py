@@ -142,20 +142,9 @@ class RotationKind:
 
 
 def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | None) -> RotationKind:
-    """How the fields of a table give a rotation.
+    """How the fields of a table, numbers (n,) by name, give a rotation; `unit` is that of angles, as the table says it.
 
-    Parameters
-    ----------
-    values : mapping of str to (n,) array
-        What each field holds.
-    form : PoseFormat
-    unit : str or None
-        Of angles, as the table says it.
-
-    Raises
-    ------
-    SettingsError
-        When they give none, or a convention is left open.
+    Raises SettingsError when they give none, or a convention is left open.
     """
     have = set(values)
     if set(MATRIX[:12]) <= have:
@@ -226,10 +215,7 @@ def _order_of_nine(values: Mapping[str, Floats], form: PoseFormat) -> str:
 def poses_of(values: Mapping[str, Floats], kind: RotationKind, form: PoseFormat) -> Matrix:
     """The poses (n, 4, 4) that fields of n numbers each give, lengths as written; NaN where a row holds none, or a quaternion of zeros.
 
-    Raises
-    ------
-    PoseValueError
-        Names the first row whose numbers give none.
+    Raises PoseValueError, which names the first row whose numbers give none.
     """
     if kind.fields == MATRIX:
         return _matrices(values, form)

@@ -54,6 +54,8 @@ _SAYS_WHETHER = re.compile("valid|visib|track|enabled|found|detect", re.IGNORECA
 def statuses_of(words: Sequence[str], heading: str, role: str, has_pose: Mask, good: Sequence[str]) -> tuple[tuple[str, ...], str]:
     """One of Plus's statuses for each word, by its name; and in words how they were taken.
 
+    Raises SettingsError when a word is not known.
+
     Parameters
     ----------
     words : sequence of str
@@ -65,11 +67,6 @@ def statuses_of(words: Sequence[str], heading: str, role: str, has_pose: Mask, g
         Where there is a pose that is more than zeros.
     good : sequence of str
         What the user says is good.
-
-    Raises
-    ------
-    SettingsError
-        When a word is not known.
     """
     kinds = {word: _status(word, heading, role, good) for word in dict.fromkeys(words)}
     numbers = [word for word, status in kinds.items() if status is None and word in ("0", "1")]

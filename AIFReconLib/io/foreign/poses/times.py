@@ -31,20 +31,9 @@ class Times:
 
 
 def times_of(columns: dict[int, Column], rows: Sequence[tuple[int, Sequence[str]]], unit: str | None) -> Times:
-    """The times of rows.
+    """The times of rows, of the columns of one tool by their place; `unit` as the user says.
 
-    Parameters
-    ----------
-    columns : dict of int to Column
-        Those of one tool, by their place.
-    rows : sequence of (int, cells)
-    unit : str or None
-        As the user says.
-
-    Raises
-    ------
-    SettingsError
-        When two columns can be the time, or the unit cannot be told.
+    Raises SettingsError when two columns can be the time, or the unit cannot be told.
     """
     found = {place: column for place, column in columns.items() if column.role == TIME}
     found = found or {place: column for place, column in columns.items() if column.role == RECEIVED}

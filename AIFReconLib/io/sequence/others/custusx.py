@@ -16,7 +16,7 @@ import numpy as np
 
 from ....arrays import Floats, Mask, Matrix, Numbers
 from ....errors import ConfigurationError, SequenceFormatError
-from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ....geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ....recipe.recipe import LONGEST_GAP
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
@@ -32,7 +32,6 @@ CALIBRATION = TransformName("Image", "Tool")
 NEAR = 0.1
 """s. How far from a pose of the tool CustusX may have gone on with it, where the next is farther than `LONGEST_GAP`."""
 _MOST_BYTES = 2**25
-_MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
 
 
 def _read(path: Path, orientation: str | None) -> Recorded:
@@ -84,7 +83,7 @@ def _poses(base: str, times: Floats, spacing: tuple[float, float], probe: _Probe
         raise SequenceFormatError(f"{of_tool}: there must be a time for each pose; got {len(clock)} for {len(matrices)} poses.")
     track = PoseTrack(zip(clock.tolist(), map(TransformSample, matrices)))
     found = [track.at(float(time))[0] for time in times]
-    samples = [_MISSING if matrix is None else TransformSample(matrix) for matrix in found]
+    samples = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
     if probe is None:
         return TOOL, samples, {}, ("The acquisition does not say where the image lies in the probe (.probedata.xml).",)
     return TOOL, samples, {CALIBRATION: TransformSample(probe.image_to_tool @ to_mm)}, ()
@@ -150,9 +149,7 @@ def _frames(path: Path, base: str) -> list[Path]:
 def refuse_one_frame(path: Path) -> None:
     """Return unless a file is one frame of an acquisition, which alone has neither place nor time.
 
-    Raises
-    ------
-    SequenceFormatError
+    Raises SequenceFormatError for one.
     """
     base = re.sub(r"_[0-9]{1,9}\.mhd$", "", path.name)
     if base != path.name and path.with_name(f"{base}.fts").is_file():

@@ -14,11 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ....arrays import Matrix, Numbers
 from ....errors import SequenceFormatError
-from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ....geometry.transform_graph import MISSING, TransformName, TransformSample
 from ....message import listed
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
@@ -33,7 +31,6 @@ IMAGES = {"sensor_msgs/msg/Image": image_of, "sensor_msgs/msg/CompressedImage": 
 POSE, TRANSFORM = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped"
 TREES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 STILL = "tf_static"
-_MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
 _PURPOSE = "Bags of ROS"
 
 
@@ -132,7 +129,8 @@ def _read(path: Path, orientation: str | None) -> Recorded:
                 return pixels
 
         images = DecodedImages(len(written), image, lambda n: f"{path}, image {n}")
-    records = _records(found)
+    tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
+    records = [FrameRecord(time, transforms=_at(tracks, time)) for _, time in found.images]
     return Recorded(images, records, transforms=found.still, notes=_notes(found))
 
 
@@ -168,13 +166,7 @@ def _add(tracks: dict[TransformName, list[tuple[float, TransformSample]]], name:
 
 
 def _sample(matrix: Matrix | None) -> TransformSample:
-    return _MISSING if matrix is None else TransformSample(matrix)
-
-
-def _records(found: _Found) -> list[FrameRecord]:
-    """One for each image, with every transform at its time."""
-    tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
-    return [FrameRecord(time, transforms=_at(tracks, time)) for _, time in found.images]
+    return MISSING if matrix is None else TransformSample(matrix)
 
 
 def _at(tracks: Mapping[TransformName, PoseTrack], time: float) -> dict[TransformName, TransformSample]:

@@ -21,9 +21,7 @@ _CHUNK = 6
 def check_mcap(path: Path) -> None:
     """Return if every chunk of a file of MCAP unpacks to what it says, and no more (the specification's "Chunk (op=0x06)").
 
-    Raises
-    ------
-    SequenceFormatError
+    Raises SequenceFormatError otherwise.
     """
     with open(path, "rb") as file:
         file.seek(_MAGIC)

@@ -22,14 +22,13 @@ import numpy as np
 from ....arrays import Matrix, Numbers
 from ....errors import AIFReconError, SequenceFormatError, TransformError
 from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ....imaging.images import ImageStack
+from ....imaging.images import ImagesOnDemand, ImageStack
 from ....message import said
 from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
 from ...disk.xml_tree import parse_xml
 from ...metafile.text_values import NotANumberError, parse_numbers
 from ..decoded_images import decoding
-from ..images_on_demand import ImagesOnDemand
 from ..kinds import Recorded, RecordingKind
 from ..metafiles import METAFILES
 from ..transforms import pair_transforms

@@ -40,9 +40,7 @@ UNREAD = (
 def refuse_unread(path: Path) -> None:
     """Return if a file has none of these names.
 
-    Raises
-    ------
-    SequenceFormatError
+    Raises SequenceFormatError otherwise.
     """
     for suffixes, what, way in UNREAD:
         if path.suffix.lower() in suffixes:
