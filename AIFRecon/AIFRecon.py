@@ -82,6 +82,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         ScriptedLoadableModuleWidget.setup(self)
         from AIFReconGui.fields.settingFields import dressSettings
         from AIFReconGui.longWork import LongWork
+        from AIFReconGui.panel.calibrationPanel import CalibrationPanel
         from AIFReconGui.panel.guidancePanel import GuidancePanel
         from AIFReconGui.panel.layout import RoomForTexts, Tabs
         from AIFReconGui.panel.livePanel import LivePanel
@@ -101,6 +102,8 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._live = LivePanel(self.ui, self._work, self._onParametersModified)
         onBone = (self.ui, self._work, self._onParametersModified, self._live, self.logic)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
+        self._calibration = CalibrationPanel(*onBone, self._registration, self._guidance)
+        self._parts = (self._registration, self._guidance, self._calibration, self._recorded)
         self._tabs, self._room = Tabs(self.ui, self._onParametersModified), RoomForTexts(uiWidget, self.ui)
         self._watch = InputWatch(self._onParametersModified, lambda: self.logic.display.followFrame(self._parameterNode), goneWith)
         self._isSetUp = True
@@ -119,7 +122,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._isSetUp = False
         self._work.close()
         self._live.close(sceneStays=True)
-        for each in (self._recorded, self._registration, self._guidance):
+        for each in self._parts:
             each.close()
         self.setParameterNode(None)
         self.removeObservers()
@@ -144,7 +147,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
     def onSceneStartClose(self, caller, event) -> None:
         """The parameters go with the scene, and a reconstruction under way has nothing left to write to."""
         self._work.cancel()
-        for each in (self._live, self._recorded, self._registration, self._guidance):
+        for each in (self._live, *self._parts):
             each.close()
         self.setParameterNode(None)
         self.logic.cleanup()
@@ -168,7 +171,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             self._parameterNode.disconnectGui(gui)
             self._parameterNode.RemoveObserver(observer)
         self._parameterNode = parameterNode
-        for each in (self._recorded, self._registration, self._guidance, self._live):
+        for each in (*self._parts, self._live):
             each.setParameterNode(parameterNode)
         if self._parameterNode:
             gui = self._parameterNode.connectGui(self.ui)
@@ -176,16 +179,14 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
             self._parameterNodeTags = gui, self._parameterNode.AddObserver(vtk.vtkCommand.ModifiedEvent, self._onParametersModified)
             self._onParametersModified()
 
-    # ---- what the panel shows
-
     def _onParametersModified(self, caller=None, event=None) -> None:
         """Show what follows from the parameters: texts, what can be pressed, and the display."""
         parameters = self._parameterNode
         if parameters is None or self._work.isRunning:
             return
         self._watch.follow(parameters)
-        self._registration.update()
-        self._guidance.update()
+        for each in (self._registration, self._guidance, self._calibration):
+            each.update()
         self._live.update(readiness.whyNotLive(parameters))
         self._recorded.update(self._live.whyNotNow())
         self.logic.display.update(parameters)

@@ -50,9 +50,9 @@ def remedies() -> dict[Remedy, str]:
         Remedy.CHECK_PROBE_AND_CLIP: _(
             "Choose a sweep that shows more bone, or check “Probe” and “Clip rectangle” (Settings, “Image and probe”)."
         ),
-        Remedy.CALIBRATE: _("See aifrecon calibrate --help, or repeat the calibration."),
-        Remedy.CHECK_CALIBRATION: _("Check that both are of one bone; see aifrecon calibrate --help."),
-        Remedy.STEP: _("Images and poses are to be shifted by {offset} s."),
+        Remedy.CALIBRATE: _("Press “Calibrate on this sweep”; aifrecon calibrate --help says more."),
+        Remedy.CHECK_CALIBRATION: _("Check that both are of one bone, and place the CT on the sweep first."),
+        Remedy.STEP: _("Add {offset} s to “Time offset” (Settings, “Reading a recording”), and load the recording again."),
         Remedy.MIRROR: _("The images are to be turned left to right."),
         Remedy.SCALE: _("The size of a pixel is to be multiplied by {across} across and {along} along."),
         Remedy.INVERT: _("The inverse of {name} is to be taken."),

@@ -48,28 +48,3 @@ def ijkToRAS(volumeNode) -> np.ndarray:
     matrix = vtk.vtkMatrix4x4()
     volumeNode.GetIJKToRASMatrix(matrix)
     return slicer.util.arrayFromVTKMatrix(matrix)
-
-
-def atRightAngles(imageToWorld: np.ndarray, columns: int, rows: int) -> np.ndarray:
-    """The placement of an image that is nearest to an affine one among those that a volume node can hold, for display.
-
-    `imageToWorld` (4, 4) takes pixels (column, row) to RAS world, mm. Calibrations are affine fits: axes some degrees off a right angle are
-    usual. What comes back has the same plane, pixel sizes and middle of the image.
-
-    Notes
-    -----
-    The directions are the orthogonal factor of the polar decomposition M = U P of the unit axes and the plane's normal, the orthogonal
-    matrix that is nearest to M (Fan and Hoffman 1955): each axis turns by half of what they are off. Where M is orthogonal, U is M.
-    """
-    linear = np.array(imageToWorld[:3, :3], dtype=np.float64)
-    sizes = np.linalg.norm(linear, axis=0)
-    normal = np.cross(linear[:, 0], linear[:, 1])
-    turned = -1.0 if np.linalg.det(linear) < 0 else 1.0
-    sizes[2] = sizes[2] or 1.0
-    axes = np.column_stack([linear[:, 0] / sizes[0], linear[:, 1] / sizes[1], turned * normal / np.linalg.norm(normal)])
-    left, _stretches, right = np.linalg.svd(axes)
-    middle = np.array([(columns - 1) / 2, (rows - 1) / 2, 0.0])
-    placement = np.eye(4)
-    placement[:3, :3] = left @ right * sizes
-    placement[:3, 3] = imageToWorld[:3, 3] + (linear - placement[:3, :3]) @ middle
-    return placement

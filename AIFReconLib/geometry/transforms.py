@@ -162,6 +162,31 @@ def image_plane_axes(image_to_reference: Matrix) -> tuple[Floats, Floats]:
     return half * (along + across), half * (along - across)
 
 
+def at_right_angles(image_to_reference: Matrix, columns: int, rows: int) -> Matrix:
+    """The placement of an image that is nearest to an affine one among those that a volume node can hold, for display.
+
+    `image_to_reference` (4, 4) takes pixels (column, row) to mm. Calibrations are affine fits: axes some degrees off a right angle are
+    usual. What comes back has the same plane, pixel sizes and middle of the image.
+
+    Notes
+    -----
+    The directions are the orthogonal factor of the polar decomposition M = U P of the unit axes and the plane's normal, the orthogonal
+    matrix that is nearest to M (Fan and Hoffman 1955): each axis turns by half of what they are off. Where M is orthogonal, U is M.
+    """
+    linear = np.array(image_to_reference[:3, :3], dtype=np.float64)
+    sizes = np.linalg.norm(linear, axis=0)
+    normal = np.cross(linear[:, 0], linear[:, 1])
+    turned = -1.0 if np.linalg.det(linear) < 0 else 1.0
+    sizes[2] = sizes[2] or 1.0
+    axes = np.column_stack([linear[:, 0] / sizes[0], linear[:, 1] / sizes[1], turned * normal / np.linalg.norm(normal)])
+    left, _stretches, right = np.linalg.svd(axes)
+    middle = np.array([(columns - 1) / 2, (rows - 1) / 2, 0.0])
+    placement = np.eye(4)
+    placement[:3, :3] = left @ right * sizes
+    placement[:3, 3] = image_to_reference[:3, 3] + (linear - placement[:3, :3]) @ middle
+    return placement
+
+
 def ras_to_lps(matrix_ras: Matrix) -> Matrix:
     """A transform between RAS frames, expressed between LPS frames. Its own inverse."""
     matrix_lps: Matrix = LPS_FROM_RAS @ matrix_ras @ LPS_FROM_RAS

@@ -11,12 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Singles
+from ..arrays import Floats, Mask, Singles
 from ..errors import BeamGeometryError
 from ..remedies import Remedy
 
 LINEAR = "linear"
 SECTOR = "sector"
+
+DRAWN = 9
+"""Beams that are drawn."""
 
 
 @dataclass(frozen=True)
@@ -74,3 +77,21 @@ class ProbeGeometry:
         directions[..., 0] = x / distance
         directions[..., 1] = y / distance
         return directions
+
+    def lines(self, mask: Mask, count: int = DRAWN) -> list[Floats]:
+        """Some beams as lines of 2 points (column, row): down the image, or from the apex to the end of the kept pixels."""
+        rows, columns = np.nonzero(mask)
+        if self.kind != SECTOR:
+            return [
+                np.array([(column, rows.min()), (column, rows.max())], dtype=np.float64)
+                for column in np.linspace(columns.min(), columns.max(), count)
+            ]
+        apex = np.array(self.apex, dtype=np.float64)
+        x, y = columns - apex[0], rows - apex[1]
+        angles, radii = np.arctan2(x, y), np.hypot(x, y)
+        lines = []
+        for angle in np.linspace(angles.min(), angles.max(), count):
+            near = np.abs(angles - angle) < max(np.ptp(angles) / count / 2, 1e-3)
+            radius = radii[near].max() if near.any() else radii.max()
+            lines.append(np.array([apex, apex + radius * np.array([math.sin(angle), math.cos(angle)])]))
+        return lines

@@ -121,6 +121,14 @@ def extreme_pixels(mask: Mask) -> Floats:
     return pixels
 
 
+def outline_of(mask: Mask) -> Floats:
+    """The closed line around the kept pixels of a mask (rows, columns), (n, 2) (column, row): down its left side, up its right one."""
+    ends = extreme_pixels(mask)
+    half = len(ends) // 2
+    line = np.concatenate([ends[:half], ends[half:][::-1]])
+    return np.concatenate([line, line[:1]])
+
+
 DEPTHS = (0.15, 0.30, 0.50, 0.70)
 """Where the arcs are that are looked at, as parts of the way from the fan's first to its last radius."""
 

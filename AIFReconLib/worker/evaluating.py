@@ -1,4 +1,4 @@
-"""What else a program with windows has done for it: measuring, guidance in a sweep, simulating, and keeping settings.
+"""What else a program with windows has done for it: measuring, guidance in a sweep, calibrating, simulating, and keeping settings.
 
 What computes is imported where it is used: who asks does not load it.
 """
@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +20,17 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.seen import GuidanceSeen, Share
 from ..inspection.verdicts import Verdict, calibration_verdict
 from ..machine.threads import usable_cores
+from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
+from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
+
+if TYPE_CHECKING:
+    from ..calibration.calibration import Calibration
+
+FAR = 0.5
+"""mm that the CT may lie from where it belongs by the new calibration until that is told."""
 
 
 def bone_of_ct(ct: Volume, progress: Progress | None = None) -> Labels:
@@ -69,6 +78,55 @@ def calibration_of_sweep(
     from ..calibration.check import checked
 
     return calibration_verdict(checked(sequence, labels, labels_to_reference, recipe=recipe, progress=progress))
+
+
+@dataclass(frozen=True, eq=False)
+class Calibrated:
+    """What a sweep says of its calibration."""
+
+    lines: tuple[str, ...]  #: For the user, a sentence or two each
+    image_correction: Matrix | None  #: (4, 4), pixels: with_unit_depth(pose) @ this = mended pose; None where nothing is to be changed
+
+
+def calibrated_by(
+    sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
+) -> Calibrated:
+    """What a sweep, or several as one, says of its calibration; the arguments are those of `calibrate`, the CT lies on the sweep."""
+    from ..calibration.calibration import calibrate
+
+    found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
+    if found.said is not None:
+        return Calibrated((Sentence(f"The calibration was not changed. {found.said}", found.said),), None)
+    if found.changed <= found.uncertainty:
+        agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
+        return Calibrated((agrees, *_more(found)), None)
+    lines = (
+        f"Calibrated: image points are placed within {found.uncertainty:.1f} mm in the median; the change is {found.changed:.1f} mm.",
+        f"{found.after.share:.0%} of the echoes agree with the CT's bone, {found.after.median_distance:.2f} mm off in the median; "
+        f"before it was {found.before.share:.0%} and {found.before.median_distance:.2f} mm.",
+        *_belongs(found, labels_to_reference),
+        *_more(found),
+    )
+    return Calibrated(lines, found.image_correction)
+
+
+def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
+    """Where the CT belongs by the new calibration, if that is elsewhere."""
+    points = np.column_stack([found.echoes_on_bone[1], np.ones(len(found.echoes))])
+    apart = float(np.median(np.linalg.norm((points @ (found.labels_to_reference - labels_to_reference).T)[:, :3], axis=1)))
+    return [Sentence(f"With it the CT belongs {apart:.1f} mm from where it lies.", Remedy.PLACE_THE_CT)] if apart > FAR else []
+
+
+def _more(found: Calibration) -> list[str]:
+    """The delay, which is part of no calibration, and what the sweep does not tell."""
+    from ..calibration.check import SURE
+
+    lines: list[str] = []
+    delay = float(found.values[-1])
+    if found.held[-1] and abs(delay) > SURE * found.deviation[-1]:
+        words = f"Images and poses are {1000 * abs(delay):.0f} ms out of step, which a calibration cannot mend."
+        lines.append(Sentence(words, Remedy.STEP, offset=f"{delay:.3f}"))
+    return [*lines, found.advice] if found.advice else lines
 
 
 def guidance_in_sweep(

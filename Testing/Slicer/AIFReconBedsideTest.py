@@ -238,15 +238,14 @@ class AIFReconBedsideTest(unittest.TestCase):
             self.assertIsNone(recordingPath(self.parameters))
 
     def test_a_server_is_looked_for_on_this_computer_first(self):
-        from AIFReconScene.live import serverSearch
-
         from AIFReconLib.live.replay.server import ReplayServer
+        from AIFReconLib.live.wire import search
 
         with ReplayServer(tinyScene.makeSequence(), 0, rate=20.0, loop=True) as server:
             asked = []
-            found = serverSearch.answering([("127.0.0.1", server.port)], lambda share, said: asked.append(str(said)) or True)
+            found = search.answering([("127.0.0.1", server.port)], lambda share, said: asked.append(str(said)) or True)
         if found == ("127.0.0.1", server.port):  # else this computer has a scanner of its own
             self.assertIn("18944", asked[0])
         self.assertEqual(found[0], "127.0.0.1")
         kept = [("scanner", 18944), ("127.0.0.1", 18945)]
-        self.assertEqual(serverSearch.fromText(serverSearch.asText(kept)), kept)
+        self.assertEqual(search.from_text(search.as_text(kept)), kept)

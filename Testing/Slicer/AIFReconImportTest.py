@@ -216,7 +216,7 @@ class AIFReconImportTest(unittest.TestCase):
         self.assertEqual(self.parameters.clipWidth, 12.0)
 
     def recognize(self):
-        from AIFReconScene.inputs.clip import clipAsRecognized
+        from AIFReconScene.inputs.boxes import clipAsRecognized
 
         clipAsRecognized(self.parameters)
 

@@ -3,13 +3,13 @@
 from html import escape
 
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.registration.sweepVerdicts import CALIBRATION, NAMES
+from AIFReconScene.registration.sweepVerdicts import NAMES
 from slicer.i18n import tr as _
 
 from ..fields.choosers import Follower
+from ..signals import signOf
 from .layout import say
 from .panelPart import every
-from .signals import signOf
 
 LOOKED_EVERY = 100
 """ms between two looks whether more is known."""
@@ -21,10 +21,10 @@ class Lights(Follower):
     def __init__(self, ui, verdicts):
         self._ui, self._verdicts = ui, verdicts
         self._timer = every(LOOKED_EVERY, self._look)
-        for name in (name for name in NAMES if name != CALIBRATION):
+        for name in NAMES:
             button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
             button.connect("toggled(bool)", details.setVisible)
-        ui.registrationMoreButton.connect("toggled(bool)", lambda checked: self.update())
+            button.connect("toggled(bool)", lambda checked: self.update())
 
     def update(self) -> None:
         """Show what is known of the chosen sweep and CT."""
@@ -34,12 +34,13 @@ class Lights(Follower):
         for name, verdict in shown.items():
             known = name not in self._verdicts.sought
             self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), verdict.advice if known else "")
-        for label in (self._ui.calibrationSignalLabel, self._ui.calibrationVerdictLabel):
-            label.visible = self._parameterNode.sweep is not None  # an empty scene's panel is seen whole on a small screen
+        ui = self._ui
+        for widget in (ui.calibrationSignalLabel, ui.calibrationVerdictLabel, ui.calibrationMoreButton):
+            widget.visible = self._parameterNode.sweep is not None  # an empty scene's panel is seen whole on a small screen
         # At hand where it is needed, and with the rest of its kind else
-        good = shown["registration"].level.value == "good"
-        button = self._ui.placeButton
-        button.visible = self._ui.registrationMoreButton.checked or (button.enabled and not good)
+        isWrong, isPlaced = shown["calibration"].level.value == "look", shown["registration"].level.value == "good"
+        ui.placeButton.visible = ui.registrationMoreButton.checked or (ui.placeButton.enabled and not isPlaced)
+        ui.calibrateButton.visible = ui.calibrationMoreButton.checked or (ui.calibrateButton.enabled and isWrong)
 
     @property
     def isLooking(self) -> bool:

@@ -5,18 +5,19 @@ import time
 import slicer
 from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.live.liveFiles import recordingPath, sizeOf
-from AIFReconScene.live.serverSearch import answering, asText, fromText
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
+
+from AIFReconLib.live.wire.search import answering, as_text, from_text
 
 from ..fields.choosers import boneSourceOfScan
 from ..fields.pathField import PathField
 from ..longWork import errorsShown
 from ..packages import packagesAreThere
+from ..signals import GRAY, styleOf
 from .layout import reveal, say
 from .liveWords import LiveWords, counts, linesOf
 from .panelPart import PanelPart, every
-from .signals import GRAY, styleOf
 
 LOOK_EVERY, COUNTED_EVERY = 10, 0.5
 """ms between two looks whether the scan has answered, and s between two updates of what is counted: each number that has changed has Qt lay
@@ -146,7 +147,7 @@ class LivePanel(PanelPart):
 
     def onFind(self) -> None:
         """Look for a server, and take it."""
-        remembered = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
+        remembered = from_text(slicer.util.settingsValue(SERVERS_SETTING, ""))
         shorter = ""
 
         def work(parameters, progress):
@@ -198,8 +199,8 @@ class LivePanel(PanelPart):
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
         settings.setValue("AIFRecon/LivePort", parameters.livePort)
-        before = fromText(slicer.util.settingsValue(SERVERS_SETTING, ""))
-        settings.setValue(SERVERS_SETTING, asText([(parameters.liveHost, parameters.livePort), *before]))
+        before = from_text(slicer.util.settingsValue(SERVERS_SETTING, ""))
+        settings.setValue(SERVERS_SETTING, as_text([(parameters.liveHost, parameters.livePort), *before]))
         self._ui.livePauseButton.checked = False
         self._looking.start()
         return ""

@@ -8,7 +8,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.live.wire.sources import CONNECTED
 
-from .signals import GREEN, RED
+from ..signals import GREEN, RED
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ class PicturePanel:
         self._parameterNode = self._bound = None
         self._views = EchoView(), SpineView(), ProbeUp(), LevelNames()
         self._presets = windows.presets()
-        for label in (_("as it is"), *(preset.label for preset in self._presets)):
+        for label in (_("as it is"), *(preset[0] for preset in self._presets)):
             ui.windowComboBox.addItem(label)
         ui.windowComboBox.connect("activated(int)", self.onWindow)
         ui.copyLineButton.connect("clicked(bool)", self.onCopyLine)

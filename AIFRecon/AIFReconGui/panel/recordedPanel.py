@@ -7,7 +7,7 @@ import slicer
 from AIFReconScene.display.segmentDisplay import BoneOutlines
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
-from AIFReconScene.inputs.clip import clipAsRecognized
+from AIFReconScene.inputs.boxes import clipAsRecognized
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit, fileFrom
 from AIFReconScene.sceneNodes import addedTogether
 from AIFReconScene.sweep.fileKinds import opened
@@ -43,7 +43,7 @@ class RecordedPanel(PanelPart):
         ui.summaryLabel.visible = False
         self.lights = Lights(ui, logic.verdicts)
         self.importer = ImportDialog(work, refresh, logic.takeImported)
-        self._picture = PicturePanel(ui.picturePlace.layout(), ui.guidanceSweepButton, work, logic.trackingReport)
+        self._picture = PicturePanel(ui.picturePlace.layout(), ui.undoCalibrationButton, work, logic.trackingReport)
         self._followers = (
             SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
             SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),

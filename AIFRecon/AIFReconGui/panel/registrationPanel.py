@@ -6,8 +6,8 @@ from AIFReconScene.display.echoPoints import EchoPoints
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneNodes import boneNames
 from AIFReconScene.panelWords import inPanelWords, withNames
-from AIFReconScene.registration.ctPlacement import CTPlacement, transformAbove
 from AIFReconScene.registration.ctRegistration import CTRegistration, rigidPlace
+from AIFReconScene.registration.moves import Moves, placing, transformAbove
 from AIFReconScene.volumes.segments import bentBone
 from slicer.i18n import tr as _
 
@@ -26,7 +26,7 @@ LOOKED_EVERY = 100
 
 
 class RegistrationPanel(PanelPart):
-    """Connects the widgets below the light to a `CTRegistration` and a `CTPlacement`.
+    """Connects the widgets below the light to a `CTRegistration` and its `Moves`.
 
     Gauge and colors are those of the place where the CT is now, once they were asked for: they follow it when it is moved. While the tab
     Live scans, what the scan has shown so far takes the place of the chosen sweep.
@@ -35,7 +35,7 @@ class RegistrationPanel(PanelPart):
     def __init__(self, ui, work, refresh, live, logic):
         super().__init__(ui, work, refresh)
         self._live, self._logic = live, logic
-        self._registration, self._placement, self._echoes = CTRegistration(), CTPlacement(), EchoPoints()
+        self._registration, self._moves, self._echoes = CTRegistration(), Moves(), EchoPoints()
         self._placed = self._about = self._task = self._seenAt = self._knownAt = self._unbent = None
         self._saidBefore = ""
         self._places = []
@@ -69,7 +69,7 @@ class RegistrationPanel(PanelPart):
         enable(ui.placeButton, missing, places)
         ui.livePlaceButton.enabled = self._live.isRunning and not missing
         ui.livePlaceButton.toolTip = missing or _("Move the CT onto the bone that this scan has shown so far")
-        ui.undoPlaceButton.enabled = self._placement.canUndo
+        ui.undoPlaceButton.enabled = self._moves.canUndo
         self._echoes.setVisible(parameters.showEchoes)
 
     def forget(self) -> None:
@@ -86,7 +86,7 @@ class RegistrationPanel(PanelPart):
         """The scene or the panel is being closed."""
         self.forget()
         self._registration.forget()
-        self._placement = CTPlacement()
+        self._moves = Moves()
 
     # ---- buttons
 
@@ -110,7 +110,7 @@ class RegistrationPanel(PanelPart):
 
     def onUndo(self) -> None:
         """Bring the CT back to where it was before it was moved last."""
-        if self._placement.undo():
+        if self._moves.undo():
             if self._unbent is not None:
                 self._parameterNode.bone, bent = self._unbent
                 slicer.mrmlScene.RemoveNode(bent)
@@ -165,7 +165,7 @@ class RegistrationPanel(PanelPart):
 
     def _moveTo(self, parameters, placed) -> None:
         with slicer.util.RenderBlocker():
-            self._placement.place(parameters.bone, parameters.ctVolume, parameters.sweep, placed.labels_to_reference)
+            self._moves.do(placing(parameters.bone, parameters.ctVolume, parameters.sweep, placed.labels_to_reference))
             self._show(parameters, placed)
 
     # ---- what is shown

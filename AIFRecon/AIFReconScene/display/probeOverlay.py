@@ -7,8 +7,8 @@ import numpy as np
 import vtk
 
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
-from AIFReconLib.imaging.region import ImageRegion, extreme_pixels
+from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.region import ImageRegion, outline_of
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -17,7 +17,6 @@ from ..sweep.sequenceReader import orientationFlips
 from ..transforms import ijkToRAS
 from .ownNodes import OwnNodes, polyData, setScalars
 
-BEAMS = 9
 MOST_OUTLINES = 300
 OUTLINE_POINTS = 40
 """Of the outline of one frame in 3D, about."""
@@ -51,7 +50,8 @@ class ProbeOverlay:
         for axis, (flip, last) in enumerate(zip(orientationFlips(items.images), (columns - 1, rows - 1))):
             if flip:
                 toStored[axis, axis], toStored[axis, 3] = -1.0, last
-        lines = [outline(region.mask(columns, rows)), *beams(region.mask(columns, rows), probe)]
+        kept = region.mask(columns, rows)
+        lines = [outline_of(kept), *probe.lines(kept)]
         toRAS = ijkToRAS(image) @ toStored
         drawn = _upright([_place(toRAS, line) for line in lines], np.cross(toRAS[:3, 0], toRAS[:3, 1]))
         node = self._own.model("probe", f"{browser.GetName()} beams")
@@ -75,7 +75,7 @@ class ProbeOverlay:
         poses = sweep_poses(sequence)
         usable = poses.require_usable(sequence.name)
         columns, rows = sequence.frame_size
-        points = outline((region or ImageRegion()).mask(columns, rows))[:-1]
+        points = outline_of((region or ImageRegion()).mask(columns, rows))[:-1]
         points = points[:: max(1, len(points) // OUTLINE_POINTS)]
         points = np.concatenate([points, points[:1]])
         shown = usable[:: math.ceil(len(usable) / MOST_OUTLINES)]
@@ -97,33 +97,6 @@ class ProbeOverlay:
     def hide(self, *what: str) -> None:
         """Remove the "probe", the "outlines", or everything."""
         self._own.remove(*what)
-
-
-def outline(mask: np.ndarray) -> np.ndarray:
-    """The closed line around the kept pixels of a mask (rows, columns), (n, 2) (column, row): down its left side, up its right one."""
-    ends = extreme_pixels(mask)
-    half = len(ends) // 2
-    line = np.concatenate([ends[:half], ends[half:][::-1]])
-    return np.concatenate([line, line[:1]])
-
-
-def beams(mask: np.ndarray, probe: ProbeGeometry, count: int = BEAMS) -> list[np.ndarray]:
-    """Some beams as lines of 2 points (column, row): down the image, or from the apex to the end of the kept pixels."""
-    rows, columns = np.nonzero(mask)
-    if probe.kind != SECTOR:
-        return [
-            np.array([(column, rows.min()), (column, rows.max())], dtype=np.float64)
-            for column in np.linspace(columns.min(), columns.max(), count)
-        ]
-    apex = np.array(probe.apex_px, dtype=np.float64)
-    x, y = columns - apex[0], rows - apex[1]
-    angles, radii = np.arctan2(x, y), np.hypot(x, y)
-    lines = []
-    for angle in np.linspace(angles.min(), angles.max(), count):
-        near = np.abs(angles - angle) < max(np.ptp(angles) / count / 2, 1e-3)
-        radius = radii[near].max() if near.any() else radii.max()
-        lines.append(np.array([apex, apex + radius * np.array([math.sin(angle), math.cos(angle)])]))
-    return lines
 
 
 def _place(toRAS: np.ndarray, pixels: np.ndarray) -> np.ndarray:

@@ -1,11 +1,14 @@
-"""The box to reconstruct in. A new one has no size: it is laid around what there is to be reconstructed."""
+"""The box to reconstruct in, which is laid around what there is while it has no size; and the part of the image that is ultrasound."""
 
 import slicer
+from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.worker.reconstructing import corners_of_sweep
+from AIFReconLib.worker.reconstructing import corners_of_sweep, recognized_clip
 
 from ..sceneNodes import boundsOf
+from ..sweep.browserItems import checkRecorded
+from ..sweep.sequenceReader import sequenceFromBrowser
 from ..work import inWorker
 from .inputs import Inputs
 
@@ -55,3 +58,12 @@ def _aroundVolume(volumeNode) -> tuple | None:
     if volumeNode is None or volumeNode.GetImageData() is None:
         return None
     return tuple(boundsOf(volumeNode).T)
+
+
+def clipAsRecognized(parameters, progress=None) -> str:
+    """Set the clip rectangle to what is recognized in the chosen sweep, and return it in words; an AIFReconError says why there is none."""
+    checkRecorded(parameters.sweep)
+    x, y, width, height = inWorker(recognized_clip, sequenceFromBrowser(parameters.sweep, parameters.imageSequence), progress=progress)
+    parameters.clipColumn, parameters.clipRow, parameters.clipWidth, parameters.clipHeight = x, y, width, height
+    words = _("Set as recognized: columns {left:g} to {right:g}, rows {top:g} to {bottom:g}.")
+    return words.format(left=x, right=x + width, top=y, bottom=y + height)

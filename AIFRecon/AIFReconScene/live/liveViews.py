@@ -4,11 +4,11 @@ from typing import Any
 
 import slicer
 
+from AIFReconLib.geometry.transforms import at_right_angles
 from AIFReconLib.geometry.volume import Volume
 
 from ..display import sliceDisplay
 from ..sceneNodes import removeNodes, showGrayLevels
-from ..transforms import atRightAngles
 from ..volumes.volumeNodes import updateVolumeNode
 
 FRAME_NAME = "Live frame"
@@ -45,7 +45,7 @@ class LiveViews:
             self._node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)
             self._node.SetSaveWithScene(False)
         # What is inserted lies where the exact matrix puts it
-        updateVolumeNode(self._node, Volume(frame.image[None], atRightAngles(frame.image_to_reference, columns, rows)))
+        updateVolumeNode(self._node, Volume(frame.image[None], at_right_angles(frame.image_to_reference, columns, rows)))
         if node is None:
             showGrayLevels(self._node)
         self.follow(self._node)

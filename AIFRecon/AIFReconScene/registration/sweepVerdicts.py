@@ -78,7 +78,8 @@ class SweepVerdicts:
         if self._known[REGISTRATION][1].level is Level.GOOD:
             looks[CALIBRATION] = calibration_of_sweep, lambda verdict: verdict
         else:
-            self._tell(CALIBRATION, parameters, unknown("known where CT and sweep agree"))
+            advice = "If they do not wherever the CT is placed, the calibration may be wrong: press “More”."
+            self._tell(CALIBRATION, parameters, Verdict(Level.UNKNOWN, "known where CT and sweep agree.", advice))
         for name, (look, verdictOf) in looks.items():
             task = worker.begin(look, asked.sequence, asked.bone.volume, asked.bone.to_reference, asked.recipe)
             self._sought[name] = task, _key(name, parameters), verdictOf, parameters.output

@@ -20,7 +20,7 @@ from AIFReconLib.sweep.poses import sweep_poses
 
 from ..transforms import ijkToRAS, matrixToParent, parentTransforms
 from .browserItems import BrowserItems, isTransformName, timesOf
-from .sequenceNodes import STATUS_ATTRIBUTE, statusOf
+from .sequenceNodes import IMAGE, STATUS_ATTRIBUTE, statusOf
 
 ROUNDED, TINY = 1e-5, 1e-9
 """How far numbers of a matrix move that Slicer writes with 6 digits: by this share of them, or this."""
@@ -196,7 +196,8 @@ def _byName(items: BrowserItems, named: dict, reference: str | None) -> list[Fra
     try:
         poses = sweep_poses(sequence, reference=reference)
     except AIFReconError as error:
-        more = {**_staticTransforms(items, named), **static}
+        ofScene = {name: TransformSample(matrixToParent(node)) for name, node in _staticTransforms(items, named).items()}
+        more = {**ofScene, **static}
         if len(more) == len(static):
             raise
         try:
@@ -217,7 +218,7 @@ def _byName(items: BrowserItems, named: dict, reference: str | None) -> list[Fra
     return result
 
 
-def _staticTransforms(items: BrowserItems, named: dict) -> dict[TransformName, TransformSample]:
+def _staticTransforms(items: BrowserItems, named: dict) -> dict[TransformName, object]:
     """Linear transforms of the scene that no browser replays and whose names say where they lead: calibrations."""
     found = {}
     for node in slicer.util.getNodesByClass("vtkMRMLLinearTransformNode"):
@@ -226,8 +227,28 @@ def _staticTransforms(items: BrowserItems, named: dict) -> dict[TransformName, T
         name = TransformName.parse(node.GetName())
         taken = name in named or name.inverse in named or name in found or name.inverse in found
         if not taken and items.sequenceBehind(node) is None and items.otherBrowserOf(node) is None:
-            found[name] = TransformSample(matrixToParent(node))
+            found[name] = node
     return found
+
+
+def calibrationOf(items: BrowserItems):
+    """The transform that calibrates the images; None where one is to be made between them and the transform that moves them.
+
+    A TransformError says that none can: it is recorded with poses that are found by their names, or each image has its own.
+    """
+    proxy = items.browser.GetProxyNode(items.images)
+    above = proxy.GetParentTransformNode() if proxy is not None else None
+    if above is not None and not _embedded(items):
+        return above if items.sequenceBehind(above) is None else None
+    named = _namedTransforms(items)
+    recorded = (*named, *items.record.get("transforms", ()), *getattr(items.record.get("configuration"), "transforms", ()))
+    found = [node for name, node in _staticTransforms(items, named).items() if name.source == IMAGE]
+    if above is None and len(found) == 1 and IMAGE not in (name.source for name in recorded):
+        return found[0]
+    raise TransformError(
+        f"{items.path}: no transform of the scene can take a calibration of its images alone. In Slicer's Data module, drag the images "
+        "onto the transform that moves them."
+    )
 
 
 def _aboveReference(items: BrowserItems, named: dict, path: tuple[TransformName, ...]) -> list[_Link]:

@@ -18,7 +18,7 @@ import pytest
 REPOSITORY = Path(__file__).resolve().parents[3]
 MODULE = REPOSITORY / "AIFRecon"
 PROGRAM = REPOSITORY / "Testing" / "host" / "panel_looks.py"
-STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "panel" / "signals.py"
+STATES = REPOSITORY / "AIFRecon" / "AIFReconGui" / "signals.py"
 COLOR = re.compile(r"#[0-9a-fA-F]{6}\b|\brgba?\(|\bcolor:|QColor|setForeground|setPalette")
 
 

@@ -21,9 +21,9 @@ def sheared(degrees: float) -> np.ndarray:
 
 
 def placed(pose: np.ndarray) -> np.ndarray:
-    from AIFReconScene.transforms import atRightAngles
+    from AIFReconLib.geometry.transforms import at_right_angles
 
-    return atRightAngles(pose, COLUMNS, ROWS)
+    return at_right_angles(pose, COLUMNS, ROWS)
 
 
 def directions(matrix: np.ndarray) -> np.ndarray:

@@ -212,19 +212,15 @@ def test_the_sector_moves_with_the_frame(browser, overlay):
     assert np.allclose(points_in_world(node), first @ moved[:3, :3].T + moved[:3, 3], atol=1e-5)
 
 
-def test_beams_end_within_the_sector(browser, overlay):
-    from AIFReconScene.display.probeOverlay import beams
-
-    ends = np.array([line[1] for line in beams(FAN.mask(61, 50), SECTOR)])
+def test_beams_end_within_the_sector():
+    ends = np.array([line[1] for line in SECTOR.lines(FAN.mask(61, 50))])
     radii = np.hypot(*(ends - (30.0, -5.0)).T)
     assert (radii <= 50.0 + 1e-9).all()
     assert (radii > 30.0).all()
 
 
 def test_beams_of_a_linear_probe_run_down_the_image():
-    from AIFReconScene.display.probeOverlay import beams
-
-    lines = np.array(beams(np.ones((10, 21), bool), ProbeGeometry("linear"), 3))
+    lines = np.array(ProbeGeometry("linear").lines(np.ones((10, 21), bool), 3))
     assert lines.tolist() == [[[0, 0], [0, 9]], [[10, 0], [10, 9]], [[20, 0], [20, 9]]]
 
 

@@ -1,6 +1,13 @@
 """Where a scanner's server answers: on this computer first, then where one has been before. Nobody else's computer is asked."""
 
+from __future__ import annotations
+
 import socket
+
+from ...progress import Progress, report
+
+Server = tuple[str, int]
+"""Host and port."""
 
 LOCALHOST = "127.0.0.1"
 PORTS = (18944, 18945, 18946, 18947)
@@ -12,10 +19,8 @@ PATIENCE = 0.5
 MOST_REMEMBERED = 5
 
 
-def answering(remembered: list, progress=None):
+def answering(remembered: list[Server], progress: Progress | None = None) -> Server | None:
     """The first server that takes a connection, as (host, port), here or among those that are remembered; None where none does."""
-    from AIFReconLib.progress import report
-
     servers = list(dict.fromkeys([*((LOCALHOST, port) for port in PORTS), *remembered]))
     for number, (host, port) in enumerate(servers):
         report(progress, number / len(servers), f"Asking {host}, port {port}")
@@ -27,12 +32,12 @@ def answering(remembered: list, progress=None):
     return None
 
 
-def fromText(text: str) -> list:
-    """Servers that `asText` has written; what cannot be understood is left out."""
+def from_text(text: str) -> list[Server]:
+    """Servers that `as_text` has written; what cannot be understood is left out."""
     pairs = (each.rpartition(" ") for each in text.split(";"))
     return [(host, int(port)) for host, _space, port in pairs if host and port.isdecimal()]
 
 
-def asText(servers: list) -> str:
+def as_text(servers: list[Server]) -> str:
     """Servers as one line for the settings, the newest first."""
     return ";".join(f"{host} {port}" for host, port in dict.fromkeys(servers[:MOST_REMEMBERED]))
