@@ -38,7 +38,8 @@ EXAMPLE = """examples:
   aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml --report calibrated.json
 
 An .xml is the configuration with the new calibration; a .tfm is a correction of the image plane, which aifrecon convert applies to
-recordings that hold the pose of the image alone. Exit code 1: the sweep does not tell, and nothing is written but --report."""
+recordings that hold the pose of the image alone. Exit code 1: the sweep does not tell, and nothing is written but --report.
+The delay alone, of a sweep to and fro or of a plane in water: aifrecon info."""
 
 
 def add_to(commands: Commands) -> None:

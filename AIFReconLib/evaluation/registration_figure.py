@@ -72,7 +72,8 @@ def wire_figure(path: str | Path, images: Sequence[Numbers], points: Floats, exp
         panel.imshow(np.sqrt(np.asarray(image, dtype=np.float64)), cmap="gray")
         panel.plot(*found.T, "o", mfc="none", mec=COLORS[0], ms=11, label="wires as found")
         panel.plot(*wanted.T, "+", color=COLORS[-1], ms=9, label="as the calibration expects them")
-        panel.set(xticks=[], yticks=[])
+        low, high = found.min(axis=0) - 50, found.max(axis=0) + 50
+        panel.set(xticks=[], yticks=[], xlim=(low[0], high[0]), ylim=(high[1], low[1]))
     figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=2, labelcolor=INK, frameon=False)
     figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
     save_figure(path, figure)
