@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Matrix
-from ..errors import GeometryError, NoUsableFramesError, SettingsError, TransformError
+from ..errors import NoUsableFramesError, SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import invert, transform_points
 from ..message import Judged, Sentence, listed
@@ -29,13 +29,10 @@ from ..remedies import Remedy
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
-from .wire_points import ORDERS, WireFrames, unit_vectors, wire_points
+from .wire_points import ORDERS, WireFrames, as_wires, unit_vectors, wire_points
 
 PHANTOM = "Phantom"
 """What Plus calls the phantom's frame."""
-
-PARALLEL = 0.02
-"""Between the directions of wires, of length 1, that count as parallel."""
 
 MOST_FRAMES = 300
 FEWEST_FRAMES = 20
@@ -49,8 +46,8 @@ FARTHEST = 1.5
 HALVES_APART = 2.0
 """mm. Farther apart the calibrations of both halves do not tell the same."""
 
-TWO_WAYS = 1.5
-"""Times the distance of the best order of wires, below which another order fits as well."""
+TWO_WAYS, AS_NEAR = 1.5, 0.3
+"""Times the distance of the best order of wires, and mm, below which another order fits as well."""
 
 OUTLIER, LEAST_OUTLIER = 4.0, 1.0
 """Times the median distance, and mm, beyond which a frame's wires were taken for others."""
@@ -114,7 +111,7 @@ def calibrate_on_wires(
     AIFReconError
         For input that cannot be used. A calibration that must not be used is no error: see `WireCalibration.refusal`.
     """
-    ends = _as_wires(wires)
+    ends = as_wires(wires)
     sweeps = sweeps_of(sequences)
     called = TransformName.parse(name) if name else TransformName(chain_ends(sweeps[0].configuration, None, None)[0].source, "Probe")
     given = sweeps[0].configured().get(called)
@@ -126,9 +123,9 @@ def calibrate_on_wires(
         )
     report(progress, 0.8, "Solving the calibration")
     shown = len(found.numbers)
-    starts = sorted((_start(each) for each in _orders(found)), key=lambda one: one[0])
-    found, start = starts[0][1:]
-    solved = _solve(found, start)
+    starts = sorted((_start(each) for each in _orders(found)), key=lambda one: one[0])[:2]
+    orders = sorted((_ordered(each, start) for _, each, start in starts), key=lambda one: one[0])
+    _, found, solved = orders[0]
     off = found.distances(solved).mean(axis=(1, 2))
     found = found[np.flatnonzero(off <= max(OUTLIER * float(np.median(off)), LEAST_OUTLIER))]
     solved = _solve(found, solved)
@@ -143,29 +140,11 @@ def calibrate_on_wires(
     spread = np.sqrt((BLOCKS - 1) / BLOCKS * sum(_apart(found, each, solved) ** 2 for each in without))
     depth = found.points[..., 1].ravel() * np.linalg.norm(solved[:3, 1])
     depths = float(np.quantile(depth, 0.02)), float(np.quantile(depth, 0.98))
-    said = _refusal(found, solved, depths, apart, starts[1][0] < TWO_WAYS * starts[0][0])
+    said = _refusal(found, solved, depths, apart, orders[1][0] < max(TWO_WAYS * orders[0][0], AS_NEAR))
     report(progress, 1.0, "Calibrated")
-    uncertainty = math.hypot(1.645 * spread, apart / 2)
+    uncertainty = math.hypot(1.645 * spread, apart / 2)  # 9 times in 10 of a normal distribution
     before = None if given is None else given.matrix
     return WireCalibration(called, solved, before, found, tried, shown, float(np.mean(other)), apart, uncertainty, depths, said)
-
-
-def _as_wires(wires: Mapping[str, Floats]) -> Floats:
-    """The ends of the wires (n, 3, 2, 3); GeometryError where N's of them cannot be used."""
-    ends = np.array(list(wires.values()), dtype=np.float64)
-    if len(ends) < 6 or len(ends) % 3 or ends.shape[1:] != (2, 3) or not np.isfinite(ends).all():
-        raise GeometryError(f"Input wires must be six or more, three for each N, (2, 3) each; got shape {ends.shape}.")
-    ends = ends.reshape(-1, 3, 2, 3)
-    along = ends[:, :, 1] - ends[:, :, 0]
-    lengths = np.linalg.norm(along, axis=-1, keepdims=True)
-    along = along / np.maximum(lengths, 1e-9)
-    slanted = np.linalg.norm(along[:, 1] - along[:, 0], axis=-1) > PARALLEL
-    if lengths.min() < 1 or not np.allclose(along[:, [0, 2]], along[0, 0], atol=PARALLEL) or not slanted.all():
-        raise GeometryError(
-            "The outer wires of all N's must be parallel, front ends on one side, and each middle wire slanted; these are not. Correct the "
-            "phantom's description."
-        )
-    return ends
 
 
 def _seen(sweeps: list[TrackedSequence], probe: str, wires: Floats, progress: Progress | None) -> tuple[WireFrames, int]:
@@ -230,6 +209,12 @@ def _start(found: WireFrames) -> tuple[float, WireFrames, Matrix]:
     matrix[:3, :3] = left @ right * [np.linalg.norm(across), np.linalg.norm(along), 1.0]
     matrix[:3, 3] = origin
     return float(np.median(off)), found, matrix
+
+
+def _ordered(found: WireFrames, start: Matrix) -> tuple[float, WireFrames, Matrix]:
+    """A calibration for one order of the wires, and by how many mm wires lie off with it in the median."""
+    solved = _solve(found, start)
+    return float(np.median(found.distances(solved))), found, solved
 
 
 def _solve(found: WireFrames, start: Matrix) -> Matrix:

@@ -13,12 +13,14 @@ and control, Ultrasound in Medicine and Biology 35:79-93: dots, and lines of thr
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers, Matrix, Numbers
+from ..errors import GeometryError
 
 MOST_DOTS = 20
 """The brightest that are looked at."""
@@ -36,6 +38,9 @@ OFF = 0.02
 
 ROWS_APART = 0.02
 """Part of the image's width between two lines."""
+
+PARALLEL = 0.02
+"""Between the directions of wires, of length 1, that count as parallel."""
 
 FAR = 1e5
 """Pixels. Farther off no wire is expected."""
@@ -97,6 +102,24 @@ class WireFrames:
         """(f, n, 3) mm: the same as lengths, within the image."""
         lengths: Floats = np.linalg.norm(self.off(image_to_probe), axis=-1)
         return lengths
+
+
+def as_wires(wires: Mapping[str, Floats]) -> Floats:
+    """The ends of the wires (n, 3, 2, 3); GeometryError where N's of them cannot be used."""
+    ends = np.array(list(wires.values()), dtype=np.float64)
+    if len(ends) < 6 or len(ends) % 3 or ends.shape[1:] != (2, 3) or not np.isfinite(ends).all():
+        raise GeometryError(f"Input wires must be six or more, three for each N, (2, 3) each; got shape {ends.shape}.")
+    ends = ends.reshape(-1, 3, 2, 3)
+    along = ends[:, :, 1] - ends[:, :, 0]
+    lengths = np.linalg.norm(along, axis=-1, keepdims=True)
+    along = along / np.maximum(lengths, 1e-9)
+    slanted = np.linalg.norm(along[:, 1] - along[:, 0], axis=-1) > PARALLEL
+    if lengths.min() < 1 or not np.allclose(along[:, [0, 2]], along[0, 0], atol=PARALLEL) or not slanted.all():
+        raise GeometryError(
+            "The outer wires of all N's must be parallel, front ends on one side, and each middle wire slanted; these are not. Correct the "
+            "phantom's description."
+        )
+    return ends
 
 
 def wire_points(image: Numbers, section: Floats) -> Floats | None:

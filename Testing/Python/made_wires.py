@@ -58,7 +58,7 @@ def write_phantom(path: Path, place: np.ndarray | None = PLACE) -> Path:
 
 def poses(rng: np.random.Generator, count: int, tilt: float = 18.0, lift: float = 5.0, along: float = 2.0) -> np.ndarray:
     """image_to_phantom of planes (mm) that cut all wires: from above, turned and tilted by up to `tilt` degrees, over `lift` mm up
-    and down and `along` mm to and fro."""
+    and down and `along` mm along the wires."""
     matrices = np.tile(np.eye(4), (count, 1, 1))
     for matrix in matrices:
         # Columns along the phantom's x, rows down its z
@@ -67,7 +67,7 @@ def poses(rng: np.random.Generator, count: int, tilt: float = 18.0, lift: float 
         matrix[:3, 1] *= -1
         matrix[:3, 2] = np.cross(matrix[:3, 0], matrix[:3, 1])
         middle = np.array([SIZE[0] / 2 * 0.15, SIZE[1] / 2 * 0.12, 0.0])
-        matrix[:3, 3] = [14, 15, 8] + rng.uniform(-1, 1, 3) * [1.0, along, lift] - matrix[:3, :3] @ middle
+        matrix[:3, 3] = [14, 15, 8] + rng.uniform(-1, 1, 3) * [along / 2, along, lift] - matrix[:3, :3] @ middle
     return matrices
 
 
