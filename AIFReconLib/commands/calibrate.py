@@ -1,9 +1,10 @@
-"""`aifrecon calibrate`: a calibration from the scan itself, checked and written where it is used."""
+"""`aifrecon calibrate`: a calibration from the scan itself or from a phantom, checked and written where it is used."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +12,20 @@ import numpy as np
 from .. import __version__
 from ..calibration.calibration import Calibration, as_report, calibrate, findings
 from ..calibration.check import check_calibration
+from ..calibration.nwire import PHANTOM, calibrate_on_wires, wire_findings, wire_report
 from ..errors import OutputError, RegistrationRefused, SettingsError
 from ..geometry.transform_graph import TransformName
 from ..io.disk.atomic import check_writable, write_text
 from ..io.plus.calibration import write_calibrated
+from ..io.plus.configuration import read_plus_configuration
+from ..io.plus.phantom import read_wire_phantom
 from ..io.transform.files import HDF5_SUFFIXES, TEXT_SUFFIXES, read_transform, write_transform
 from ..progress import part
 from ..sweep.frames import TrackedSequence
+from ..sweep.joined import JoinedImages
 from ..sweep.poses import chain_ends
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, refuse_to_overwrite, required_labels
+from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite, required_labels
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
@@ -30,9 +35,11 @@ EXAMPLE = """examples:
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
   aifrecon calibrate sweep.igs.mha --bone-labels bone.nrrd --output correction.tfm
   aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm
+  aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml --report calibrated.json
 
 An .xml is the configuration with the new calibration; a .tfm is a correction of the image plane, which aifrecon convert applies to
-recordings that hold the pose of the image alone. Exit code 1: the sweep does not tell, and nothing is written but --report."""
+recordings that hold the pose of the image alone. Exit code 1: the sweep does not tell, and nothing is written but --report.
+The delay alone, of a sweep to and fro or of a plane in water: aifrecon info."""
 
 
 def add_to(commands: Commands) -> None:
@@ -44,6 +51,12 @@ def add_to(commands: Commands) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps of one calibration")
+    parser.add_argument(
+        "--phantom",
+        type=Path,
+        metavar="PLUS.xml",
+        help="the sweeps show the N-wire phantom that this configuration describes, and no bone; also the default of --config",
+    )
     add_labels_options(parser)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write: configuration (.xml) or correction (.tfm)")
@@ -64,15 +77,21 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, check or calibrate, write, and say how sure it is."""
+    if arguments.phantom and not arguments.config:
+        arguments.config = [arguments.phantom]
     each = of_each(arguments, arguments.sequences)
     inputs = [path for one in each for path in sequence_inputs(one)]
     refuse_to_overwrite(
-        [arguments.output, arguments.report, arguments.preview], [*inputs, *labels_inputs(arguments), arguments.bone_transform]
+        [arguments.output, arguments.report, arguments.preview],
+        [*inputs, *labels_inputs(arguments), arguments.bone_transform, arguments.phantom],
     )
     for path in (arguments.output, arguments.report, arguments.preview):
         if path:
             check_writable(path)
     _check_output(arguments)
+    if arguments.phantom:
+        _run_on_wires(arguments, each)
+        return
     start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     with ProgressBar() as progress:
         wanted = labels_from if arguments.check else required_labels
@@ -90,17 +109,51 @@ def run(arguments: argparse.Namespace) -> None:
             before, after = found.echoes_on_bone
             titles = f"before: {found.before.sentence()}", f"after: {found.after.sentence()}"
             calibration_figure(arguments.preview, before, after, labels, titles)
-    written = [arguments.preview] if arguments.preview else []
     if found.accepted:
         _write(arguments, found, sequences, name)
-        written.append(arguments.output)
+    _tell(arguments, sequences, findings(found), as_report(found), found.said)
+
+
+def _run_on_wires(arguments: argparse.Namespace, each: list[argparse.Namespace]) -> None:
+    """The same for a phantom of N-wires."""
+    if arguments.check or arguments.bone_transform or names_labels(arguments) or arguments.output.suffix.lower() != ".xml":
+        raise SettingsError("With --phantom a calibration is found from wires alone. Give --output FILE.xml, and no --check, CT or labels.")
+    wires = read_wire_phantom(arguments.phantom)
+    described = read_plus_configuration(arguments.phantom).transforms
+    place = {name: sample for name, sample in described.items() if PHANTOM in (name.source, name.target)}
+    with ProgressBar() as progress:
+        sequences = []
+        for sequence in map(sequence_from, each):
+            known = sequence.configuration.transforms
+            more = {} if any(PHANTOM in (name.source, name.target) for name in known) else place
+            sequences.append(replace(sequence, configuration=replace(sequence.configuration, transforms={**known, **more})))
+        found = calibrate_on_wires(sequences, wires, name=arguments.image_to_reference, progress=part(progress, 0.0, 0.95))
+        if arguments.preview:
+            from ..evaluation.registration_figure import wire_figure
+
+            shown = found.frames[np.linspace(0, len(found.frames.numbers) - 1, 3).round().astype(int)]
+            stack = JoinedImages([sequence.images for sequence in sequences])
+            images = [stack[int(number)] for number in shown.numbers]
+            points, expected = (one.reshape(len(images), -1, 2) for one in (shown.points, shown.expected(found.image_to_probe)))
+            wire_figure(arguments.preview, images, points, expected, wire_findings(found)[1])
+    if found.accepted:
+        write_calibrated(arguments.config[0], arguments.output, found.name, found.image_to_probe, _note(sequences))
+    _tell(arguments, sequences, wire_findings(found), wire_report(found, wires), found.said)
+
+
+def _tell(
+    arguments: argparse.Namespace, sequences: list[TrackedSequence], lines: list[str], facts: dict[str, object], said: str | None
+) -> None:
+    """Write the report, say what was found and written, and why no calibration is, if so."""
+    written = [arguments.preview] if arguments.preview else []
+    written += [] if said is not None else [arguments.output]
     if arguments.report:
-        facts = {"sequences": [sequence.name for sequence in sequences], "version": __version__, **as_report(found)}
+        facts = {"sequences": [sequence.name for sequence in sequences], "version": __version__, **facts}
         write_text(arguments.report, json.dumps(facts, indent=2) + "\n")
         written.append(arguments.report)
-    print("\n  ".join([*map(in_options, findings(found)), *(f"wrote {path}" for path in written)]))
-    if found.said is not None:
-        raise RegistrationRefused(f"No calibration is written. {found.said}", found.said)
+    print("\n  ".join([*map(in_options, lines), *(f"wrote {path}" for path in written)]))
+    if said is not None:
+        raise RegistrationRefused(f"No calibration is written. {said}", said)
 
 
 def _check_output(arguments: argparse.Namespace) -> None:
@@ -131,5 +184,8 @@ def _write(arguments: argparse.Namespace, found: Calibration, sequences: list[Tr
         write_transform(found.image_correction, arguments.output)
         return
     old = np.asarray(sequences[0].configured()[name].matrix)
-    note = f"aifrecon {__version__}, by {', '.join(sequence.name for sequence in sequences)}"
-    write_calibrated(arguments.config[0], arguments.output, name, found.mended(old), note)
+    write_calibrated(arguments.config[0], arguments.output, name, found.mended(old), _note(sequences))
+
+
+def _note(sequences: list[TrackedSequence]) -> str:
+    return f"aifrecon {__version__}, by {', '.join(sequence.name for sequence in sequences)}"

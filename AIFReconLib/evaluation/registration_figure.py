@@ -1,4 +1,4 @@
-"""The picture of a registration: bone echoes on the outline of the CT's bone, in three cuts."""
+"""Pictures of a registration, bone echoes on the outline of the CT's bone in three cuts; and of a calibration on wires."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from ..arrays import Floats
+from ..arrays import Floats, Numbers
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
@@ -60,6 +60,22 @@ def calibration_figure(path: str | Path, before: Floats, after: Floats, labels: 
         rows.set_facecolor(figure.get_facecolor())
         draw_cuts(rows, rows.subplots(1, 3), echoes, field_of_bone)
         rows.suptitle(title, color=INK, fontsize=12, parse_math=False)
+    save_figure(path, figure)
+
+
+@own_looks()
+def wire_figure(path: str | Path, images: Sequence[Numbers], points: Floats, expected: Floats, title: str) -> None:
+    """Draw images of a phantom with the wires as they are found and as a calibration expects them, (images, n, 2) pixels each."""
+    figure = new_figure(13.0, 4.2)
+    for panel, image, found, wanted in zip(figure.subplots(1, len(images), squeeze=False)[0], images, points, expected, strict=True):
+        # Echoes of wires are the brightest by far
+        panel.imshow(np.sqrt(np.asarray(image, dtype=np.float64)), cmap="gray")
+        panel.plot(*found.T, "o", mfc="none", mec=COLORS[0], ms=11, label="wires as found")
+        panel.plot(*wanted.T, "+", color=COLORS[-1], ms=9, label="as the calibration expects them")
+        low, high = found.min(axis=0) - 50, found.max(axis=0) + 50
+        panel.set(xticks=[], yticks=[], xlim=(low[0], high[0]), ylim=(high[1], low[1]))
+    figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=2, labelcolor=INK, frameon=False)
+    figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
     save_figure(path, figure)
 
 

@@ -12,13 +12,16 @@ from dicom_samples import write_dicom
 from doc_pages import REPOSITORY, blocks
 from files import COLUMNS, IMAGE_TO_PROBE, LABELS_TO_REFERENCE, ROWS, tracked_sequence, write_patient
 from made_tables import Recording, motive
+from made_wires import recording, write_phantom
 from variant_files import slicer_images, slicer_transforms
 
 from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.io.plus.phantom import read_wire_phantom
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.live.replay.server import ReplayServer
@@ -68,6 +71,8 @@ def make_workplace(folder: Path) -> Path:
     # The page says of its first block that it is this file
     (folder / "my_methods.py").write_text(next(blocks(REPOSITORY / "docs" / "own-method.md")).text, "utf-8")
     _write_optical_tracking(sequence, folder)
+    shutil.copy(patient.sweep, folder / "water.igs.mha")
+    write_sequence(recording(read_wire_phantom(write_phantom(folder / "PlusDeviceSet_fCal.xml")), 30, place=None), folder / "wires.igs.mha")
     slicer_images(folder / "Image.seq.nrrd")
     slicer_transforms(folder / "ImageToReference.seq.mha")
     slicer_transforms(folder / "Transform.seq.mha")

@@ -15,26 +15,45 @@ from ..disk.xml_tree import MAXIMUM_BYTES
 from .configuration import read_plus_configuration
 
 _MATRIX = re.compile(rb"""(\bMatrix\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
+_LAST = b"</CoordinateDefinitions>"
 
 
 def write_calibrated(configuration: Path, output: Path, name: TransformName, matrix: Matrix, note: str) -> None:
     """Write a configuration in which the transform `name` has another matrix; the old one stays beside it in a comment with the note.
 
+    A transform that the configuration does not hold yet becomes the last of CoordinateDefinitions.
+
     Raises ConfigurationError when the configuration does not hold it exactly so, OutputError when it cannot be written.
     """
-    read_plus_configuration(configuration)
+    known = read_plus_configuration(configuration).transforms
     data = read_bytes(configuration, MAXIMUM_BYTES, ConfigurationError)
+    if name not in known and name.inverse not in known and data.count(_LAST) == 1:
+        _write_added(configuration, data, output, name, matrix, note)
+        return
     start, stop = _element(configuration, data, name)
     found = _MATRIX.search(data, start, stop)
     if found is None:
         raise ConfigurationError(f"{configuration}: the transform {name} has no Matrix to replace. Write a .tfm instead.")
-    rows = "\n".join("        " + " ".join(f"{value:.9g}" for value in row) for row in matrix.tolist())
     # Two hyphens would end a comment
     old = f"{name} before ({note}): {' '.join(found[3].decode('ascii', 'replace').split())}".replace("--", "- -")
     comment = f"<!-- {old} -->"
-    written = data[: found.start(3)] + f"\n{rows}".encode("ascii") + data[found.end(3) : stop] + comment.encode("ascii", "replace")
+    written = data[: found.start(3)] + _rows(matrix) + data[found.end(3) : stop] + comment.encode("ascii", "replace")
     with atomic_output(output) as temporary:
         temporary.write_bytes(written + data[stop:])
+
+
+def _write_added(configuration: Path, data: bytes, output: Path, name: TransformName, matrix: Matrix, note: str) -> None:
+    comment = f"<!-- {name} is new ({note.replace('--', '- -')}) -->".encode("ascii", "replace")
+    element = f'  <Transform From="{name.source}" To="{name.target}" Matrix="'.encode() + _rows(matrix) + b'" />'
+    with atomic_output(output) as temporary:
+        temporary.write_bytes(data.replace(_LAST, element + comment + b"\n  " + _LAST))
+        if name not in read_plus_configuration(temporary).transforms:
+            raise ConfigurationError(f"{configuration}: it has no CoordinateDefinitions to which {name} could be added. Add that element.")
+
+
+def _rows(matrix: Matrix) -> bytes:
+    """A matrix as an attribute holds it, a line a row."""
+    return "".join("\n        " + " ".join(f"{value:.9g}" for value in row) for row in matrix.tolist()).encode("ascii")
 
 
 def _element(path: Path, data: bytes, name: TransformName) -> tuple[int, int]:

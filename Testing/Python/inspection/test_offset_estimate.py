@@ -138,3 +138,20 @@ def test_images_are_not_read_where_the_poses_already_say_that_it_is_no_use():
 def test_it_can_be_canceled():
     with pytest.raises(OperationCanceled):
         estimate(sweep(), progress=lambda fraction, _: fraction < 0.5)
+
+
+@pytest.mark.parametrize("late", [-0.06, 0.1])
+def test_the_bottom_of_a_water_tank_tells_the_offset(late):
+    rng = np.random.default_rng(0)
+    rows = np.arange(ROWS)[:, None]
+    images, records = [], []
+    for n in range(240):
+        depth = 20.0 + to_and_fro(n / RATE) * 0.8
+        image = 200 * np.exp(-(((rows - depth) / 1.5) ** 2)) + rng.rayleigh(4.0, (ROWS, COLUMNS))
+        images.append(np.clip(image, 0, 255).astype(np.uint8))
+        # Up by as much as the bottom comes deeper
+        claimed = to_and_fro(n / RATE - late) * 0.8
+        pose = rigid((20.0, 5.0, -30.0), (7.0, 8.0, 9.0)) @ rigid((0, 0, 0), (0, -claimed, 0)) @ np.diag([SPACING, SPACING, 1.0, 1.0])
+        records.append(FrameRecord(timestamp=n / RATE, transforms={TransformName("Image", "Reference"): TransformSample(pose)}))
+    found = estimate(TrackedSequence(np.array(images), records))
+    assert found.time_offset == pytest.approx(late, abs=max(found.uncertainty, 0.01))
