@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .bone.map import BoneMap as BoneMap
     from .calibration.calibration import calibrate as calibrate
     from .calibration.check import check_calibration as check_calibration
+    from .calibration.crossing import calibrate_by_crossing as calibrate_by_crossing
     from .compounding.own.method import Method as Method
     from .compounding.own.method import register_method as register_method
     from .compounding.reconstructor import Reconstructor as Reconstructor
@@ -87,6 +88,7 @@ _PUBLIC = {
     "VoxelGrid": "geometry.volume",
     "bone_from_sweep": "bone.echoes.surface",
     "calibrate": "calibration.calibration",
+    "calibrate_by_crossing": "calibration.crossing",
     "check_calibration": "calibration.check",
     "coverage": "guidance.coverage",
     "estimate_time_offset": "inspection.offset_estimate",

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..arrays import Floats, Mask, Matrix
+from ..arrays import Floats, Mask
 from ..bone.field import BoneField
 from ..errors import require_kind
-from ..geometry.transforms import as_matrix, with_unit_depth
+from ..geometry.transforms import as_matrix
 from ..geometry.volume import Volume
-from ..message import Judged, Sentence, listed
+from ..message import Sentence, listed
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.agreement import Agreement
@@ -22,13 +22,18 @@ from ..registration.search import anywhere, search
 from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
-from .echoes import Correction, ImagedEchoes, imaged_echoes
+from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
 from .solve import ALL, EXPECTED, FINE_ECHOES, PARAMETERS, UNITS, Solved, as_vector, descend, in_words, solve
 
 PLACES = 3
 """Places of the CT from which is started where none is given."""
 
 FEWEST_ANGLES = 2
+
+ONE_ANGLE = Sentence(
+    "The sweep shows bone from one angle alone, and one angle says nothing of a calibration. Scan the same bone there and back with the "
+    "probe tilted to all sides and turned by 90 degrees."
+)
 
 FARTHEST = 4.0
 """Times `EXPECTED`: a calibration that is more wrong than that is wrong in another way, see check.py."""
@@ -54,7 +59,7 @@ MOVEMENTS = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Calibration(Judged):
+class Calibration(Mending):
     """What a sweep and a CT say of the calibration that the sweep came with."""
 
     correction: Correction
@@ -78,15 +83,6 @@ class Calibration(Judged):
     def values(self) -> Floats:
         """(9,): the correction in the order of `solve.PARAMETERS`, mm, radians, parts, s."""
         return as_vector(self.correction)
-
-    @property
-    def image_correction(self) -> Matrix:
-        """(4, 4), pixels: old image_to_probe @ this = new image_to_probe, as `mended` has it."""
-        return self.correction.of_pixels(self.echoes.spacing)
-
-    def mended(self, image_to_probe: Matrix) -> Matrix:
-        """The calibration in place of this one, (4, 4), pixels to mm; `image_to_probe` may end in any frame, Reference too."""
-        return with_unit_depth(as_matrix(image_to_probe, "image_to_probe")) @ self.image_correction
 
     @property
     def echoes_on_bone(self) -> tuple[Floats, Floats]:
@@ -193,10 +189,7 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     """Why a solution must not be used, in one sentence or two; None where it may."""
     angles = int(echoes.angles.max()) + 1
     if angles < FEWEST_ANGLES:
-        return Sentence(
-            "The sweep shows bone from one angle alone, and one angle says nothing of a calibration. Scan the same bone there and back "
-            "with the probe tilted to all sides and turned by 90 degrees."
-        )
+        return ONE_ANGLE
     if not after.enough or after.closeness > LEAST_CLOSENESS:
         return Sentence(f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}", Remedy.CHECK_CALIBRATION)
     rival = next((one for one in others if one.cost < best.cost + AS_GOOD and _apart(best, one, echoes) > ELSEWHERE), None)
@@ -204,15 +197,23 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
         return Sentence(
             f"Two calibrations fit as well and lie {_apart(best, rival, echoes):.1f} mm apart. Scan the same bone from more angles."
         )
-    if not free.any() or sides.apart > HALVES_APART:
-        return Sentence(
-            f"The halves of this sweep give calibrations that lie {sides.apart:.1f} mm apart. Scan the same bone from more angles."
-        )
-    far = (np.abs(as_vector(best.correction)) > FARTHEST * EXPECTED) & free
-    if far.any():
-        name, value = PARAMETERS[int(far.argmax())], in_words(as_vector(best.correction))[int(far.argmax())]
-        return Sentence(f"The calibration would have to change by more than calibrations are wrong by ({name} {value:+.1f}).")
-    return None
+    return doubt_of_halves(sides.apart if free.any() else np.inf) or doubt_of_size(best.correction, free)
+
+
+def doubt_of_halves(apart: float) -> Sentence | None:
+    """Why a calibration must not be used whose halves of the sweep place echoes so many mm apart; None where they agree."""
+    if apart <= HALVES_APART:
+        return None
+    return Sentence(f"The halves of this sweep give calibrations that lie {apart:.1f} mm apart. Scan the same bone from more angles.")
+
+
+def doubt_of_size(correction: Correction, free: Mask) -> Sentence | None:
+    """Why a correction must not be used of which a number that is free, (9,), is larger than calibrations are wrong; None where none is."""
+    far = (np.abs(as_vector(correction)) > FARTHEST * EXPECTED) & free
+    if not far.any():
+        return None
+    name, value = PARAMETERS[int(far.argmax())], in_words(as_vector(correction))[int(far.argmax())]
+    return Sentence(f"The calibration would have to change by more than calibrations are wrong by ({name} {value:+.1f}).")
 
 
 def _apart(one: Solved, other: Solved, echoes: ImagedEchoes) -> float:

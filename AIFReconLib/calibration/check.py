@@ -25,7 +25,8 @@ from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
 from .calibration import FARTHEST, Calibration, calibrate_echoes
-from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
+from .crossing import crossing
+from .echoes import ImagedEchoes, imaged_echoes, replaced
 from .solve import EXPECTED, PARAMETERS, UNITS, as_vector, in_words
 
 SURE = 3.0
@@ -33,9 +34,8 @@ SURE = 3.0
 
 _SIZES = [PARAMETERS.index("size across"), PARAMETERS.index("size along")]
 
-CROSSING_ECHOES, CLEARLY, TRIED = 2000, 0.8, 2
-"""Echoes by which angles are compared, the part of the distance as given below which a repair is clearly better, and how many of the best
-are laid on the CT's bone."""
+CLEARLY, TRIED = 0.8, 2
+"""The part of the angles' distance as given below which a repair is clearly better, and how many of the best are laid on the CT's bone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,17 +125,6 @@ def checked(
         "neither near the one given nor with anything usual mended does the sweep lie on the CT's bone. "
         f"{found.before.sentence()} Check that both are of one bone.",
     )
-
-
-def crossing(echoes: ImagedEchoes) -> float:
-    """mm. The median distance from an echo to the nearest that another angle shows: small where all angles place bone at one place."""
-    chosen = echoes.spread(CROSSING_ECHOES)
-    points, angles = chosen.placed(Correction.none(chosen.center)).points, chosen.angles[chosen.frames]
-    distances = np.empty(len(points))
-    for angle in np.unique(angles):
-        others = scipy.spatial.cKDTree(points[angles != angle])
-        distances[angles == angle] = others.query(points[angles == angle])[0]
-    return float(np.median(distances))
 
 
 def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Repair, ImagedEchoes]]:

@@ -13,7 +13,8 @@ from ..arrays import Floats, Integers, Mask, Matrix, Singles
 from ..bone.echoes.found import SweepEchoes
 from ..bone.echoes.search import sweep_echoes
 from ..errors import GeometryError, NoUsableFramesError
-from ..geometry.transforms import invert, pixel_spacing
+from ..geometry.transforms import as_matrix, invert, pixel_spacing, with_unit_depth
+from ..message import Judged
 from ..progress import Progress
 from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..sweep.frames import TrackedSequence
@@ -174,6 +175,22 @@ class ImagedEchoes:
             rows = SweepEchoes(placed.points[mine], placed.beams[mine], placed.scores[mine], mine)
             kept.append(rows.thinned(max(most // len(numbers), 1)).frames)
         return self[np.sort(np.concatenate(kept))]
+
+
+class Mending(Judged):
+    """What is found of the calibration that a sweep came with."""
+
+    correction: Correction
+    echoes: ImagedEchoes
+
+    @property
+    def image_correction(self) -> Matrix:
+        """(4, 4), pixels: old image_to_probe @ this = new image_to_probe, as `mended` has it."""
+        return self.correction.of_pixels(self.echoes.spacing)
+
+    def mended(self, image_to_probe: Matrix) -> Matrix:
+        """The calibration in place of this one, (4, 4), pixels to mm; `image_to_probe` may end in any frame, Reference too."""
+        return with_unit_depth(as_matrix(image_to_probe, "image_to_probe")) @ self.image_correction
 
 
 def imaged_echoes(

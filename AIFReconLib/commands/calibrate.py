@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from .. import __version__
-from ..calibration.calibration import Calibration, as_report, calibrate, findings
+from ..calibration.calibration import as_report, calibrate, findings
 from ..calibration.check import check_calibration
+from ..calibration.crossing import calibrate_by_crossing, crossing_findings, crossing_report
+from ..calibration.echoes import Mending
 from ..calibration.nwire import PHANTOM, calibrate_on_wires, wire_findings, wire_report
 from ..errors import OutputError, RegistrationRefused, SettingsError
 from ..geometry.transform_graph import TransformName
@@ -25,7 +27,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import JoinedImages
 from ..sweep.poses import chain_ends
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite, required_labels
+from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
@@ -34,6 +36,7 @@ EXAMPLE = """examples:
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
   aifrecon calibrate sweep.igs.mha --bone-labels bone.nrrd --output correction.tfm
+  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --output Calibrated.xml
   aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm
   aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml --report calibrated.json
 
@@ -46,7 +49,8 @@ def add_to(commands: Commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "calibrate",
-        description="Find image to probe, pixel size and delay with which the bone echoes of all angles lie on a CT's bone.",
+        description="Find image to probe, pixel size and delay with which the bone echoes of all angles lie on a CT's bone; without a CT, "
+        "image to probe and delay with which they lie on one surface.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -60,7 +64,7 @@ def add_to(commands: Commands) -> None:
     add_labels_options(parser)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write: configuration (.xml) or correction (.tfm)")
-    what.add_argument("--check", action="store_true", help="only say what is probably wrong, if anything is; without a CT, too")
+    what.add_argument("--check", action="store_true", help="only say what is probably wrong, if anything is")
     parser.add_argument(
         "--bone-transform",
         type=Path,
@@ -68,7 +72,7 @@ def add_to(commands: Commands) -> None:
         help="CT -> Reference to start from; default: look for it, unless it lies on the sweep",
     )
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, for the log book")
-    parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone before and after")
+    parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes before and after")
     add_tracking_options(parser, several=True)
     add_sequence_options(parser)
     add_imaging_options(parser)
@@ -94,24 +98,29 @@ def run(arguments: argparse.Namespace) -> None:
         return
     start = read_transform(arguments.bone_transform) if arguments.bone_transform else None
     with ProgressBar() as progress:
-        wanted = labels_from if arguments.check else required_labels
-        labels = wanted(arguments, part(progress, 0.0, 0.05))
-        sequences = [sequence_from(one) for one in each]
-        if arguments.check or labels is None:
-            lines = check_calibration(sequences, labels, start, recipe=recipe_from(arguments), progress=part(progress, 0.05, 1.0))
+        labels = labels_from(arguments, part(progress, 0.0, 0.05))
+        sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
+        if arguments.check:
+            lines = check_calibration(sequences, labels, start, recipe=recipe, progress=part(progress, 0.05, 1.0))
             print("\n  ".join(map(in_options, lines)))
             return
         name = _calibrated(sequences, arguments.image_to_reference) if arguments.output.suffix.lower() == ".xml" else None
-        found = calibrate(sequences, labels, start, recipe=recipe_from(arguments), progress=part(progress, 0.05, 0.95))
+        if labels is None:
+            crossed = calibrate_by_crossing(sequences, recipe=recipe, progress=part(progress, 0.05, 0.95))
+            found: Mending = crossed
+            lines, facts, placed = crossing_findings(crossed), crossing_report(crossed), crossed.placed_echoes
+            titles = f"before: {crossed.before:.2f} mm between angles", f"after: {crossed.after:.2f} mm"
+        else:
+            found = laid = calibrate(sequences, labels, start, recipe=recipe, progress=part(progress, 0.05, 0.95))
+            lines, facts, placed = findings(laid), as_report(laid), laid.echoes_on_bone
+            titles = f"before: {laid.before.sentence()}", f"after: {laid.after.sentence()}"
         if arguments.preview:
             from ..evaluation.registration_figure import calibration_figure
 
-            before, after = found.echoes_on_bone
-            titles = f"before: {found.before.sentence()}", f"after: {found.after.sentence()}"
-            calibration_figure(arguments.preview, before, after, labels, titles)
+            calibration_figure(arguments.preview, placed, found.echoes.angles[found.echoes.frames], titles, labels)
     if found.accepted:
         _write(arguments, found, sequences, name)
-    _tell(arguments, sequences, findings(found), as_report(found), found.said)
+    _tell(arguments, sequences, lines, facts, found.said)
 
 
 def _run_on_wires(arguments: argparse.Namespace, each: list[argparse.Namespace]) -> None:
@@ -179,7 +188,7 @@ def _calibrated(sequences: list[TrackedSequence], image_to_reference: str | None
     return names[0]
 
 
-def _write(arguments: argparse.Namespace, found: Calibration, sequences: list[TrackedSequence], name: TransformName | None) -> None:
+def _write(arguments: argparse.Namespace, found: Mending, sequences: list[TrackedSequence], name: TransformName | None) -> None:
     if name is None:
         write_transform(found.image_correction, arguments.output)
         return

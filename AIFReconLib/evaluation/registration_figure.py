@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Numbers
+from ..arrays import Floats, Integers, Numbers
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
 SLAB = 2.5
 """mm to either side of a cut from which echoes are drawn."""
+
+WINDOW = 24.0
+"""mm from the middle to the sides of what is shown of two angles."""
 
 FARTHEST = 4.0
 """mm from bone at which the colors end."""
@@ -53,14 +57,80 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
 
 
 @own_looks()
-def calibration_figure(path: str | Path, before: Floats, after: Floats, labels: Volume, titles: tuple[str, str]) -> None:
-    """The same for echoes (n, 3), mm, as an old and a new calibration place them, one row each; `titles` are those of the rows."""
-    figure, field_of_bone = new_figure(13.0, 10.4), distance_from_labels(labels)
-    for rows, echoes, title in zip(figure.subfigures(2, 1), (before, after), titles, strict=True):
-        rows.set_facecolor(figure.get_facecolor())
-        draw_cuts(rows, rows.subplots(1, 3), echoes, field_of_bone)
-        rows.suptitle(title, color=INK, fontsize=12, parse_math=False)
+def calibration_figure(
+    path: str | Path, placed: tuple[Floats, Floats], angles: Integers, titles: tuple[str, str], labels: Volume | None = None
+) -> None:
+    """Draw what two angles show of one place, and the echoes on the bone where there is a CT: before a calibration and after it.
+
+    Parameters
+    ----------
+    placed : two (n, 3) arrays, mm
+        Where the old and the new calibration place the echoes, in the frame of the labels, else in Reference.
+    angles : (n,) integer array
+        From which angle each was seen.
+    """
+    figure = new_figure(13.0, 14.8 if labels is not None else 4.8)
+    *rows, last = figure.subfigures(3, 1) if labels is not None else [figure.subfigures(1, 1)]
+    for part in (*rows, last):
+        part.set_facecolor(figure.get_facecolor())
+    if labels is not None:
+        field_of_bone = distance_from_labels(labels)
+        for part, echoes, title in zip(rows, placed, titles, strict=True):
+            draw_cuts(part, part.subplots(1, 3), echoes, field_of_bone)
+            part.suptitle(title, color=INK, fontsize=12, parse_math=False)
+    names = ("before", "after") if labels is not None else titles
+    draw_two_angles(last, placed, angles, names)
     save_figure(path, figure)
+
+
+def draw_two_angles(figure: FigureBase, placed: tuple[Floats, Floats], angles: Integers, titles: tuple[str, str]) -> None:
+    """What two angles show of one place, in a panel each: before and after."""
+    points = placed[1]
+    first, second = _crossing_pair(placed[0], angles)
+    seen = (angles == first) | (angles == second)
+    across = int(np.ptp(points[seen], axis=0).argmax())
+    right, up = (axis for axis in range(3) if axis != across)
+    # Where both saw something, and most of it
+    beside = np.asarray(scipy.spatial.cKDTree(points[angles == first]).query(points[angles == second])[0]) < SLAB
+    both = points[angles == second][beside] if beside.any() else points[seen]
+    offset = _densest(both[:, across])
+    shown = seen & (np.abs(points[:, across] - offset) < SLAB)
+    both = both[np.abs(both[:, across] - offset) < SLAB]
+    middle = _densest(both[:, right], WINDOW), float(np.median(both[:, up]))
+    figure.subplots_adjust(left=0.06, right=0.98, bottom=0.17, top=0.84)
+    panels = figure.subplots(1, 2)
+    for panel, echoes, title in zip(panels, placed, titles, strict=True):
+        for angle, color, name in ((first, COLORS[0], "one angle"), (second, COLORS[3], "another angle")):
+            mine = shown & (angles == angle)
+            panel.scatter(echoes[mine, right], echoes[mine, up], s=14, color=color, linewidths=0, label=name, rasterized=True)
+        panel.set(xlim=(middle[0] + WINDOW, middle[0] - WINDOW), ylim=(middle[1] - WINDOW / 3, middle[1] + WINDOW / 3), aspect="equal")
+        _dress(panel, title, right, up)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2, labelcolor=INK, frameon=False, markerscale=2)
+    figure.suptitle("the same bone seen from two angles", color=INK, fontsize=12)
+
+
+def _crossing_pair(points: Floats, angles: Integers) -> tuple[int, int]:
+    """Of the angles that see much of the same, the two that place it farthest apart."""
+    trees = {int(number): scipy.spatial.cKDTree(points[angles == number]) for number in np.unique(angles)}
+    near = {}
+    for one, other in itertools.combinations(trees, 2):
+        distances = np.asarray(trees[one].query(trees[other].data, distance_upper_bound=SLAB)[0])
+        distances = distances[np.isfinite(distances)]
+        near[one, other] = (len(distances), float(np.median(distances)) if len(distances) else 0.0)
+    most = max((count for count, _ in near.values()), default=0)
+    first = next(iter(trees))
+    return max((pair for pair in near if near[pair][0] >= most / 3), key=lambda pair: near[pair][1], default=(first, first))
+
+
+def _dress(panel: Axes, title: str, right: int, up: int) -> None:
+    """Title and axes in mm."""
+    panel.set_facecolor(BACKGROUND)
+    panel.set_title(title, color=INK, fontsize=11, parse_math=False)
+    panel.set_xlabel("RAS"[right] + " (mm)", color=INK, fontsize=9)
+    panel.set_ylabel("RAS"[up] + " (mm)", color=INK, fontsize=9)
+    panel.tick_params(colors=INK, labelsize=8)
+    for edge in panel.spines.values():
+        edge.set_color("#444444")
 
 
 @own_looks()
@@ -90,7 +160,7 @@ def draw_cuts(figure: FigureBase, panels: Sequence[Axes], points: Floats, field_
     colors = LinearSegmentedColormap.from_list("distance", COLORS)
     for panel, (name, across, right, up) in zip(panels, CUTS):
         # The cut that shows most: where echoes are densest along its axis
-        offset = _densest(points[near, across], middle[across]) if near.any() else middle[across]
+        offset = _densest(points[near, across]) if near.any() else middle[across]
         seen = points[np.abs(points[:, across] - offset) < SLAB]
         own = distances[np.abs(points[:, across] - offset) < SLAB]
         low, high = (f(points[near], axis=0) if near.any() else middle for f in (np.min, np.max))
@@ -105,23 +175,16 @@ def draw_cuts(figure: FigureBase, panels: Sequence[Axes], points: Floats, field_
         panel.scatter(
             seen[order, right], seen[order, up], c=own[order], s=4, cmap=colors, vmin=0, vmax=FARTHEST, linewidths=0, rasterized=True
         )
-        panel.set(xlim=spans[0][[-1, 0]], ylim=spans[1][[0, -1]], aspect="equal", facecolor=BACKGROUND)
-        panel.set_title(name, color=INK, fontsize=11)
-        panel.set_xlabel("RAS"[right] + " (mm)", color=INK, fontsize=9)
-        panel.set_ylabel("RAS"[up] + " (mm)", color=INK, fontsize=9)
-        panel.tick_params(colors=INK, labelsize=8)
-        for edge in panel.spines.values():
-            edge.set_color("#444444")
+        panel.set(xlim=spans[0][[-1, 0]], ylim=spans[1][[0, -1]], aspect="equal")
+        _dress(panel, name, right, up)
     bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
     bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
     bar.ax.tick_params(colors=INK, labelsize=8)
 
 
-def _densest(values: Floats, otherwise: float) -> float:
-    """Where most values lie within a slab; `otherwise` where there is none."""
-    if not len(values):
-        return otherwise
-    counts, edges = np.histogram(values, bins=np.arange(values.min(), values.max() + 2 * SLAB, SLAB))
+def _densest(values: Floats, width: float = SLAB) -> float:
+    """Where most values, of which there are some, lie within a width of mm."""
+    counts, edges = np.histogram(values, bins=np.arange(values.min(), values.max() + 2 * width, width))
     best = int(counts.argmax())
     return float((edges[best] + edges[best + 1]) / 2)
 

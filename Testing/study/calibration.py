@@ -14,9 +14,12 @@ from pathlib import Path
 
 import numpy as np
 from measured import keep
+from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration.calibration import Calibration, calibrate
 from AIFReconLib.calibration.check import checked
+from AIFReconLib.calibration.crossing import calibrate_by_crossing
+from AIFReconLib.calibration.echoes import Correction, ImagedEchoes
 from AIFReconLib.calibration.solve import Solved
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
@@ -48,9 +51,14 @@ FRAMES, PASSES = 270, 9
 CHOSEN_PASSES = {"three angles": (3, 4, 7), "five angles": (1, 3, 4, 5, 7), "nine angles": tuple(range(PASSES))}
 """Of three tilts in the image and three across it; neighbors run to and fro."""
 
+CALIBRATE, WITHOUT_CT = "calibrate", "calibrate without a CT"
+
 ONE_WAY, ONE_ANGLE, RIGHT = "nine angles, one direction", "one angle", "a right calibration"
 DRAWN = 3
 """Wrong calibrations for each number of angles."""
+
+CHECKED = 5
+"""Patients whose sweeps are checked: a check of a wrong calibration takes twenty seconds."""
 
 SHIFT_MM, TURN_DEG, SCALE, DELAY = 5.0, 3.0, 0.03, 0.06
 """The largest errors; the smallest are a third of them, those of size and delay 0."""
@@ -72,7 +80,7 @@ class Row:
     """One calibration or check, and what came of it."""
 
     patient: int
-    kind: str  #: "calibrate", "check" with the CT, "check without"
+    kind: str  #: `CALIBRATE`, `WITHOUT_CT`, "check" with the CT, "check without"
     case: str
     accepted: bool  #: A calibration is given; of a check: it told something wrong
     right: bool  #: Within `WITHIN_MM`; of a check: it told what is wrong, or, of a right one, nothing
@@ -148,8 +156,12 @@ def patient_rows(seed: int) -> list[Row]:
         for _ in range(DRAWN):
             scale = tuple(1.0 + SCALE * rng.uniform(-1, 1, 2))
             late = TrackingErrors(time_offset=DELAY * rng.uniform(-1, 1))
-            rows.append(_calibrated(patient, name, patient.case(passes, late, patient.wrong_calibration(rng, scale))))
-        rows.append(_calibrated(patient, f"{RIGHT}, {name}", patient.case(passes)))
+            case = patient.case(passes, late, patient.wrong_calibration(rng, scale))
+            rows += [_calibrated(patient, name, case), _crossed(patient, name, case)]
+        rows += [
+            _calibrated(patient, f"{RIGHT}, {name}", patient.case(passes)),
+            _crossed(patient, f"{RIGHT}, {name}", patient.case(passes)),
+        ]
     every = CHOSEN_PASSES["nine angles"]
     wrong = patient.wrong_calibration(rng)
     rows.append(_calibrated(patient, ONE_WAY, patient.case(every[::2], TrackingErrors(time_offset=0.04), wrong)))
@@ -159,7 +171,7 @@ def patient_rows(seed: int) -> list[Row]:
     tissue = fast.case(every)
     true = replace(tissue.true, configuration=_sized(tissue.true.configuration, 1.0, FAST_TISSUE, patient.probe))
     rows.append(_calibrated(fast, f"tissue {FAST_TISSUE - 1:.0%} faster", replace(tissue, true=true)))
-    for name, (case, told) in mistakes(patient, rng).items():
+    for name, (case, told) in mistakes(patient, rng).items() if seed < CHECKED else ():
         for kind, labels in (("check", patient.labels), ("check without", None)):
             rows.append(_checked(patient, kind, name, case, labels, told))
     return rows
@@ -219,7 +231,7 @@ def _calibrated(patient: Patient, name: str, case: Case) -> Row:
     try:
         found = calibrate(case.sequence, patient.labels)
     except AIFReconError as error:
-        return Row(patient.seed, "calibrate", name, False, False, str(error))
+        return Row(patient.seed, CALIBRATE, name, False, False, str(error))
     said = found.refusal or found.advice or ""
     off = _misplaced(patient, case, found, Solved(found.labels_to_reference, found.correction, 0.0), _image_points(patient.probe))
     before = _misplaced(patient, case, found, found.given, _image_points(patient.probe))
@@ -229,7 +241,7 @@ def _calibrated(patient: Patient, name: str, case: Case) -> Row:
     right = median <= WITHIN_MM[0] and worst <= WITHIN_MM[1]
     return Row(
         patient.seed,
-        "calibrate",
+        CALIBRATE,
         name,
         found.accepted,
         bool(right),
@@ -243,6 +255,38 @@ def _calibrated(patient: Patient, name: str, case: Case) -> Row:
     )
 
 
+def _crossed(patient: Patient, name: str, case: Case) -> Row:
+    """The same without a CT: where all of it lies is not asked."""
+    try:
+        found = calibrate_by_crossing(case.sequence)
+    except AIFReconError as error:
+        return Row(patient.seed, WITHOUT_CT, name, False, False, str(error))
+    none, pixels = Correction.none(found.echoes.center), _image_points(patient.probe)
+    before, off, echoes = (
+        _shapes_apart(*_placed(case, found.echoes, correction, at))
+        for correction, at in ((none, pixels), (found.correction, pixels), (found.correction, None))
+    )
+    median, worst = float(np.median(off)), float(np.quantile(off, 0.95))
+    delay = float(1e3 * abs(found.correction.delay - case.delay))
+    right = bool(median <= WITHIN_MM[0] and worst <= WITHIN_MM[1])
+    stated = found.halves.apart
+    said = found.refusal or ""
+    return Row(
+        patient.seed,
+        WITHOUT_CT,
+        name,
+        found.accepted,
+        right,
+        said,
+        float(np.median(before)),
+        median,
+        worst,
+        float(np.median(echoes)),
+        stated,
+        delay,
+    )
+
+
 def _image_points(probe: PhasedArray) -> np.ndarray:
     """Pixels of the sector, evenly, (n, 2)."""
     depths, angles = np.linspace(*DEPTHS_MM, 7) + probe.apex_offset, np.linspace(-0.9, 0.9, 7) * probe.half_angle
@@ -252,18 +296,29 @@ def _image_points(probe: PhasedArray) -> np.ndarray:
 
 def _misplaced(patient: Patient, case: Case, found: Calibration, solved: Solved, pixels: np.ndarray | None) -> np.ndarray:
     """mm by which pixels of every frame with echoes, (n, 2), or its echoes are placed beside where they are in the CT."""
-    echoes = found.echoes
+    here, there = _placed(case, found.echoes, solved.correction, pixels)
+    in_ct = transform_points(invert(solved.labels_to_reference), here)
+    return np.linalg.norm(in_ct - transform_points(invert(patient.ct_to_reference), there), axis=1)
+
+
+def _placed(case: Case, echoes: ImagedEchoes, correction: Correction, pixels: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """Where pixels of every frame with echoes, (n, 2), or its echoes are placed in Reference, and where they truly are; mm."""
     if pixels is None:
         frames, at = echoes.frames, echoes.points[:, :2] / echoes.spacing
     else:
         frames = np.repeat(np.arange(len(echoes.planes)), len(pixels))
         at = np.tile(pixels, (len(echoes.planes), 1))
-    here = echoes.planes_at(solved.correction.delay)[frames] @ solved.correction.plane
-    in_mm = np.concatenate([at * echoes.spacing, np.zeros((len(at), 1)), np.ones((len(at), 1))], axis=1)
-    placed = transform_points(invert(solved.labels_to_reference), np.einsum("nij,nj->ni", here, in_mm)[:, :3])
-    poses = sweep_poses(case.true).image_to_reference[echoes.numbers][frames]
-    there = np.einsum("nij,nj->ni", poses, np.concatenate([at, np.zeros((len(at), 1)), np.ones((len(at), 1))], axis=1))[:, :3]
-    return np.linalg.norm(placed - transform_points(invert(patient.ct_to_reference), there), axis=1)
+    planes = echoes.planes_at(correction.delay)[frames] @ correction.plane
+    flat = np.concatenate([at, np.zeros((len(at), 1)), np.ones((len(at), 1))], axis=1)
+    here = np.einsum("nij,nj->ni", planes, flat * [*echoes.spacing, 1.0, 1.0])[:, :3]
+    there = np.einsum("nij,nj->ni", sweep_poses(case.true).image_to_reference[echoes.numbers][frames], flat)[:, :3]
+    return here, there
+
+
+def _shapes_apart(here: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """mm between points, the ones laid on the others as a whole."""
+    here, there = here - here.mean(axis=0), there - there.mean(axis=0)
+    return np.linalg.norm(Rotation.align_vectors(there, here)[0].apply(here) - there, axis=1)
 
 
 def _checked(patient: Patient, kind: str, name: str, case: Case, labels: Volume | None, told: str) -> Row:
@@ -281,7 +336,11 @@ def main(words: list[str]) -> int:
     arguments = parsed(study_parser("calibration", __doc__), words)
 
     def write(rows: list[Row]) -> list[Path]:
-        texts = {"calibration": calibrations(rows), "calibration-check": checks(rows)}
+        texts = {
+            "calibration": calibrations(rows),
+            "calibration-no-ct": calibrations(rows, WITHOUT_CT),
+            "calibration-check": checks(rows),
+        }
         for name, text in texts.items():
             write_text(arguments.output / f"{name}.md", text)
         return [*(arguments.output / f"{name}.md" for name in texts), *(keep(texts, "make study") if arguments.pages else ())]
@@ -289,13 +348,11 @@ def main(words: list[str]) -> int:
     return carry_out(arguments, patient_rows, Row, write, "calibrations and checks")
 
 
-def calibrations(rows: list[Row]) -> str:
-    """A line for each kind of case."""
-    lines = [
-        "| | n | given | right | image points off: before | after | worst | 95 of 100 | worst | error within the stated | delay off, ms |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    rows = [row for row in rows if row.kind == "calibrate"]
+def calibrations(rows: list[Row], kind: str = CALIBRATE) -> str:
+    """A line for each sort of case."""
+    head = "image points off: before | after | worst | 95 of 100 | worst | error within the stated | delay off, ms"
+    lines = [f"| | n | given | right | {head} |", "|---" * 11 + "|"]
+    rows = [row for row in rows if row.kind == kind]
     for case in dict.fromkeys(row.case for row in rows):
         these = [row for row in rows if row.case == case]
         given = [row for row in these if row.accepted]

@@ -12,7 +12,8 @@ from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, 
 
 from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
-from AIFReconLib.calibration.check import Repair, crossing, mirrored, quarter_turns
+from AIFReconLib.calibration.check import Repair, mirrored, quarter_turns
+from AIFReconLib.calibration.crossing import crossing
 from AIFReconLib.calibration.echoes import Correction, Track
 from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector
 from AIFReconLib.geometry.transforms import with_unit_depth

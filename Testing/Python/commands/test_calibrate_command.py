@@ -8,6 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
+from AIFReconLib.calibration import calibration, crossing
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.geometry.transform_graph import TransformName
@@ -70,6 +71,25 @@ def test_the_new_configuration_places_images_where_they_are(patient, wrong, done
     was = np.linalg.norm(on_bone(corners(patient.sequence, wrong), truth) - true, axis=1)
     assert np.median(was) > 1.5
     assert np.median(off) < 0.6
+
+
+@pytest.mark.parametrize("sure", [True, False])
+def test_without_a_ct_crossing_frames_calibrate(patient, wrong, tmp_path, capsys, monkeypatch, sure):
+    """Eight frames an angle are too few to be sure; what is written is another test's business than how sure that is."""
+    new, report = tmp_path / "New.xml", tmp_path / "new.json"
+    if sure:
+        monkeypatch.setattr(crossing, "GAIN", 1.0)
+        monkeypatch.setattr(calibration, "HALVES_APART", 5.0)
+    words = [patient.sequence, "--config", wrong, "--output", new, "--report", report]
+    assert main(["calibrate", *map(str, words), *(("--preview", str(tmp_path / "new.png")) if find_spec("matplotlib") else ())]) == (
+        not sure
+    )
+    said = capsys.readouterr()
+    assert "without a CT" in said.out
+    between = json.loads(report.read_text())["between_angles_mm"]
+    assert between["after"] < 0.7 * between["before"]
+    assert new.exists() is sure
+    assert ("No calibration is written" in said.err) is not sure
 
 
 def test_every_other_byte_stays_and_the_old_calibration_is_beside(wrong, done):

@@ -1,0 +1,220 @@
+"""A calibration without a CT: what echoes of different angles show is one surface, whichever that is.
+
+Reference
+---------
+Wein W, Khamene A (2008), Image-based method for in-vivo freehand ultrasound calibration, SPIE Medical Imaging 6920: frames that cross must
+agree. Here their bone echoes must, as in Chen and Medioni (1992), Object modelling by registration of multiple range images, Image and
+Vision Computing 10:145-155.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import numpy as np
+import scipy
+
+from ..arrays import Floats, Integers, Mask
+from ..message import Sentence
+from ..progress import Progress, part, report
+from ..recipe.recipe import Recipe
+from ..registration.refine import welsch
+from ..sweep.frames import TrackedSequence
+from .calibration import FEWEST_ANGLES, ONE_ANGLE, doubt_of_halves, doubt_of_size
+from .certainty import Halves, halves
+from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
+from .solve import EXPECTED, FINE_ECHOES, KNOWN, NOISE, PARAMETERS, SEEN_TOGETHER, UNITS, as_correction, as_vector, in_words
+
+ASKED: Mask = np.array([not name.startswith("size") for name in PARAMETERS])
+"""What is solved: smaller pixels draw all echoes together, and so look right."""
+
+SCALES = (8.0, 4.0, 4.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0)
+"""mm. Scales of the robust distance, one after the other; each looks for neighbors anew."""
+
+NEIGHBORS, REACH, FLAT = 8, 6.0, 0.15
+"""Echoes of other angles through which a plane is laid, how far they may lie in mm or two scales, and how thick they may be, as a part
+of the variance along their narrower side."""
+
+GAIN = 0.85
+"""Part of the distance as given that may be left on frames which the solution has not seen."""
+
+CROSSING_ECHOES = 2000
+"""By which angles are compared."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CrossedCalibration(Mending):
+    """What the echoes of a sweep's angles say of the calibration that the sweep came with."""
+
+    correction: Correction
+    before: float  #: mm. Median distance of an echo to the surface that other angles show, by the calibration as given.
+    after: float
+    halves: Halves
+    changed: float  #: mm. How far the correction moves echoes against each other, in the median.
+    said: str | None  #: Why it must not be used; None where it may be
+    echoes: ImagedEchoes = field(repr=False)
+
+    @property
+    def placed_echoes(self) -> tuple[Floats, Floats]:
+        """Where the echoes lie in Reference by the calibration as given and by the new one, (n, 3) mm each."""
+        return self.echoes.placed(Correction.none(self.echoes.center)).points, self.echoes.placed(self.correction).points
+
+    def _facts(self) -> list[tuple[str, str]]:
+        return [("accepted", str(self.accepted)), ("before", f"{self.before:.2f} mm"), ("after", f"{self.after:.2f} mm")]
+
+
+def calibrate_by_crossing(
+    sequences: TrackedSequence | Iterable[TrackedSequence], *, recipe: Recipe | None = None, progress: Progress | None = None
+) -> CrossedCalibration:
+    """What is wrong with a sweep's calibration and delay, but for the sizes of pixels, from bone of any shape seen from several angles.
+
+    Parameters
+    ----------
+    sequences : TrackedSequence or several in one Reference, all of one calibration
+    recipe : Recipe or None
+        As in `reconstruct`.
+
+    Raises
+    ------
+    AIFReconError
+        For input that cannot be used. A calibration that must not be used is no error: see `CrossedCalibration.refusal`.
+    """
+    echoes = imaged_echoes(sequences, recipe, part(progress, 0.0, 0.6))
+    none = Correction.none(echoes.center)
+    if len(np.unique(echoes.angles)) < FEWEST_ANGLES:
+        return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, ONE_ANGLE, echoes)
+    report(progress, 0.6, "Solving the calibration")
+    found = _solve(echoes)
+    sides = halves(echoes)
+    ends = [_solve(side) for side in sides]
+    report(progress, 0.9, "Judging the calibration")
+    before = float(np.mean([_distance(side, none) for side in sides]))
+    after = float(np.mean([_distance(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
+    compared = Halves(before, after, _apart(echoes, *ends))
+    said = doubt_of_halves(compared.apart) or doubt_of_size(found, ASKED)
+    if after > GAIN * before:
+        said = Sentence(
+            f"Frames of other angles bear the calibration as given out as well: {before:.2f} mm between them, {after:.2f} mm with another."
+        )
+    report(progress, 1.0, "Calibrated")
+    changed = _apart(echoes, none, found)
+    return CrossedCalibration(found, _distance(echoes, none), _distance(echoes, found), compared, changed, said, echoes)
+
+
+def crossing(echoes: ImagedEchoes) -> float:
+    """mm. The median distance from an echo to the nearest that another angle shows: small where all angles place bone at one place."""
+    chosen = echoes.spread(CROSSING_ECHOES)
+    points, angles = chosen.placed(Correction.none(chosen.center)).points, chosen.angles[chosen.frames]
+    distances = np.empty(len(points))
+    for angle in np.unique(angles):
+        others = scipy.spatial.cKDTree(points[angles != angle])
+        distances[angles == angle] = others.query(points[angles == angle])[0]
+    return float(np.median(distances))
+
+
+def _solve(echoes: ImagedEchoes) -> Correction:
+    """Shift, turn and delay with which each echo lies on the plane through its neighbors of other angles."""
+    asked = ASKED if echoes.timed else ASKED & (np.arange(len(ASKED)) < len(ASKED) - 1)
+    few, center = echoes.spread(FINE_ECHOES), echoes.center
+    vector = np.zeros(len(asked))
+    pull = np.sqrt(KNOWN * SEEN_TOGETHER * NOISE)
+    for scale in SCALES:
+        rows, neighbors, normals = _planes(few, as_correction(vector, center), scale)
+
+        def residuals(
+            steps: Floats, scale: float = scale, rows: Integers = rows, neighbors: Integers = neighbors, normals: Floats = normals
+        ) -> Floats:
+            points = few.placed(as_correction(_whole(steps, asked), center)).points
+            return np.concatenate([_off(points, rows, neighbors, normals) / scale, pull * steps])
+
+        # Typed in another way from one release of the stubs to the next
+        solution = cast("Any", scipy.optimize.least_squares)(
+            residuals,
+            vector[asked] / EXPECTED[asked],
+            loss=welsch(len(rows)),
+            diff_step=1e-4,
+            max_nfev=8,
+            xtol=1e-4,
+            ftol=1e-5,
+        )
+        vector = _whole(solution.x, asked)
+    return as_correction(vector, center)
+
+
+def _whole(steps: Floats, asked: Mask) -> Floats:
+    vector = np.zeros(len(asked))
+    vector[asked] = steps * EXPECTED[asked]
+    return vector
+
+
+def _planes(echoes: ImagedEchoes, correction: Correction, scale: float) -> tuple[Integers, Integers, Floats]:
+    """Echoes (n,) with neighbors of other angles that lie flat, these (n, `NEIGHBORS`), and the planes' normals (n, 3)."""
+    points, angles = echoes.placed(correction).points, echoes.angles[echoes.frames]
+    found = []
+    for angle in np.unique(angles):
+        mine, others = np.flatnonzero(angles == angle), np.flatnonzero(angles != angle)
+        count = np.arange(1, min(NEIGHBORS, len(others)) + 1)
+        distances, nearest = (np.asarray(one) for one in scipy.spatial.cKDTree(points[others]).query(points[mine], k=count))
+        around = points[others][nearest]
+        arms = around - around.mean(axis=1, keepdims=True)
+        variances, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", arms, arms))
+        near = distances[:, -1] < max(2 * scale, REACH)
+        flat = near & (variances[:, 1] > 1e-3) & (variances[:, 0] < FLAT * variances[:, 1])
+        found.append((mine[flat], others[nearest[flat]], axes[flat, :, 0]))
+    rows, neighbors, normals = (np.concatenate(one) for one in zip(*found, strict=True))
+    return rows, neighbors, normals
+
+
+def _off(points: Floats, rows: Integers, neighbors: Integers, normals: Floats) -> Floats:
+    """(n,) mm from the planes, with sign."""
+    off: Floats = np.einsum("ni,ni->n", normals, points[rows] - points[neighbors].mean(axis=1))
+    return off
+
+
+def _distance(echoes: ImagedEchoes, correction: Correction) -> float:
+    """mm. Median distance of the echoes to the planes of other angles, without sign."""
+    few = echoes.spread(FINE_ECHOES)
+    planes = _planes(few, correction, SCALES[-1])
+    return float(np.median(np.abs(_off(few.placed(correction).points, *planes)))) if len(planes[0]) else np.nan
+
+
+def _apart(echoes: ImagedEchoes, one: Correction, other: Correction) -> float:
+    """mm. How far apart two corrections place the echoes in the median, one laid on the other: where all of it lies is not asked."""
+    first, second = (points - points.mean(axis=0) for points in (echoes.placed(one).points, echoes.placed(other).points))
+    turn = scipy.spatial.transform.Rotation.align_vectors(second, first)[0]
+    return float(np.median(np.linalg.norm(turn.apply(first) - second, axis=1)))
+
+
+def crossing_findings(found: CrossedCalibration) -> list[str]:
+    """What a user should know, one line each."""
+    lines = [
+        f"without a CT: echoes lie {found.before:.2f} mm off the surface that other angles show as given, {found.after:.2f} mm calibrated",
+        f"calibrated on one half of the sweep, the other half lies {found.halves.after:.2f} mm off instead of {found.halves.before:.2f} mm",
+        f"the calibrations of both halves place echoes {found.halves.apart:.1f} mm apart",
+        f"the change is {found.changed:.1f} mm; sizes of pixels stay as given, which needs a CT or a phantom",
+    ]
+    for name, value, unit, asked in zip(PARAMETERS, in_words(as_vector(found.correction)), UNITS, ASKED, strict=True):
+        if asked:
+            lines.append(f"{name}: {value:+.2f} {unit}")
+    if abs(found.correction.delay) > 0.005:
+        lines.append(f"the delay is not part of a calibration: mend recordings with a time offset of {found.correction.delay:.3f} s")
+    return lines
+
+
+def crossing_report(found: CrossedCalibration) -> dict[str, object]:
+    """The calibration as JSON holds it: mm, degrees, ms; matrices as nested lists, row by row."""
+    return {
+        "accepted": found.accepted,
+        "refusal": found.refusal,
+        "image_correction": found.image_correction.tolist(),
+        "numbers": {
+            f"{name} ({unit})": round(float(value), 4)
+            for name, value, unit in zip(PARAMETERS, in_words(as_vector(found.correction)), UNITS, strict=True)
+        },
+        "between_angles_mm": {"before": round(found.before, 4), "after": round(found.after, 4)},
+        "other_half_mm": {"before": round(found.halves.before, 4), "after": round(found.halves.after, 4)},
+        "halves_apart_mm": round(found.halves.apart, 4),
+        "changed_mm": round(found.changed, 4),
+    }

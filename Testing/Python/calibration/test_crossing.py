@@ -1,0 +1,72 @@
+"""A calibration without a CT, on echoes whose places are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from made_echoes import ANGLES, made_echoes, wrongly_calibrated
+from scipy.spatial.transform import Rotation
+
+from AIFReconLib.calibration import crossing
+from AIFReconLib.calibration.crossing import ASKED, calibrate_by_crossing, crossing_findings, crossing_report
+from AIFReconLib.calibration.echoes import Correction
+from AIFReconLib.calibration.solve import as_vector
+
+
+@pytest.fixture(scope="module")
+def true():
+    return made_echoes()
+
+
+def calibrated(echoes):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(crossing, "imaged_echoes", lambda *given: echoes)
+        return calibrate_by_crossing([])
+
+
+@pytest.fixture(scope="module")
+def wrong(true):
+    return wrongly_calibrated(true, 4.0, 2.5)
+
+
+@pytest.fixture(scope="module")
+def found(wrong):
+    return calibrated(wrong)
+
+
+def misplaced(true, echoes, correction) -> float:
+    """mm by which echoes are placed beside where they are, one laid on the other as a whole; the median."""
+    here, there = echoes.placed(correction).points, true.placed(Correction.none(true.center)).points
+    here, there = here - here.mean(axis=0), there - there.mean(axis=0)
+    return float(np.median(np.linalg.norm(Rotation.align_vectors(there, here)[0].apply(here) - there, axis=1)))
+
+
+def test_echoes_of_all_angles_lie_as_they_do_on_the_bone(true, wrong, found):
+    assert found.accepted, found.refusal
+    assert misplaced(true, wrong, Correction.none(wrong.center)) > 1.5
+    assert misplaced(true, wrong, found.correction) < 0.2
+
+
+def test_sizes_stay_as_given_and_that_is_said(found):
+    assert as_vector(found.correction)[~ASKED] == pytest.approx(0.0)
+    assert any("sizes of pixels stay as given" in line for line in crossing_findings(found))
+
+
+def test_it_is_measured_on_frames_that_it_has_not_seen(found):
+    assert found.halves.after < 0.6 * found.halves.before
+    report = crossing_report(found)
+    assert report["accepted"] is True
+    assert report["other_half_mm"] == {"before": round(found.halves.before, 4), "after": round(found.halves.after, 4)}
+
+
+def test_a_right_calibration_is_left_as_it_is(true):
+    assert "bear the calibration as given out as well" in (calibrated(true).refusal or "")
+
+
+def test_one_angle_is_refused():
+    assert "from one angle alone" in (calibrated(made_echoes(ANGLES[:1])).refusal or "")
+
+
+def test_halves_that_disagree_are_refused(wrong, monkeypatch):
+    monkeypatch.setattr(crossing, "_apart", lambda *given: 1.5)
+    assert "lie 1.5 mm apart" in (calibrated(wrong).refusal or "")
