@@ -23,10 +23,19 @@ FOUND = 0.9
 FAR = 99.0
 """mm from bone of what lies beyond all distances that are known."""
 
+LINES, FEWEST = 3000, 20
+"""Lines that are drawn at random, and free ones and blocked ones of them without which nothing is told."""
+
+UNDER_SKIN = 4.0
+"""mm of each line that are not judged: there the probe's own echo is."""
+
+ASIDE, STEEPEST_DEG = 5.0, 30.0
+"""mm from the middle of the canal within which lines end, and the largest angle between a line and the shortest way from the skin."""
+
 
 @dataclass(frozen=True)
 class ToldApart:
-    """How well a number tells free lines from blocked ones; NaN where there are none of either."""
+    """How well a number tells free lines from blocked ones; NaN where there are too few of either."""
 
     area: float
     """Under the curve of free found against blocked called free: how often a free line is told from a blocked one. One half is chance."""
@@ -35,7 +44,7 @@ class ToldApart:
 
 def told_apart(free: Numbers, blocked: Numbers) -> ToldApart:
     """Of free lines and blocked ones by a number, (n,) and (m,), that is to be greater for free ones."""
-    if not (len(free) and len(blocked)):
+    if min(len(free), len(blocked)) < FEWEST:
         return ToldApart(np.nan, np.nan)
     order = np.sort(blocked)
     below = (np.searchsorted(order, free, "left") + np.searchsorted(order, free, "right")) / 2
@@ -73,6 +82,39 @@ class StraightLines:
     def told_by(self, number: Numbers) -> ToldApart:
         """How well a number of each line, (n,), tells the free ones, for which it is to be greater."""
         return told_apart(number[self.free], number[self.blocked])
+
+
+def lines_to_canal(skin: Floats, canals: Floats, distance: Volume) -> StraightLines | None:
+    """Random lines from points on the skin, (n, 3) mm, to the canal between neighboring vertebrae, (m, 2, 3) mm; None where there is none.
+
+    `distance` is the true signed distance to bone, mm.
+    """
+    if not len(canals):
+        return None
+    rng = np.random.default_rng(0)
+    lengths = np.linalg.norm(canals[:, 1] - canals[:, 0], axis=1)
+    begin, end = canals[rng.choice(len(canals), LINES, p=lengths / lengths.sum())].transpose(1, 0, 2)
+    return lines_near(skin, begin + rng.random((LINES, 1)) * (end - begin), distance, ASIDE, rng)
+
+
+def lines_near(skin: Floats, targets: Floats, distance: Volume, aside: float, rng: np.random.Generator) -> StraightLines:
+    """Random lines from points on the skin, (n, 3) mm, that end within `aside` mm of each target, (m, 3) mm; steep ones are left out.
+
+    Notes
+    -----
+    They end on a disk across the shortest way from the skin to the target. They begin `UNDER_SKIN` below a point on the skin.
+    """
+    straight = targets - skin[scipy.spatial.cKDTree(skin).query(targets)[1]]
+    straight /= np.linalg.norm(straight, axis=1)[:, None]
+    across = rng.standard_normal(targets.shape)
+    across -= (across * straight).sum(axis=1)[:, None] * straight
+    ends = targets + aside * np.sqrt(rng.random((len(targets), 1))) * across / np.linalg.norm(across, axis=1)[:, None]
+    entries = skin[rng.integers(len(skin), size=len(targets))]
+    way = ends - entries
+    length = np.linalg.norm(way, axis=1)
+    kept = (length > 2 * UNDER_SKIN) & ((way * straight).sum(axis=1) > np.cos(np.radians(STEEPEST_DEG)) * length)
+    entries, ends, way, length = entries[kept], ends[kept], way[kept], length[kept]
+    return StraightLines.past(distance, entries + UNDER_SKIN * way / length[:, None], ends)
 
 
 def points_along(entries: Floats, ends: Floats, step: float = STEP) -> Floats:

@@ -17,7 +17,6 @@ from AIFReconLib.compounding.methods.table import COMPARED_METHODS, METHODS, met
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.errors import DisagreementWarning, GeometryError
-from AIFReconLib.evaluation.lines import StraightLines
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
@@ -91,7 +90,6 @@ class _Patient:
     kind: str
     back: Back
     scan: Scan
-    lines: StraightLines
 
     def rows(self, condition: str, methods: Iterable[str], labels: Volume, scan: Scan | None = None) -> list[Row]:
         """Reconstruct with each method, and measure."""
@@ -107,7 +105,6 @@ class _Patient:
             result = reconstruct(scan.sequence, settings, _bone(method, bone, scan.sequence))
         metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
         metrics["precision"] = precision(result.intensity, scan.truth)["precision_180"]
-        metrics["called_free"] = self.lines.told_by(-self.lines.brightest(result.intensity)).called_free
         return Row(self.seed, self.kind, condition, method, metrics)
 
 
@@ -124,7 +121,8 @@ def patient_rows(given: tuple[str, int], own: tuple[str, ...] = ()) -> list[Row]
     back, probe = patient_of(kind, seed), PhasedArray()
     labels = placed_labels(back)
     scan = simulated_scan(back, probe, multi_angle_sweep(back, MULTI_FRAMES), seed, EFFECTS)
-    patient = _Patient(seed, kind, back, scan, lines_to_canal(back, labels, back.bone_distance, seed))
+    scan = replace(scan, truth=replace(scan.truth, lines=lines_to_canal(back, labels, back.bone_distance, seed)))
+    patient = _Patient(seed, kind, back, scan)
     rows = patient.rows("right CT", (*METHODS, WITHOUT_CT, *own), labels)
     for condition, wrong in wrong_cts(back, kind, seed).items():
         rows += patient.rows(condition, (PAPER, OURS), wrong)
