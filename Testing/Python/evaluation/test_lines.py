@@ -41,7 +41,7 @@ def test_lines_through_a_hole_are_free_and_the_others_blocked():
     plate = Volume(np.maximum(np.abs(j - 20.0) - 2.0, 6.0 - np.hypot(i - 30.0, k - 30.0)).astype(np.float32), GRID.ijk_to_reference)
     x = np.linspace(-20.0, 20.0, 81)
     entries = np.stack([x, np.zeros_like(x), np.zeros_like(x)], axis=1)
-    lines = StraightLines.past(plate, entries, entries + (0.0, 40.0, 0.0))
+    lines = StraightLines.past(plate, entries, entries + np.array([0.0, 40.0, 0.0]))
     np.testing.assert_array_equal(lines.free, np.abs(x) <= 5.0)
     np.testing.assert_array_equal(lines.blocked, np.abs(x) >= 6.0)
     shown = Volume(np.where(plate.array <= 0, 200, 10).astype(np.uint8), GRID.ijk_to_reference)
