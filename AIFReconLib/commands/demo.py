@@ -59,6 +59,7 @@ PRINTED = (
     "bone_detectability",
     "bone_coverage",
     "interspinous_coverage",
+    "lines_called_free",
     "bone_thickness",
     "speckle_snr",
 )

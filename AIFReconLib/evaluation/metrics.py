@@ -31,8 +31,7 @@ from ..geometry.volume import Volume
 from ..registration.comparison import compared, warn_of_disagreement
 from ..sweep.frames import TrackedSequence
 from .quantities import NEAR, SHADOW_FROM_SURFACE, SPECKLE_BLOCK, SPECKLE_FROM_BONE, STANDS_OUT, TISSUE, BoneMetrics, SurfaceMetrics
-from .statistics import exceeds, mean_std, median, ratio
-from .surface import nearest
+from .surface import exceeds, mean_std, median, nearest, ratio
 from .visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
 
 STEP = 0.25
@@ -103,6 +102,7 @@ def evaluate(
         everywhere = np.ones(len(chosen), dtype=bool)
         oblique = truth.best_cosine[chosen] < np.cos(np.radians(OBLIQUE_DEG))
     shadow_mean, shadow_std = _shadow(gray, measured, volume, truth)
+    lines = None if truth.lines is None else truth.lines.told_by(-truth.lines.brightest(volume))
     return BoneMetrics(
         bone=responses.summary(everywhere),
         oblique=responses.summary(oblique),
@@ -110,6 +110,8 @@ def evaluate(
         shadow_mean=shadow_mean,
         shadow_std=shadow_std,
         speckle_snr=_speckle_snr(gray, measured, volume, truth),
+        lines_area=np.nan if lines is None else lines.area,
+        lines_called_free=np.nan if lines is None else lines.called_free,
     )
 
 

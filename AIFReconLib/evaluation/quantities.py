@@ -87,6 +87,10 @@ class BoneMetrics:
     speckle_snr : float
         Mean over standard deviation of gray levels in 5 mm cubes of soft tissue away from bone and skin, the median of the cubes.
         1.91 for the amplitudes of fully developed speckle; other values after log compression; averaging raises it.
+    lines_area, lines_called_free : float, 0 to 1
+        How well the brightest voxel on a straight line from the skin to the canal tells free lines from those that bone blocks: the area
+        under the curve, and the share of the blocked ones that look as free as nine in ten free ones do (`evaluation/lines.py`). NaN
+        without a sweep, which tells where the skin is, or where labels show no canal.
     """
 
     bone: SurfaceMetrics
@@ -95,6 +99,8 @@ class BoneMetrics:
     shadow_mean: float
     shadow_std: float
     speckle_snr: float
+    lines_area: float
+    lines_called_free: float
 
     def to_dict(self) -> dict[str, float]:
         """All numbers by name, those of the parts with the part's name before them: ``oblique_coverage``."""
@@ -196,6 +202,21 @@ OF_VOLUME = {
         f"Noise and clutter where no beam could reach, {SHADOW_FROM_SURFACE:g} mm and more from the surface.",
     ),
     "shadow_std": Quantity("Spread in shadow", ".1f", "gray levels", "least", "Standard deviation there."),
+    "lines_called_free": Quantity(
+        "Blocked lines that look free",
+        ".1%",
+        "",
+        "least",
+        "Of straight lines from the skin to the spinal canal that bone blocks, the share that looks free where nine in ten free ones are "
+        "found: a line is judged by its brightest voxel.",
+    ),
+    "lines_area": Quantity(
+        "Free lines told from blocked",
+        ".3f",
+        "",
+        "most",
+        "How often a free line's brightest voxel is darker than a blocked one's (Hanley and McNeil 1982). 0.5 is chance.",
+    ),
 }
 """Of the whole volume, by name in `BoneMetrics`."""
 
@@ -213,6 +234,7 @@ HEADINGS = {
     "interspinous_coverage": "interspinous",
     "bone_thickness": "thickness mm",
     "bone_localization_error": "off by mm",
+    "lines_called_free": "blocked called free",
     "shadow_mean": "shadow",
     "speckle_snr": "speckle SNR",
 }

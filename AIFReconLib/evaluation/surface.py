@@ -11,7 +11,7 @@ from typing import cast
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Mask, Numbers
+from ..arrays import Floats, Integers, Mask, Numbers, Reals
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
@@ -243,3 +243,39 @@ def nearest(volume: Volume, ijk: Floats, outside: float = 0) -> Numbers:
     known = ((numbers >= 0) & (numbers < volume.grid.size)).all(axis=1)
     numbers[~known] = 0
     return np.where(known, volume.array[numbers[:, 2], numbers[:, 1], numbers[:, 0]], outside)
+
+
+# ---- statistics over points of a surface, each with its area, of which some are not known (NaN)
+
+
+def exceeds(a: Floats, b: Floats) -> Floats:
+    """1 where a > b, one half where they are equal but for rounding, 0 where a < b, NaN where either is not known."""
+    difference = np.where(np.isfinite(a) & np.isfinite(b), a - b, np.nan)
+    return np.where(np.abs(difference) <= 1e-5 * np.abs(a), 0.5, (np.sign(difference) + 1) / 2)
+
+
+def mean_std(values: Reals, weights: Floats | float = 1.0) -> tuple[float, float]:
+    """Weighted mean and standard deviation of the values that are not NaN; NaN where there are none."""
+    known = np.isfinite(values)
+    weights = np.broadcast_to(weights, values.shape)[known]
+    total = float(np.sum(weights))
+    if total == 0:
+        return np.nan, np.nan
+    mean = float(np.sum(weights * values[known], dtype=np.float64) / total)
+    return mean, float(np.sqrt(np.sum(weights * (values[known] - mean) ** 2, dtype=np.float64) / total))
+
+
+def median(values: Floats, weights: Floats) -> float:
+    """Weighted median of the values that are not NaN; NaN where there are none."""
+    known = np.isfinite(values)
+    if not known.any():
+        return np.nan
+    values, weights = values[known], weights[known]
+    order = np.argsort(values, kind="stable")
+    summed = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(summed, summed[-1] / 2)])
+
+
+def ratio(numerator: float, denominator: float) -> float:
+    """NaN where the denominator is 0 or not known."""
+    return numerator / denominator if denominator > 0 else np.nan

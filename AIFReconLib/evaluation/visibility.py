@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Bytes, Floats, Integers, Mask, Matrix
+from ..bone.canal import canals_of
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import image_plane_axes, pixel_spacing, transform_points
@@ -24,6 +25,7 @@ from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
+from .lines import StraightLines, lines_to_canal
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border
 
 BEAM_THICKNESS = 3.0
@@ -44,6 +46,12 @@ MAP_PITCH = 2.5
 
 OUTSIDE, SHADOWED, REACHED = 0, 1, 2
 """Of a point: in no beam, only in beams that bone stops before it, in a beam that reaches it."""
+
+FACE = 1.0
+"""mm along the beams within which pixels are the probe's face."""
+
+FACE_POINTS = 16
+"""Of each frame, along its face."""
 
 PAIRS_AT_ONCE = 200_000
 PLACES_AT_ONCE = 4_000
@@ -93,6 +101,21 @@ class SweepBeams:
         imaging = resolve_imaging(sequence, poses, True, recipe)
         return cls(poses.image_to_reference[usable], sequence.frame_size, imaging.known_probe(), imaging.region, thickness)
 
+    def skin(self) -> Floats:
+        """Points on the skin: where the face of the probe was in each frame, (n, 3) mm."""
+        rows, columns = np.nonzero(self.region.mask(*self.frame_size))
+        x, y = pixel_spacing(self.image_to_reference[0])
+        if self.probe.kind == LINEAR:
+            depth, across = rows * y, columns * x
+        else:
+            right, down = (columns - self.probe.apex[0]) * x, (rows - self.probe.apex[1]) * y
+            depth, across = np.hypot(right, down), np.arctan2(right, down)
+        face = np.flatnonzero(depth <= depth.min() + FACE)
+        face = face[np.argsort(across[face])]
+        face = face[np.unique(np.linspace(0, len(face) - 1, min(len(face), FACE_POINTS)).round().astype(int))]
+        pixels = np.stack([columns[face], rows[face], np.zeros(len(face))], axis=1).astype(np.float64)
+        return np.concatenate([transform_points(pose, pixels) for pose in self.image_to_reference])
+
 
 @dataclass(frozen=True, eq=False)
 class BoneTruth:
@@ -108,6 +131,8 @@ class BoneTruth:
         Of the best angle of incidence; NaN where no beam reaches. None: no sweep is known.
     shadows : Volume of uint8 or None
         OUTSIDE, SHADOWED or REACHED, on a coarse grid.
+    lines : StraightLines or None
+        From the skin to the canal. None without a sweep, or where no canal is closed by bone.
     """
 
     surface: BoneSurface
@@ -115,6 +140,7 @@ class BoneTruth:
     border: Mask
     best_cosine: Floats | None = None
     shadows: Volume | None = None
+    lines: StraightLines | None = None
 
 
 def bone_truth(
@@ -142,7 +168,9 @@ def bone_truth(
     k, j, i = np.indices(grid.shape).reshape(3, -1)
     points = transform_points(grid.ijk_to_reference, np.stack([i, j, k], axis=1))
     status, _ = look(points, sweep, distance, progress=part(progress, 0.7, 1.0))
-    return BoneTruth(surface, distance, border, best_cosine, Volume(status.reshape(grid.shape), grid.ijk_to_reference))
+    shadows = Volume(status.reshape(grid.shape), grid.ijk_to_reference)
+    canals = canals_of(labels, np.unique(surface.labels[np.isfinite(best_cosine)]))
+    return BoneTruth(surface, distance, border, best_cosine, shadows, lines_to_canal(sweep.skin(), canals, distance))
 
 
 def look(

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Bytes, Floats, Integers, Matrix
+from ..bone.canal import canal_between
 from ..bone.field import BoneField
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError, SettingsError
+from ..evaluation.visibility import SweepBeams
 from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix
 from ..geometry.volume import Volume
@@ -19,7 +21,6 @@ from ..message import Described, columns
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
-from .aims import canal_between, skin_under
 from .surroundings import PlacedField, ShownVolume, Surroundings
 from .windows import END_PITCH, ENTRY_PITCH, FREE, NOT_SEEN, STATES, Window, states_of, windows_of
 
@@ -153,7 +154,7 @@ def free_paths(
     given = None if labels is None else labels if isinstance(labels, Labels) else Labels(labels.array, labels.ijk_to_reference)
     place = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
     center = _target(target, given, place)
-    points = np.asarray(skin, dtype=np.float64) if isinstance(skin, np.ndarray) else skin_under(skin, recipe)
+    points = np.asarray(skin, dtype=np.float64) if isinstance(skin, np.ndarray) else SweepBeams.of_sequence(skin, recipe).skin()
     if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
         raise GeometryError(f"Input skin must be points (n, 3) in mm, or a sweep; got shape {points.shape}.")
     points = _thinned(points)

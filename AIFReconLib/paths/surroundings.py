@@ -10,6 +10,7 @@ import scipy
 from ..arrays import Floats, Integers, Mask, Matrix, Singles
 from ..bone.field import BoneField
 from ..errors import GeometryError
+from ..evaluation.lines import UNDER_SKIN
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..machine.threads import in_parts, usable_cores
@@ -28,9 +29,6 @@ ONE_LOOK = 1.0
 
 FILLED = 2
 """Of a mask: no frame was there, the value is a neighbor's."""
-
-UNDER_SKIN = 4.0
-"""mm of each line that are not judged, and within which nothing bright is bone: there the probe's own echo is."""
 
 STEP = 0.75
 """mm between looks along a line: distances are then off by 0.1 mm at most 1 mm from bone."""

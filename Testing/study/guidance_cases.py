@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import GuidedBone, guided_bone
@@ -18,12 +20,12 @@ from AIFReconLib.guidance.plan import WEARABLE, ScanPlan, plan_scan
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, Skin
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
+from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import ProbePath, single_angle_sweep
 from AIFReconLib.sweep.edits import select_frames
 
-from .method_cases import HOLE_LIMIT, SPACING, Scan, map_in_place, scan_of, simulated_scan
+from .method_cases import HOLE_LIMIT, SPACING, Back, Scan, map_in_place, scan_of, simulated_scan
 
 FEW, MANY = 120, 360
 
@@ -57,7 +59,7 @@ class Row:
 
 def patient_rows(seed: int) -> list[Row]:
     """Every scan of one patient. Some three minutes on one core."""
-    case = _Case(seed)
+    case = ScannedCase(seed)
     rows = []
     for frames in (FEW, MANY):
         plan = plan_scan(case.bone, case.probe, "interspinous", frames)
@@ -71,12 +73,12 @@ def patient_rows(seed: int) -> list[Row]:
     return rows
 
 
-class _Case:
+class ScannedCase:
     """A patient, a probe on its back, and an operator."""
 
-    def __init__(self, seed: int):
+    def __init__(self, seed: int, phantom: Back | None = None):
         self.seed = seed
-        self.phantom: LumbarPhantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
+        self.phantom: Back = phantom or make_lumbar_phantom(LumbarAnatomy.from_seed(seed))
         self.bone: GuidedBone = guided_bone(self.phantom.labels, self.phantom.ct_to_reference)
         images, self._array = ProbeImages.simulated(), PhasedArray()
         self._to_transducer = invert(self._array.image_to_transducer)
@@ -84,7 +86,10 @@ class _Case:
         skin = Skin.through(transform_points(invert(self.bone.patient_to_reference), images.faces(scout)))
         self.probe = ProbeOnBack(images, skin, self.bone.patient_to_reference)
         self._start = scout[len(scout) // 2]
-        self._map = map_in_place(self.phantom.labels)
+
+    @cached_property
+    def _map(self) -> BoneMap:
+        return map_in_place(self.phantom.labels)
 
     def _made(self, planned: Pass, frames: int, number: int) -> np.ndarray:
         """A pass as an operator makes it who misses, image_to_reference of its frames."""
@@ -127,9 +132,12 @@ class _Case:
                 taken.append(pose)
         return np.array(taken), begins
 
+    def path(self, poses: np.ndarray) -> ProbePath:
+        """The way of the probe of frames whose image_to_reference is given."""
+        return ProbePath(poses @ self._to_transducer, np.arange(len(poses)) / 20.0)
+
     def _scan(self, poses: np.ndarray) -> Scan:
-        path = ProbePath(poses @ self._to_transducer, np.arange(len(poses)) / 20.0)
-        found: Scan = simulated_scan(self.phantom, self._array, path, self.seed)
+        found: Scan = simulated_scan(self.phantom, self._array, self.path(poses), self.seed)
         return found
 
     def row(self, name: str, poses: np.ndarray, passes: int) -> Row:

@@ -39,7 +39,7 @@ from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .free_paths import NeedleLines
+from .free_paths import lines_to_canal
 from .lumbar_shapes import LumbarShapes, lumbar_shapes
 from .real_bone_measures import precision
 
@@ -90,7 +90,6 @@ class _Patient:
     kind: str
     back: Back
     scan: Scan
-    lines: NeedleLines
 
     def rows(self, condition: str, methods: Iterable[str], labels: Volume, scan: Scan | None = None) -> list[Row]:
         """Reconstruct with each method, and measure."""
@@ -106,7 +105,6 @@ class _Patient:
             result = reconstruct(scan.sequence, settings, _bone(method, bone, scan.sequence))
         metrics = evaluate(result.intensity, scan.truth, result.mask).to_dict()
         metrics["precision"] = precision(result.intensity, scan.truth)["precision_180"]
-        metrics["called_free"] = self.lines.called_free(result.intensity)
         return Row(self.seed, self.kind, condition, method, metrics)
 
 
@@ -123,7 +121,8 @@ def patient_rows(given: tuple[str, int], own: tuple[str, ...] = ()) -> list[Row]
     back, probe = patient_of(kind, seed), PhasedArray()
     labels = placed_labels(back)
     scan = simulated_scan(back, probe, multi_angle_sweep(back, MULTI_FRAMES), seed, EFFECTS)
-    patient = _Patient(seed, kind, back, scan, NeedleLines.of(back, labels, back.bone_distance, seed))
+    scan = replace(scan, truth=replace(scan.truth, lines=lines_to_canal(back, labels, back.bone_distance, seed)))
+    patient = _Patient(seed, kind, back, scan)
     rows = patient.rows("right CT", (*METHODS, WITHOUT_CT, *own), labels)
     for condition, wrong in wrong_cts(back, kind, seed).items():
         rows += patient.rows(condition, (PAPER, OURS), wrong)
@@ -156,7 +155,7 @@ def _without_bone(patient: _Patient, labels: Volume, probe: PhasedArray) -> list
     distance = patient.back.bone_distance
     boneless = replace(patient.back, bone_distance=Volume(np.full_like(distance.array, 6.0), distance.ijk_to_reference))
     path = multi_angle_sweep(patient.back, TISSUE_FRAMES)
-    scan = scan_of(_configured(simulate_sweep(boneless, probe, path, effects=EFFECTS, seed=patient.seed), probe), patient.back, probe)
+    scan = scan_of(configured(simulate_sweep(boneless, probe, path, effects=EFFECTS, seed=patient.seed), probe), patient.back, probe)
     rows = patient.rows(NO_BONE, (PLAIN, PAPER, OURS), labels, scan)
     with contextlib.suppress(GeometryError):  # told that there is none: as it should be
         rows += patient.rows(NO_BONE, [WITHOUT_CT], labels, scan)
@@ -181,7 +180,7 @@ def placed_labels(back: Back) -> Volume:
 
 def simulated_scan(back: Back, probe: PhasedArray, path: ProbePath, seed: int, effects: UltrasoundEffects | None = None) -> Scan:
     """A simulated sweep along a path, with a configuration as a recording has one, and the bone that its beams could show."""
-    return scan_of(_configured(simulate_sweep(back, probe, path, effects=effects, seed=seed), probe), back, probe)
+    return scan_of(configured(simulate_sweep(back, probe, path, effects=effects, seed=seed), probe), back, probe)
 
 
 def scan_of(sequence: TrackedSequence, back: Back, probe: PhasedArray) -> Scan:
@@ -191,7 +190,8 @@ def scan_of(sequence: TrackedSequence, back: Back, probe: PhasedArray) -> Scan:
     return Scan(sequence, bone_truth(placed_labels(back), beams, distance=back.bone_distance))
 
 
-def _configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequence:
+def configured(sequence: TrackedSequence, probe: PhasedArray) -> TrackedSequence:
+    """A simulated sweep with a configuration as a recording has one."""
     calibration = {TransformName("Image", "Probe"): TransformSample(probe.image_to_probe)}
     return replace(sequence, configuration=PlusConfiguration(Path("simulated"), calibration, region=probe.region, probe=probe.geometry))
 

@@ -16,7 +16,7 @@ CONDITIONS = (RIGHT, *SHIFTS, LEVEL, OTHER)
 PANELS = (
     ("bone_coverage", "bone that is shown, %"),
     ("oblique_coverage", "oblique bone that is shown, %"),
-    ("called_free", "blocked paths that look free, %"),
+    ("lines_called_free", "blocked paths that look free, %"),
 )
 COLORS = {**dict(zip(COMPARED_METHODS, ("#8a8a8a", "#7fb2e5", "#2f6db3", "#e07b00"), strict=True)), WITHOUT_CT: "#5b8f4e"}
 

@@ -33,14 +33,14 @@ COLUMNS = (
     ("coverage oblique %", "oblique_coverage", 100),
     ("interspinous %", "interspinous_coverage", 100),
     ("precision %", "precision", 100),
-    ("blocked called free %", "called_free", 100),
+    ("blocked called free %", "lines_called_free", 100),
     ("thickness mm", "bone_thickness", 1),
     ("off mm", "bone_localization_error", 1),
     ("speckle SNR", "speckle_snr", 1),
 )
 
 RIGHT = "right CT"
-OF_WRONG = tuple(column for column in COLUMNS if column[1] in ("bone_cnr", "bone_coverage", "precision", "called_free"))
+OF_WRONG = tuple(column for column in COLUMNS if column[1] in ("bone_cnr", "bone_coverage", "precision", "lines_called_free"))
 OF_NOTHING = tuple(column for column in COLUMNS if column[1] == "bone_coverage")
 
 

@@ -17,10 +17,12 @@ from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.terminal.console import ProgressBar
 
 from .command import reported
+from .paths_page import table_of
 from .real_bone_angles import angle_rows, angle_tables, shadow_rows, traced_echoes
 from .real_bone_cases import RealBone, real_bone_rows
 from .real_bone_figures import angle_figure, real_bone_figures
 from .real_bone_page import in_the_pages, real_bone_page
+from .real_bone_paths import path_rows
 
 
 def main(words: list[str]) -> int:
@@ -42,9 +44,10 @@ def main(words: list[str]) -> int:
             rows = real_bone_rows(bone, output, arguments.jobs, progress)
             page, echoes = output / "real-bone.md", traced_echoes(bone.sequence, bone.truth, every=4)
             angles, shadows = angle_rows(echoes), shadow_rows(echoes)
-            write_text(page, real_bone_page(rows, angle_tables(angles, shadows)))
+            lines = table_of(path_rows(bone, output, arguments.jobs, progress))
+            write_text(page, f"{real_bone_page(rows, angle_tables(angles, shadows))}\n### Lines past the bone\n\n{lines}\n")
             written = [page, *real_bone_figures(output, bone, rows), angle_figure(output, angles, shadows)]
-            written += keep(in_the_pages(rows), "make real-bone") if arguments.pages else []
+            written += keep({**in_the_pages(rows), "real-bone-paths": lines}, "make real-bone") if arguments.pages else []
         return [f"{len(rows)} reconstructions of a real bone", *map(str, written)]
 
     return reported(work_through)

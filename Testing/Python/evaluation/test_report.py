@@ -86,7 +86,7 @@ def numbers(seed, **changes) -> BoneMetrics:
     def part():
         return SurfaceMetrics(*(float(value) for value in rng.uniform(-1, 1, len(fields(SurfaceMetrics)))))
 
-    return replace(BoneMetrics(part(), part(), part(), *(float(value) for value in rng.uniform(0, 9, 3))), **changes)
+    return replace(BoneMetrics(part(), part(), part(), *(float(value) for value in rng.uniform(0, 9, 5))), **changes)
 
 
 @pytest.fixture
@@ -168,7 +168,7 @@ def test_a_page_that_cannot_be_written_leaves_the_old_one(report, tmp_path, monk
 
 def showing(coverage, cnr):
     part = SurfaceMetrics(1.0, 1.0, cnr, 0.5, 1.0, 0.0, 0.0, coverage)
-    return BoneMetrics(part, part, part, 1.0, 1.0, 1.0)
+    return BoneMetrics(part, part, part, 1.0, 1.0, 1.0, 0.5, 0.5)
 
 
 def test_what_was_achieved_is_a_sentence_of_the_best_and_the_average(report):

@@ -21,7 +21,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
 
 SURFACE = SurfaceMetrics(812.3, 41.26, 2.3456, 0.871, np.nan, 0.1, 0.2345, 0.4567)
-METRICS = BoneMetrics(SURFACE, SURFACE, SURFACE, 3.21, 1.0, 4.444)
+METRICS = BoneMetrics(SURFACE, SURFACE, SURFACE, 3.21, 1.0, 4.444, 0.9, 0.1)
 
 
 @pytest.fixture

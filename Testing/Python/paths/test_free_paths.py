@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from AIFReconLib.bone.canal import canal_between
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.evaluation.visibility import SweepBeams
 from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.models import read_model
-from AIFReconLib.paths.aims import canal_between, skin_under
 from AIFReconLib.paths.free_paths import FreePaths, free_paths
 from AIFReconLib.paths.shown import markups, paths_figure, write_skin_map
 from AIFReconLib.paths.windows import BLOCKED, FREE, NOT_SEEN, TIGHT, states_of
@@ -251,13 +252,13 @@ def test_the_skin_of_a_sweep_is_where_the_face_of_the_probe_was():
     poses = np.stack([pose, pose])
     images = np.full((2, 40, 60), 90, np.uint8)
     sweep = TrackedSequence.from_arrays(images, poses, np.arange(2.0))
-    linear = skin_under(sweep, ReconstructionSettings(probe="linear", clip_px=(5, 10, 50, 30)))
+    linear = SweepBeams.of_sequence(sweep, ReconstructionSettings(probe="linear", clip_px=(5, 10, 50, 30))).skin()
     first = transform_points(invert(pose), linear[: len(linear) // 2])
     assert first[:, 1].max() <= 12
     assert first[:, 1].min() == pytest.approx(10)
     assert (first[:, 0].min(), first[:, 0].max()) == pytest.approx((5, 54), abs=1.01)
     fan = ReconstructionSettings(probe="sector", apex_px=(30.0, -10.0), fan_angles_deg=(-30.0, 30.0), fan_radius_px=(20.0, 60.0))
-    sector = transform_points(invert(pose), skin_under(sweep, fan)[:8])
+    sector = transform_points(invert(pose), SweepBeams.of_sequence(sweep, fan).skin()[:8])
     radii = np.hypot((sector[:, 0] - 30) * 0.3, (sector[:, 1] + 10) * 0.5)
     assert np.ptp(radii) <= 1.0
     assert np.ptp(sector[:, 0]) > 8

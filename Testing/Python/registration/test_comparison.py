@@ -30,7 +30,7 @@ from AIFReconLib.simulation.scan import multi_angle_sweep, simulate_sweep
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from study.method_cases import _configured, simulated_scan
+from study.method_cases import configured, simulated_scan
 
 
 @pytest.fixture
@@ -157,7 +157,7 @@ def test_tissue_alone_makes_no_bone_and_says_so(monkeypatch):
     far = Volume(np.full_like(phantom.bone_distance.array, 6.0), phantom.bone_distance.ijk_to_reference)
     probe = PhasedArray()
     images = simulate_sweep(replace(phantom, bone_distance=far), probe, multi_angle_sweep(phantom, 27), seed=1)
-    sequence = _configured(images, probe)
+    sequence = configured(images, probe)
     with pytest.raises(GeometryError, match=NO_BONE):
         bone_from_sweep(sequence)
     bone = LabeledBone(phantom.labels, None, sequence)

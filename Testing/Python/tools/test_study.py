@@ -23,7 +23,7 @@ import measured
 from study import method_cases
 from study.__main__ import STUDIES
 from study.__main__ import main as start
-from study.free_paths import NeedleLines, canal_depth
+from study.free_paths import canal_depth, lines_to_canal
 from study.method_cases import PHANTOM, Row, patient_rows
 from study.method_page import COLUMNS, in_the_pages
 from study.patients import read_rows, run_study
@@ -50,7 +50,7 @@ def test_a_case_reconstructs_and_measures(monkeypatch):
     average, weighted = rows["right CT", "average"], rows["right CT", "weighted"]
     assert weighted["bone_cnr"] > 2 * average["bone_cnr"]
     assert weighted["oblique_cnr"] > average["oblique_cnr"]
-    assert weighted["called_free"] < average["called_free"]
+    assert weighted["lines_called_free"] < average["lines_called_free"]
     assert rows["no bone at all", "weighted"]["bone_coverage"] < 0.2
     assert rows["CT one level off", "weighted"]["bone_coverage"] < weighted["bone_coverage"]
 
@@ -65,12 +65,12 @@ def test_lines_that_meet_bone_are_blocked_and_those_between_are_free():
     tips = np.array([[0.0, 10.0, 13.0], [0.0, 10.0, -13.0]])
     assert canal_depth(labels, tips) == pytest.approx(49.5, abs=1.5)
     back = SimpleNamespace(spinous_tips=lambda: tips, skin_y=lambda x, z: np.zeros(np.shape(x)))
-    lines = NeedleLines.of(back, labels, distance_from_labels(labels))
-    blocked = lines.nearest_bone <= 0
-    assert 0.2 < blocked.mean() < 0.95
+    lines = lines_to_canal(back, labels, distance_from_labels(labels))
+    assert 0.2 < lines.blocked.mean() < 0.95
     shown = Volume(np.where(array > 0, 250.0, 20.0).astype(np.float32), labels.ijk_to_reference)
-    assert lines.called_free(shown) < 0.02
-    assert lines.called_free(Volume(np.full(grid.shape, 20.0, np.float32), labels.ijk_to_reference)) == 1.0
+    assert lines.told_by(-lines.brightest(shown)).called_free < 0.02
+    empty = Volume(np.full(grid.shape, 20.0, np.float32), labels.ijk_to_reference)
+    assert lines.told_by(-lines.brightest(empty)).called_free == 1.0
 
 
 def test_a_study_of_a_method_that_is_not_there_is_one_line(tmp_path, capsys):
