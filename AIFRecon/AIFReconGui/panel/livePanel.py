@@ -5,6 +5,7 @@ import time
 import slicer
 from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.live.liveFiles import recordingPath, sizeOf
+from AIFReconScene.live.liveWords import LiveWords, counts, linesOf
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
@@ -14,9 +15,8 @@ from ..fields.choosers import boneSourceOfScan
 from ..fields.pathField import PathField
 from ..longWork import errorsShown
 from ..packages import packagesAreThere
-from ..signals import GRAY, styleOf
+from ..signals import GRAY, GREEN, RED, styleOf
 from .layout import reveal, say
-from .liveWords import LiveWords, counts, linesOf
 from .panelPart import PanelPart, every
 
 LOOK_EVERY, COUNTED_EVERY = 10, 0.5
@@ -244,7 +244,7 @@ class LivePanel(PanelPart):
             self._shownID = live.volumeNode.GetID()
             self._refresh()
         words = LiveWords.of(live, self._advised)
-        self._showState(words.state, words.colors)
+        self._showState(words.state, GREEN if words.isWell else RED)
         self._showMove(words.move)
         if self._record is not None and now - self._sized > SIZE_EVERY:
             self._sized = now

@@ -10,11 +10,11 @@ from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
 from AIFReconScene.inputs.boxes import clipAsRecognized
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit, fileFrom
 from AIFReconScene.sceneNodes import addedTogether
-from AIFReconScene.sweep.fileKinds import opened
 from slicer.i18n import tr as _
 
 from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
+from AIFReconLib.worker.recordings import opened_suffixes
 
 from ..fields.choosers import BoxChooser, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser, boneSourceOfRecorded
 from ..fields.pathField import PATHS, PathField
@@ -115,7 +115,7 @@ class RecordedPanel(PanelPart):
 
     def _ask(self) -> list:
         """The files that the user chooses, in the folder where some were chosen before."""
-        asked = " ".join(f"*{suffix}" for suffix in opened())
+        asked = " ".join(f"*{suffix}" for suffix in opened_suffixes())
         words = _("Recordings, calibrations, CT, segmentations ({suffixes})").format(suffixes=asked)
         folder = slicer.util.settingsValue(FOLDER_SETTING, "")
         names = qt.QFileDialog.getOpenFileNames(self._ui.openButton, _("Open recording, CT, segmentation"), folder, words)
