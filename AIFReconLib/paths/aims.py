@@ -13,7 +13,8 @@ from ..geometry.labels import Labels
 from ..geometry.transforms import invert, pixel_spacing, transform_points
 from ..imaging.beams import LINEAR
 from ..recipe.recipe import Recipe
-from ..resolve import resolve_imaging
+from ..remedies import Remedy
+from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
@@ -39,9 +40,13 @@ def skin_under(sequences: TrackedSequence | Iterable[TrackedSequence], recipe: R
     sequence, recipe = joined(sequences), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     placed = poses.image_to_reference[poses.require_usable(sequence.name)]
-    imaging = resolve_imaging(sequence, poses, True, recipe)
-    rows, columns = np.nonzero(imaging.region.mask(*sequence.frame_size))
-    x, y = pixel_spacing(placed[0])
+    return faces_at(placed, resolve_imaging(sequence, poses, True, recipe), sequence.frame_size)
+
+
+def faces_at(poses: Floats, imaging: Imaging, frame_size: tuple[int, int]) -> Floats:
+    """Points of the probe's face, (n, 3) mm in Reference, at the poses of images of so many columns and rows, (frames, 4, 4)."""
+    rows, columns = np.nonzero(imaging.region.mask(*frame_size))
+    x, y = pixel_spacing(poses[0])
     probe = imaging.known_probe()
     if probe.kind == LINEAR:
         depth, across = rows * y, columns * x
@@ -52,7 +57,7 @@ def skin_under(sequences: TrackedSequence | Iterable[TrackedSequence], recipe: R
     face = face[np.argsort(across[face])]
     face = face[np.unique(np.linspace(0, len(face) - 1, min(len(face), FACE_POINTS)).round().astype(int))]
     pixels = np.stack([columns[face], rows[face], np.zeros(len(face))], axis=1).astype(np.float64)
-    return np.concatenate([transform_points(pose, pixels) for pose in placed])
+    return np.concatenate([transform_points(pose, pixels) for pose in poses])
 
 
 def canal_between(labels: Labels, level: str, labels_to_reference: Matrix | None = None) -> Floats:
@@ -80,9 +85,7 @@ def canal_between(labels: Labels, level: str, labels_to_reference: Matrix | None
         holes = [(k, _largest_hole(bone[k])) for k in range(len(bone))]
         canal = [places[k][hole] for k, hole in holes if hole is not None]
         if not canal:
-            raise GeometryError(
-                f"The canal of {labels.called(number)} is not closed by its bone in the labels. Give the target as a point X Y Z."
-            )
+            raise GeometryError(f"The canal of {labels.called(number)} is not closed by its bone in the labels.", Remedy.AIM_AT_A_POINT)
         middles.append(np.concatenate(canal).mean(axis=0))
     middle: Floats = (middles[0] + middles[1]) / 2
     return middle

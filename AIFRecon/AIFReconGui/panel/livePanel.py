@@ -39,9 +39,9 @@ LARGE = 26
 class LivePanel(PanelPart):
     """Connects the widgets of the tab to a `LiveReconstruction`."""
 
-    def __init__(self, ui, work, refresh):
+    def __init__(self, ui, work, refresh, paths):
         super().__init__(ui, work, refresh)
-        self._live = None
+        self._live, self._paths = None, paths
         self._missing = self._advised = ""
         self._record = self._shownID = self._words = None
         self._sized = self._counted = 0.0
@@ -216,6 +216,8 @@ class LivePanel(PanelPart):
             self._showMove(_("Look at the picture, or press Start"))
         if live.volumeNode is not None:
             parameters.output = live.volumeNode
+            if ended is not None and ended.result is not None:
+                self._paths.remember(live.volumeNode, ended.result, ended.skin)
         lines = [counts(live.statistics)]
         if live.wasCanceled:
             lines.append(_("Canceled: the volume is as it was shown last."))

@@ -9,7 +9,7 @@ from ..sceneNodes import sequencesOf
 from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from .boxes import isEmpty
 
-CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage")
+CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage", "pathPoint")
 """The parameters that name a node."""
 
 

@@ -76,7 +76,7 @@ class LevelNames:
         node = slicer.vtkMRMLMarkupsFiducialNode()
         node.SetName(f"Levels {sliceNode.GetLayoutName()}")
         node.SetHideFromEditors(True)
-        with _placingKept():
+        with placingKept():
             node = self._own.add(sliceNode.GetLayoutName(), node)
         node.SetSelectable(False)
         node.CreateDefaultDisplayNodes()
@@ -93,7 +93,7 @@ class LevelNames:
 
 
 @contextlib.contextmanager
-def _placingKept():
+def placingKept():
     """Slicer has the mouse place points into whatever list has just come: within, it stays with the one that the user has."""
     selection = slicer.app.applicationLogic().GetSelectionNode()
     className, nodeID = selection.GetActivePlaceNodeClassName(), selection.GetActivePlaceNodeID()

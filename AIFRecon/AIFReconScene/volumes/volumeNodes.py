@@ -14,6 +14,7 @@ from AIFReconLib.inspection.gray_levels import gray_levels
 from AIFReconLib.worker.evaluating import write_settings
 
 from ..sceneNodes import freeName, newImage, removeNodes, setWindow, sharedColors
+from ..transforms import ijkToRAS, matrixToWorld
 from ..work import inWorker
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
@@ -48,6 +49,18 @@ COMPARED_ROLE = "AIFRecon.ComparedSweep"
 def updateVolumeNode(node, volume: Volume) -> None:
     """Put a volume into a volume node, in RAS world; its voxels are copied once. A parent transform is taken off."""
     _place(node, _imageData(volume.array), volume)
+
+
+def volumeOf(node) -> Volume:
+    """The voxels of a volume node where they lie in RAS world, with what it says of where it comes from."""
+    fields = {name: node.GetAttribute(name) for name in node.GetAttributeNames() if name.startswith(OWN_FIELDS)}
+    return Volume(slicer.util.arrayFromVolume(node), matrixToWorld(node) @ ijkToRAS(node), fields)
+
+
+def besideOf(node, kind: str):
+    """What of `KINDS` was kept beside a volume, on its voxels; None where it was not."""
+    kept = node.GetNodeReference(_ROLE.format(kind=kind))
+    return None if kept is None or kept.GetImageData() is None else volumeOf(kept)
 
 
 def saveSettings(node, path) -> None:
