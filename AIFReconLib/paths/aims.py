@@ -78,15 +78,16 @@ def canal_between(labels: Labels, level: str, labels_to_reference: Matrix | None
     middles = []
     for number, points in zip((upper, lower), bones, strict=True):
         low, high = (points @ turn.T).min(axis=0) - 2 * PITCH, (points @ turn.T).max(axis=0) + 2 * PITCH
-        axes = [np.arange(first, last + PITCH, PITCH) for first, last in zip(low, high, strict=True)]
-        places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1) @ turn
-        ijk = transform_points(invert(place), places.reshape(-1, 3)).T[::-1]
-        bone = scipy.ndimage.map_coordinates((labels.array == number).astype(np.uint8), ijk, order=0).reshape(places.shape[:3]) > 0
+        to_reference = np.eye(4)
+        to_reference[:3] = np.column_stack([PITCH * turn.T, turn.T @ low])
+        to_labels, shape = invert(place) @ to_reference, tuple(np.ceil((high - low) / PITCH).astype(int) + 1)
+        mask = (labels.array == number).astype(np.uint8)
+        bone = scipy.ndimage.affine_transform(mask, to_labels[:3, :3][::-1], to_labels[:3, 3][::-1], shape, order=0) > 0
         holes = [(k, _largest_hole(bone[k])) for k in range(len(bone))]
-        canal = [places[k][hole] for k, hole in holes if hole is not None]
+        canal = [np.insert(np.argwhere(hole), 0, k, axis=1) for k, hole in holes if hole is not None]
         if not canal:
             raise GeometryError(f"The canal of {labels.called(number)} is not closed by its bone in the labels.", Remedy.AIM_AT_A_POINT)
-        middles.append(np.concatenate(canal).mean(axis=0))
+        middles.append(transform_points(to_reference, np.concatenate(canal).mean(axis=0)))
     middle: Floats = (middles[0] + middles[1]) / 2
     return middle
 
