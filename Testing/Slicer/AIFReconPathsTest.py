@@ -235,7 +235,6 @@ class AIFReconPathsTest(unittest.TestCase):
         self.assertEqual(logic.GetInteractionNode().GetCurrentInteractionMode(), slicer.vtkMRMLInteractionNode.Place)
         logic.GetInteractionNode().SetCurrentInteractionMode(slicer.vtkMRMLInteractionNode.ViewTransform)
         node.AddControlPoint(*self.expected().target)
-        self.parameters.spacing = 1.6  # the panel looks again
         self.assertIn("mm deep", self.find())
 
     def test_a_target_out_of_reach_is_one_sentence(self):

@@ -8,7 +8,7 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.geometry.box import corners_of, middle_on_plane
+from AIFReconLib.geometry.box import box_around, corners_of, middle_on_plane
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
@@ -137,8 +137,7 @@ def _cornersOf(segment):
     extent = np.array(image.GetExtent()).reshape(3, 2)
     voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((extent[:, 1] - extent[:, 0] + 1)[::-1])
     inside = voxels == segment.GetLabelValue()
-    along = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]
-    if not len(along[0]):
+    if not inside.any():
         return None
-    ends = np.array([(each[0] - 0.5, each[-1] + 0.5) for each in along]) + extent[:, :1]
+    ends = np.array([(each.start - 0.5, each.stop - 0.5) for each in box_around(inside)[::-1]]) + extent[:, :1]
     return transform_points(imageToWorld(image), corners_of(ends))
