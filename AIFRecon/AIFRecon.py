@@ -26,8 +26,9 @@ except ImportError:
     sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 
 from AIFReconScene.inputs import readiness
+from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
-from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.panelWords import inPanelWords, remedies
 from AIFReconScene.sweep.sweepStatus import SweepReport, SweepStatus, offered
 from AIFReconScene.work import inWorker, warmUp, worker
 
@@ -99,7 +100,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self.logic = AIFReconLogic()
         self._work = LongWork(uiWidget)
         self._recorded = RecordedPanel(self.ui, self._work, self._onParametersModified, self.logic)
-        self._live = LivePanel(self.ui, self._work, self._onParametersModified)
+        self._live = LivePanel(self.ui, self._work, self._onParametersModified, self.logic.paths)
         onBone = (self.ui, self._work, self._onParametersModified, self._live, self.logic)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
         self._calibration = CalibrationPanel(*onBone, self._registration, self._guidance)
@@ -205,10 +206,11 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def __init__(self) -> None:
         from AIFReconScene.display.display import SceneDisplay
+        from AIFReconScene.picture.freePaths import FreePaths
         from AIFReconScene.registration.sweepVerdicts import SweepVerdicts
 
         ScriptedLoadableModuleLogic.__init__(self)
-        self.display, self.verdicts = SceneDisplay(), SweepVerdicts()
+        self.display, self.verdicts, self.paths = SceneDisplay(), SweepVerdicts(), FreePaths()
         self._sweep, self._tracking = SweepStatus(), SweepReport()
 
     def getParameterNode(self):
@@ -263,7 +265,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             Or an AIFReconError with what is wrong and what to do, OperationCanceled after a cancel; the scene is then as before.
         """
         from AIFReconGui.longWork import progressOr
-        from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
         given = Inputs(sweep=sweep, bone=bone, recipe=Recipe(**{"best_cosine": "cosine" in keep, **settings}), **more)
@@ -315,7 +316,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def apply(self, parameters, progress=None) -> str:
         """Reconstruct what the parameters ask for, show it over the CT, and return what was done in a few lines."""
-        from AIFReconScene.inputs.inputs import Inputs
         from AIFReconScene.volumes.volumeNodes import isRenamed
 
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
@@ -330,6 +330,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             if node.GetScene() is None or parameters.sweep is None:
                 raise OperationCanceled("The volume or its sweep was deleted meanwhile.")
             parameters.output = node
+            self.paths.remember(node, made.result)
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
         self.verdicts.judge(parameters, made.comparison, made.tracking, asked)
         unchecked = _("Whether the CT lies on the sweep was not looked at: it is shown where its file has it.")
@@ -343,7 +344,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def compare(self, parameters, progress=None) -> str:
         """Reconstruct with every method that is compared, show the volumes side by side and measure them; returns what was done."""
-        from AIFReconScene.inputs.inputs import Inputs
         from AIFReconScene.volumes.comparison import compareMethods
 
         comparison = compareMethods(Inputs.fromParameters(parameters), progress)
@@ -352,8 +352,6 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def _made(self, inputs, keep, progress, forViews=False):
         """What the worker was `Asked` of the inputs, and what it has `Made`."""
-        from AIFReconScene.panelWords import remedies
-
         from AIFReconLib.worker.reconstructing import reconstructed
 
         asked = inputs.asked(part(progress, 0.0, 0.1))

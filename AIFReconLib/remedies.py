@@ -37,6 +37,7 @@ class Remedy(Enum):
     MIRROR = auto()
     INVERT = auto()
     SCALE = auto()
+    AIM_AT_A_POINT = auto()
 
     BRIGHTEST_VALUE = auto()
     FLOAT_OUTPUT = auto()
@@ -110,6 +111,7 @@ IN_PYTHON = {
     Remedy.STEP: "Mend recordings with with_time_offset(sequence, {offset}).",
     Remedy.MIRROR: "Turn the images with sweep.edits.mirrored(sequence), or read it with the right orientation=.",
     Remedy.SCALE: "Mend recordings with sweep.edits.corrected(sequence, D), D diagonal: {across}, {along}, 1, 1.",
+    Remedy.AIM_AT_A_POINT: "Give the target as a point X Y Z.",
     Remedy.INVERT: "Mend recordings with sweep.edits.inverted(sequence, {name}).",
     Remedy.BRIGHTEST_VALUE: "Give their brightest value as intensity_maximum.",
     Remedy.FLOAT_OUTPUT: 'Use output_type="float32".',

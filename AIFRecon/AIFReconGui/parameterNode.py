@@ -20,6 +20,7 @@ from AIFReconScene.inputs.parameters import (
 )
 from slicer import (
     vtkMRMLLabelMapVolumeNode,
+    vtkMRMLMarkupsFiducialNode,
     vtkMRMLMarkupsROINode,
     vtkMRMLScalarVolumeNode,
     vtkMRMLSegmentationNode,
@@ -113,6 +114,9 @@ class AIFReconParameterNode(_SETTINGS):
     liveRecord: bool = True
     liveRecordPath: pathlib.Path
     guidance: bool = False
+
+    pathTarget: str
+    pathPoint: vtkMRMLMarkupsFiducialNode | None
 
     keepScore: bool = False
     keepHits: bool = False

@@ -55,6 +55,7 @@ def remedies() -> dict[Remedy, str]:
         Remedy.STEP: _("Add {offset} s to “Time offset” (Settings, “Reading a recording”), and load the recording again."),
         Remedy.MIRROR: _("The images are to be turned left to right."),
         Remedy.SCALE: _("The size of a pixel is to be multiplied by {across} across and {along} along."),
+        Remedy.AIM_AT_A_POINT: _("Choose “a point” as “Target”, and place it."),
         Remedy.INVERT: _("The inverse of {name} is to be taken."),
         Remedy.BRIGHTEST_VALUE: _("Set “Brightest value” (Settings)."),
         Remedy.FLOAT_OUTPUT: _("Set “Stored as” to float32 (Settings)."),

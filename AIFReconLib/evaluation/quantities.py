@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 import unicodedata
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
@@ -126,6 +127,12 @@ class Quantity:
     unit: str
     best: str
     definition: str
+
+    @property
+    def digits(self) -> int:
+        """After the point, of the number as it is kept: two more for a percentage, which is kept as a share."""
+        [digits] = re.findall(r"\.(\d+)", self.form)
+        return int(digits) + (2 if self.form.endswith("%") else 0)
 
 
 _BEFORE = f"{TISSUE[0]:g} to {TISSUE[1]:g} mm before it"

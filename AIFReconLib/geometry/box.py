@@ -1,13 +1,18 @@
-"""The part of a volume that holds all chosen voxels."""
+"""Boxes: the part of a volume that holds all chosen voxels, and where boxes lie."""
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
-from ..arrays import Integers, Mask
+from ..arrays import Floats, Integers, Mask, Matrix
 
 Box = tuple[slice, slice, slice]
 """Part of an array [k, j, i]."""
+
+NEAR = 0.6
+"""Of a box's half extent across a plane: farther from its middle a plane is not near it, or two levels would be named in one place."""
 
 
 def box_around(mask: Mask, margin: Integers | int = 0) -> Box:
@@ -20,3 +25,22 @@ def box_around(mask: Mask, margin: Integers | int = 0) -> Box:
     around = np.broadcast_to(margin, 3)
     k, j, i = (slice(max(a - int(m), 0), min(b + int(m), n)) for (a, b), m, n in zip(ends, around, mask.shape, strict=True))
     return k, j, i
+
+
+def corners_of(ends: Floats) -> Floats:
+    """The corners, (8, 3), of a box with these ends, (3, 2), along the axes."""
+    return np.array([*product(*ends)])
+
+
+def middle_on_plane(corners: Floats, plane: Matrix) -> Floats | None:
+    """Where the middle of a box lies on a plane near it, (3,); None of a plane that passes it by.
+
+    The box is given by its `corners` (8, 3), mm, the plane by the matrix (4, 4) of its axes, its normal the third.
+    """
+    normal = plane[:3, 2] / np.linalg.norm(plane[:3, 2])
+    along = (corners - plane[:3, 3]) @ normal
+    away = along.mean()
+    if abs(away) > NEAR * np.ptp(along) / 2:
+        return None
+    middle: Floats = corners.mean(axis=0) - away * normal
+    return middle

@@ -1,4 +1,4 @@
-"""The inside of a closed surface of triangles, as voxels."""
+"""Closed surfaces of triangles: their inside as voxels, and small ones around points."""
 
 from __future__ import annotations
 
@@ -17,6 +17,17 @@ MOST_OPEN = 0.02
 
 AT_ONCE = 1 << 22
 """Pairs of a line and a triangle that are looked at together."""
+
+CORNERS = np.concatenate([np.eye(3), -np.eye(3)])
+FACES = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
+"""Of an octahedron, outward."""
+
+
+def octahedra(points: Floats, radius: float) -> tuple[Floats, Integers, Integers]:
+    """A small octahedron around each of the points (n, 3): corners (6 n, 3), triangles (8 n, 3), and of which point each corner is."""
+    number = np.arange(len(points))
+    corners = (points[:, None] + radius * CORNERS).reshape(-1, 3)
+    return corners, (FACES + len(CORNERS) * number[:, None, None]).reshape(-1, 3), np.repeat(number, len(CORNERS))
 
 
 def inside_of_surface(points_reference: Floats, triangles: Integers, grid: VoxelGrid) -> Mask:

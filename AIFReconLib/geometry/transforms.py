@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Floats, Matrix
+from ..arrays import Floats, Integers, Matrix
 from ..errors import GeometryError
 
 LPS_FROM_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
@@ -32,6 +32,9 @@ LAST_ONE_TOLERANCE = 1e-5
 
 LARGEST_NUMBER = 1e12
 """No transform in mm holds more; trackers write such numbers for a pose that they do not have."""
+
+CLOSEST = 1e-4
+"""mm and voxels: what lies so close lies in the same place."""
 
 
 def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
@@ -130,6 +133,18 @@ def invert(matrix: Matrix) -> Matrix:
 def transform_points(a_to_b: Matrix, points_a: ArrayLike) -> Floats:
     """Points (..., 3) of frame a in frame b."""
     return np.asarray(points_a, dtype=np.float64) @ a_to_b[:3, :3].T + a_to_b[:3, 3]
+
+
+def whole_shift(one: Matrix, other: Matrix) -> Integers | None:
+    """What makes of voxel numbers those of another grid that mean the same places, (3,); None where voxels do not lie on voxels.
+
+    Both grids are given by the matrices (4, 4) from their voxels to one frame, mm.
+    """
+    if not np.allclose(one[:3, :3], other[:3, :3], atol=CLOSEST, rtol=0):
+        return None
+    exact = np.linalg.solve(other[:3, :3], one[:3, 3] - other[:3, 3])
+    shift = np.rint(exact)
+    return shift.astype(int) if np.abs(exact - shift).max() < CLOSEST else None
 
 
 def pixel_spacing(image_to_reference: Matrix) -> tuple[float, float]:

@@ -33,6 +33,10 @@ _WAYS_OUT = {
 """Where the functions live that a volume's last methods hand it to, by name as in the package's own list: nothing here rests on them."""
 
 
+TOLERANCE = 1e-6
+"""Voxels by which a box may be longer than a whole number of them without getting another one."""
+
+
 def _way_out(name: str) -> Any:
     return getattr(import_module(f"{__package__.rpartition('.')[0]}.{_WAYS_OUT[name]}"), name)
 
@@ -88,6 +92,22 @@ class VoxelGrid(Described):
         matrix[:3, :3] = np.diag(np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3))
         matrix[:3, 3] = origin_reference
         i, j, k = size
+        return cls((i, j, k), matrix)
+
+    @classmethod
+    def covering(cls, box_to_reference: Matrix, size: ArrayLike, spacing: ArrayLike) -> VoxelGrid:
+        """The voxels of `spacing`, mm, one or three, that cover a box of this size around the origin of its own axes.
+
+        Along an axis of length L mm there are ceil(L / spacing) voxels, centered on the box: they reach over its faces by less than half a
+        voxel.
+        """
+        lengths = np.linalg.norm(box_to_reference[:3, :3], axis=0)
+        steps = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
+        count = np.maximum(np.ceil(np.asarray(size, dtype=np.float64) * lengths / steps - TOLERANCE), 1)
+        matrix = np.eye(4)
+        matrix[:3, :3] = box_to_reference[:3, :3] / lengths * steps
+        matrix[:3, 3] = box_to_reference[:3, 3] - matrix[:3, :3] @ ((count - 1) / 2)
+        i, j, k = (int(n) for n in count)
         return cls((i, j, k), matrix)
 
     @property

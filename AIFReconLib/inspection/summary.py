@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..holes.filling import FILLED, MEASURED
@@ -12,6 +13,32 @@ from ..sweep.poses import describe_frames, describe_skipped
 
 if TYPE_CHECKING:
     from ..compounding.state import Reconstruction
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """What a panel says of a sweep."""
+
+    frames: int
+    usable: int  #: Of them: with an image and a valid pose
+    skipped: Mapping[str, list[int]]  #: Numbers of the others, by reason
+    problem: str | None = None  #: Why nothing can be reconstructed from it, in a sentence
+
+    @classmethod
+    def of_frames(cls, name: str, frames: int, skipped: Mapping[str, list[int]]) -> SweepSummary:
+        """Of a sweep of this name with so many frames, of which some are skipped."""
+        usable = frames - sum(len(numbers) for numbers in skipped.values())
+        lost = f"{name}: no frame has a position ({describe_skipped(skipped)}). Check the tracking of this recording."
+        return cls(frames, usable, skipped, None if usable else lost)
+
+    @property
+    def lines(self) -> list[str]:
+        """The findings in words, as `aifrecon info` has them."""
+        if self.problem:
+            return [self.problem]
+        placed = f"{self.usable} of {self.frames} frames have a position."
+        skipped = ((describe_frames(numbers), reason) for reason, numbers in self.skipped.items())
+        return [placed, *(f"Will be skipped: {frames}: {reason}." for frames, reason in skipped)]
 
 
 def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None, words: Mapping[Remedy, str] = IN_PYTHON) -> list[str]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from html import escape
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Floats, Integers
+from ..geometry.transform_graph import capital
 from ..holes.filling import FILLED, MEASURED
 from ..message import listed
 from ..recipe.recipe import LONGEST_GAP
@@ -101,6 +103,17 @@ class TrackingReport:
             where = listed([*shown, "..."] if len(self.jumps) > 3 else shown, "; ")
             sentences.append(f"The pose jumps faster than a probe can move ({where}): was a marker seen wrongly, or its place changed?")
         return sentences
+
+    def as_text(self, title: str) -> str:
+        """Title, names and values, and sentences, a line each."""
+        return "\n".join([title, *(f"{capital(name)}: {value}" for name, value in self.rows()), *self.findings()])
+
+    def as_html(self, title: str) -> str:
+        """The same as a table."""
+        cells = (f"<td style='padding-right: 8px'>{escape(capital(name))}</td><td>{escape(value)}</td>" for name, value in self.rows())
+        rows = "".join(f"<tr>{each}</tr>" for each in cells)
+        said = "".join(f"<p style='margin: 4px 0'>{escape(sentence)}</p>" for sentence in self.findings())
+        return f"<p style='margin: 0 0 4px 0'><b>{escape(title)}</b></p><table cellspacing='0' cellpadding='2'>{rows}</table>{said}"
 
     def to_dict(self) -> dict[str, object]:
         """For JSON: numbers rounded to 6 places, units in the names."""

@@ -21,8 +21,13 @@ from ..message import Described, columns
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
+<<<<<<< HEAD
+=======
+from .aims import canal_between, skin_under
+from .states import FREE, NOT_SEEN, STATES, states_of
+>>>>>>> h-paths
 from .surroundings import PlacedField, ShownVolume, Surroundings
-from .windows import END_PITCH, ENTRY_PITCH, FREE, NOT_SEEN, STATES, Window, states_of, windows_of
+from .windows import END_PITCH, ENTRY_PITCH, Window, windows_of
 
 MARGIN = 1.0
 """mm that are taken off every distance from bone beside half a voxel: registration, calibration and tracking are no better."""
@@ -42,7 +47,7 @@ class FreePaths(Described):
 
     target: Floats  #: (3,), mm in Reference, as all points here
     entries: Floats  #: (n, 3). Points on the skin.
-    states: Bytes  #: (n,). Of the best line from there: `BLOCKED`, `NOT_SEEN`, `TIGHT` or `FREE`; see `AIFReconLib.paths.windows`.
+    states: Bytes  #: (n,). Of the best line from there: `BLOCKED`, `NOT_SEEN`, `TIGHT` or `FREE`; see `AIFReconLib.paths.states`.
     clearances: Floats  #: (n,), mm. Of that line: its distance from bone less the margin.
     seen: Floats  #: (n,), 0 to 1. The share of it that was seen.
     lines: int  #: How many were looked at
@@ -240,7 +245,8 @@ def _notes(shown: ShownVolume, agrees: bool | None, states: Bytes, margin: float
         notes.append(
             "CT and volume agree: bone is what either shows."
             if agrees
-            else "WARNING: the CT does not lie on the volume's bone. Only the volume's counts, and the level may be a wrong one."
+            else "WARNING: the CT does not lie on the volume's bone, and the level may be a wrong one. Only the volume's bone counts: no "
+            "lower bound is promised."
         )
     if not (states == FREE).any() and (states == NOT_SEEN).any():
         notes.append("Nothing seen is free; lines that were not seen may be. Scan there.")

@@ -14,12 +14,10 @@ from ..geometry.transforms import LPS_FROM_RAS, transform_points
 from ..geometry.volume import Volume
 from ..io.volume.surfaces import write_surface
 from .free_paths import RESEARCH, FreePaths
-from .windows import ENTRY_PITCH, FREE, NOT_SEEN, ROOM, STATES, TIGHT, Window
+from .states import COLORS, FREE, NOT_SEEN, ROOM, STATES, TIGHT
+from .windows import ENTRY_PITCH, Window
 
 SCHEMA = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#"
-
-COLORS = ("#73767d", "#4b6bff", "#fde725", "#5ec962")
-"""Of blocked, not seen, tight and free: as every eye tells them apart."""
 
 LONGEST_EDGE = 3.0
 """Times the distance between entries beyond which they do not lie on one patch of skin."""
@@ -70,11 +68,11 @@ def write_skin_map(path: Path, found: FreePaths) -> None:
     Raises OutputError when it cannot be written.
     """
     clearance, seen = found.clearances.astype(np.float32), found.seen.astype(np.float32)
-    triangles = _triangles(found.entries, found.target)
+    triangles = skin_triangles(found.entries, found.target)
     write_surface(path, found.entries, triangles, state=found.states, clearance_mm=clearance, seen=seen)
 
 
-def _triangles(points: Floats, inside: Floats) -> Integers:
+def skin_triangles(points: Floats, inside: Floats) -> Integers:
     """Triangles between points of the skin, (n, 3), counterclockwise seen from outside; none where they lie on a line."""
     middle = points.mean(axis=0)
     try:

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers, Mask, Matrix, Singles
-from ..bone.field import BoneField
+from ..bone.field import FARTHEST_KNOWN, BoneField
 from ..errors import GeometryError
 from ..evaluation.lines import UNDER_SKIN
 from ..geometry.transforms import invert, transform_points
@@ -116,8 +116,7 @@ class Surroundings:
         if len(inside):
             distance = np.minimum(scipy.ndimage.distance_transform_edt(empty, sampling=grid.spacing[::-1]).astype(np.float32), FAR)
         if ct is not None:
-            centers = np.indices(empty.shape).reshape(3, -1)[::-1].T.astype(np.float64)
-            distance = np.minimum(distance, ct.distances(transform_points(place, centers)).reshape(empty.shape).astype(np.float32))
+            distance = np.minimum(distance, ct.on_voxels(place, empty.shape))
         seen = shown.measured[box].astype(np.float32) * np.float32(2 * ONE_LOOK)
         looks = seen if shown.looks is None else np.where(shown.measured[box], shown.looks[box], np.float32(0.0))
         return cls(Volume(distance, place), Volume(looks, place), margin)
@@ -159,6 +158,15 @@ class PlacedField:
     def distances(self, points: Floats) -> Floats:
         """Signed, at points (n, 3), (n,) mm."""
         return self.field.sample(transform_points(invert(self.to_reference), points))[0]
+
+    def on_voxels(self, ijk_to_reference: Matrix, shape: tuple[int, ...]) -> Singles:
+        """The same on the voxels [k, j, i] of a grid: many times as fast as one by one."""
+        known = self.field.distance
+        to_known = known.grid.reference_to_ijk @ invert(self.to_reference) @ ijk_to_reference
+        turn, shift = to_known[:3, :3][::-1, ::-1], to_known[:3, 3][::-1]
+        array = known.array.astype(np.float32, copy=False)
+        distance: Singles = scipy.ndimage.affine_transform(array, turn, shift, shape, order=1, cval=FARTHEST_KNOWN)
+        return distance
 
     def agrees(self, shown: ShownVolume, bone: Integers) -> bool:
         """Whether the bone that a volume shows, voxels (n, 3) as (k, j, i), lies on the CT's; too little does not."""

@@ -8,13 +8,8 @@ import numpy as np
 import scipy
 
 from ..arrays import Bytes, Floats, Integers
+from .states import NOT_SEEN, TIGHT
 from .surroundings import Surroundings
-
-STATES = ("blocked", "not seen", "tight", "free")
-BLOCKED, NOT_SEEN, TIGHT, FREE = range(4)
-
-ROOM = 1.0
-"""mm of clearance below which a line is tight."""
 
 ENTRY_PITCH, END_PITCH = 2.0, 1.5
 """mm between the points on the skin from which lines begin, and between those at which they end."""
@@ -64,13 +59,6 @@ class Window:
             "width_mm": [round(side, 1) for side in self.width],
             "lines": self.lines,
         }
-
-
-def states_of(clearance: Floats, seen: Floats) -> Bytes:
-    """`BLOCKED`, `NOT_SEEN`, `TIGHT` or `FREE`, (n,), of lines with these clearances, mm, and shares that were seen."""
-    open_ = np.where(seen < 1.0, NOT_SEEN, np.where(clearance < ROOM, TIGHT, FREE))
-    states: Bytes = np.where(clearance <= 0.0, BLOCKED, open_).astype(np.uint8)
-    return states
 
 
 def windows_of(

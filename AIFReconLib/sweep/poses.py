@@ -252,6 +252,14 @@ def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> str:
     return listed(words, "; ")
 
 
+def status_of_problem(problem: str | None) -> TransformStatus:
+    """The status that a reason of `sweep_poses` ends with (``ProbeToTracker OUT_OF_VIEW``); INVALID for a reason without one."""
+    if problem is None:
+        return TransformStatus.OK
+    status = TransformStatus.parse(problem.replace("(", " ").replace(")", " ").split()[-1])
+    return TransformStatus.INVALID if status in (TransformStatus.UNKNOWN, TransformStatus.OK) else status
+
+
 def _find_ways(
     sequence: TrackedSequence,
     wanted: TransformName,

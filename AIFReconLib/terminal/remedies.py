@@ -36,6 +36,7 @@ IN_OPTIONS = {
     Remedy.STEP: "Mend recordings with aifrecon convert --time-offset {offset}.",
     Remedy.MIRROR: "Mend recordings with aifrecon convert --mirror.",
     Remedy.SCALE: "Mend recordings with aifrecon convert --scale {across} {along}.",
+    Remedy.AIM_AT_A_POINT: "Give --target as a point X Y Z.",
     Remedy.INVERT: "Mend recordings with aifrecon convert --invert {name}.",
     Remedy.BRIGHTEST_VALUE: "Give their brightest value with --intensity-maximum.",
     Remedy.FLOAT_OUTPUT: "Use --output-type float32.",

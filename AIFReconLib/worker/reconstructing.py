@@ -77,7 +77,7 @@ class Asked:
 class Made:
     """What became of it."""
 
-    result: Reconstruction  #: With the volumes that are kept, and no others
+    result: Reconstruction  #: With the volumes that are kept
     tracking: TrackingReport  #: Of the first sweep
     lines: tuple[str, ...]  #: What was done, in the words of who asked
     comparison: Comparison | None = None  #: Of CT and sweep, where bone is labeled
@@ -99,7 +99,8 @@ def reconstructed(
     keep : names of "score", "hits", "cosine"
         Volumes that are wanted beside intensity and mask.
     for_views : bool
-        Whether plain echoes and the surface of bone are made too, where the method weights by bone and memory allows.
+        Whether plain echoes and the surface of bone are made too, where the method weights by bone and memory allows; the score is kept
+        then, which tells what was seen.
     words : mapping
         What to do about what is said.
     """
@@ -132,7 +133,7 @@ def reconstructed(
     first = asked.sequence.sweeps[0]
     tracking = tracking_report(first, sweep_poses(first), result)
     report(progress, 1.0, "Reconstructed")
-    return Made(_with(result, keep), tracking, tuple(lines), comparison, measured, surface)
+    return Made(_with(result, {*keep, "score"} if for_views else keep), tracking, tuple(lines), comparison, measured, surface)
 
 
 @dataclass(frozen=True, eq=False)

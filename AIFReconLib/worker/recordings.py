@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..arrays import Numbers, NumberType
 from ..io.foreign.options import ImportOptions
-from ..io.sequence.files import read_sequence, require_recording_kind
+from ..io.sequence.files import read_sequence, recording_suffixes, require_recording_kind
 from ..progress import Progress, report
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
@@ -20,6 +21,28 @@ from .channel import shared_array
 
 if TYPE_CHECKING:
     from ..inspection.imported import Checked, Imported
+    from .calls import Kept
+    from .worker import Task, Worker
+
+
+RECORDING, CONFIGURATION, VOLUME, SEGMENTATION, TRANSFORM = "recording", "configuration", "volume", "segmentation", "transform"
+PREDICTIONS = "predictions"
+"""What a network has said of a recording, as a scan records it."""
+
+SUFFIXES = {
+    ".xml": CONFIGURATION,
+    ".seg.nrrd": SEGMENTATION,
+    ".seg.nhdr": SEGMENTATION,
+    ".nii": VOLUME,
+    ".nii.gz": VOLUME,
+    ".tfm": TRANSFORM,
+    ".h5": TRANSFORM,
+}
+"""What names tell; others are looked into."""
+
+
+BYTES_AT_ONCE = 1 << 25
+"""Of images that are fetched: they need memory twice."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +83,67 @@ def images_between(sequence: TrackedSequence, start: int, stop: int) -> Numbers:
     return images
 
 
-def frame_fields(path: str | Path) -> frozenset[str] | None:
-    """What the header of a file says of each frame, by name; None where it is no recording.
+class FetchedImages:
+    """Images of a recording that a worker has open, `file`: to be read in their order.
 
-    Raises SequenceFormatError when it cannot be read.
+    Parameters
+    ----------
+    worker : Worker
+    file : Kept
+    stack : LeftBehind
+        What the recording has in their place.
+    progress : Progress or None
+        Hears of waiting.
     """
-    fields = require_recording_kind(Path(path)).frame_fields(Path(path))
-    return None if fields is None else frozenset(fields)
+
+    def __init__(self, worker: Worker, file: Kept, stack: LeftBehind, progress: Progress | None = None):
+        self.shape, self.dtype = stack.shape, stack.dtype
+        self._worker, self._file, self._progress = worker, file, progress
+        self._count = max(1, BYTES_AT_ONCE // max(1, math.prod(stack.shape[1:]) * stack.dtype.itemsize))
+        self._start, self._images = 0, np.empty(0)
+        self._ahead: tuple[int, Task] | None = None
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, index: int, /) -> Numbers:
+        if not self._start <= index < self._start + len(self._images):
+            self._fetch(index - index % self._count)
+        image: Numbers = self._images[index - self._start]
+        return image
+
+    def _fetch(self, start: int) -> None:
+        """Take what was asked for, and ask for what comes after it, which is read meanwhile."""
+        task = self._ahead[1] if self._ahead is not None and self._ahead[0] == start else self._ask(start)
+        # Before memory is taken for more
+        self._images = np.empty(0)
+        self._images, self._start = task.result(self._wait), start
+        after = start + self._count
+        self._ahead = (after, self._ask(after)) if after < len(self) else None
+
+    def _ask(self, start: int) -> Task:
+        return self._worker.begin(images_between, self._file, start, min(start + self._count, len(self)))
+
+    def _wait(self, _fraction: float, _step: str) -> bool:
+        return self._progress is None or self._progress(self._start / len(self), "Loading frames") is not False
+
+
+def opened_suffixes() -> tuple[str, ...]:
+    """Of all files that somebody opens together: a recording, its calibration, a CT, its segmentation, its place."""
+    return (*SUFFIXES, *recording_suffixes())
+
+
+def kind_of(path: Path) -> str:
+    """What a file is, by its name, else by its header; a FileFormatError when it is none that is known, or cannot be read."""
+    from ..bone.recorded_predictions import COVERS
+
+    told = next((kind for suffix, kind in SUFFIXES.items() if path.name.lower().endswith(suffix)), None)
+    if told is not None:
+        return told
+    of_frames = require_recording_kind(path).frame_fields(path)
+    if of_frames is None:
+        return VOLUME
+    return PREDICTIONS if COVERS in of_frames else RECORDING
 
 
 def read_import(images: Sequence[Path], poses: Path, options: ImportOptions, progress: Progress | None = None) -> Imported:

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..arrays import Matrix
+import numpy as np
+
+from ..arrays import Floats, Matrix
 from ..bone.echoes.found import FEWEST, SweepEchoes
 from ..bone.field import BoneField
 from ..bone.growing_bone import GrowingBone
@@ -15,7 +17,7 @@ from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
-from ..errors import GeometryError
+from ..errors import BeamGeometryError, GeometryError
 from ..geometry.volume import Volume
 from ..guidance.guidance import Guidance
 from ..live.pairing.synchronizer import SynchronizerSettings
@@ -31,6 +33,7 @@ from ..live.wire.messages import StreamMessage
 from ..live.wire.sources import QueueSource, StreamStatistics
 from ..machine.threads import usable_cores
 from ..message import said
+from ..paths.aims import faces_at
 from ..progress import Progress, part, report
 from ..provenance.record import with_settings
 from ..registration.labeled_bone import LabeledBone
@@ -84,6 +87,8 @@ class Scan:
             predictions_device=request.bone_device,
         )
         self._spans: list[tuple[int, int | None]] = [(0, None)]
+        self._poses: list[Matrix] = []
+        self._noted = -1
         self._snapshots = SnapshotMaker(self.session)
         self._agreement: AgreementWatch | None = None
         self._guidance: GuidanceWatch | None = None
@@ -125,6 +130,7 @@ class Scan:
             Number of the mesh of bone that is shown: another comes along with guidance.
         """
         session, statistics = self.session, self.session.statistics
+        self._note_poses()
         result = self._snapshots.take()
         if time.monotonic() - self._snapped >= SNAP_EVERY:
             self._snapped = time.monotonic()
@@ -169,6 +175,7 @@ class Scan:
     def reset(self) -> None:
         """Empty the volume and go on."""
         self.session.reset()
+        self._poses.clear()
         self._spans = [(self._recorded(), self._spans[-1][1] and self._recorded())]
 
     def guide(self, wanted: bool) -> None:
@@ -232,8 +239,10 @@ class Scan:
         if result is not None and not result.frames_inserted:
             result = None
         recorded = None if self._seen_bone is None else self._seen_bone.recorded
-        shown = None if result is None else self._shown(result)
-        return Ended(self.session.statistics, shown, self.session.recorded, recorded, tuple(self._recording_problems()))
+        # With the score, which tells what was seen
+        shown = None if result is None else replace(self._shown(result), score=result.score)
+        problems = tuple(self._recording_problems())
+        return Ended(self.session.statistics, shown, self.session.recorded, recorded, problems, self._skin())
 
     def close(self) -> None:
         """End the scan, its recording finished."""
@@ -248,6 +257,25 @@ class Scan:
             return self._labeled.map(self._method, progress)
         probability = self._request.probability
         return None if probability is None else BoneMap.from_probability(probability, self._place)
+
+    def _note_poses(self) -> None:
+        """Remember where the probe was in the frames that have come since: its face was on the skin."""
+        for frame in tuple(self.session.recent):
+            if frame.number > self._noted and frame.status == "OK" and frame.image_to_reference is not None:
+                self._poses.append(frame.image_to_reference)
+                self._noted = frame.number
+
+    def _skin(self) -> Floats | None:
+        self._note_poses()
+        latest = self.session.latest
+        try:
+            imaging = self.session.imaging()
+        except BeamGeometryError:
+            return None
+        if imaging is None or imaging.probe is None or not self._poses or latest is None or latest.image is None:
+            return None
+        rows, columns = latest.image.shape
+        return faces_at(np.array(self._poses), imaging, (columns, rows))
 
     def _estimator(self, imaging: Imaging) -> BoneEstimator:
         return self._model or EchoEstimator(imaging)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..arrays import Matrix, Numbers
+from ..arrays import Floats, Matrix, Numbers
 from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume, VoxelGrid
 from ..live.pairing.synchronizer import LiveFrame
@@ -150,3 +150,4 @@ class Ended:
     recorded: Path | None = None
     predictions: Path | None = None
     problems: tuple[str, ...] = ()
+    skin: Floats | None = None  #: (n, 3), mm in Reference. Where the face of the probe was; None where that is not known.

@@ -163,12 +163,13 @@ class AIFReconLifecycleTest(unittest.TestCase):
 
     def test_the_spacing_follows_the_configuration_of_a_recording(self):
         from AIFReconScene.inputs.parameters import takeConfigured
-        from AIFReconScene.sweep.sweepRecord import ATTRIBUTE, recordText
+        from AIFReconScene.sweep.sequenceNodes import RECORD_ATTRIBUTE
 
         from AIFReconLib.sweep.configuration import PlusConfiguration
+        from AIFReconLib.sweep.record_text import record_text
 
         sweep = tinyScene.addSweep()
         record = {"configuration": PlusConfiguration(path=pathlib.Path("Plus.xml"), spacing=(0.7, 0.7, 0.7))}
-        sweep.SetAttribute(ATTRIBUTE, recordText(record))
+        sweep.SetAttribute(RECORD_ATTRIBUTE, record_text(record))
         takeConfigured(self.parameters, sweep)
         self.assertAlmostEqual(self.ui.spacingSpinBox.value, 0.7)

@@ -8,6 +8,7 @@ import slicer
 from AIFReconScene.inputs import boxes, presets
 from AIFReconScene.inputs.boneSource import BoneSource
 from AIFReconScene.inputs.parameters import Method, Region
+from AIFReconScene.picture.freePaths import A_POINT, levelsOf
 from AIFReconScene.sweep.sweepStatus import furtherSweeps
 from slicer.i18n import tr as _
 
@@ -197,6 +198,33 @@ class PresetChooser(RowChooser):
         if row < len(presets.Preset):
             presets.choose(self._parameterNode, list(presets.Preset)[row])
         self.update()
+
+
+class TargetChooser(RowChooser):
+    """Where paths lead: between two neighboring bones, or to a point, which the last row stands for; kept alike with `pathTarget`."""
+
+    _levels: Any = None
+
+    def update(self) -> None:
+        """Show the levels that there are, and which is chosen."""
+        levels = levelsOf(self._parameterNode)
+        with self._untold():
+            if levels != self._levels:
+                self._levels = levels
+                self._comboBox.clear()
+                for level in (*levels, _("a point")):
+                    self._comboBox.addItem(level)
+            chosen = self._parameterNode.pathTarget
+            rows = [*levels, A_POINT]
+            self._comboBox.currentIndex = rows.index(chosen) if chosen in rows else 0
+
+    @property
+    def level(self) -> str | None:
+        """What the library calls it; None: a point."""
+        return dict(enumerate((self._levels or {}).values())).get(self._comboBox.currentIndex)
+
+    def _choose(self, row: int) -> None:
+        self._parameterNode.pathTarget = [*self._levels, A_POINT][row]
 
 
 class BoneSourceChooser(RowChooser):

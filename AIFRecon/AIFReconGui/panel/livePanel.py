@@ -5,6 +5,7 @@ import time
 import slicer
 from AIFReconScene.inputs.parameters import LiveSource
 from AIFReconScene.live.liveFiles import recordingPath, sizeOf
+from AIFReconScene.live.liveWords import LiveWords, counts, linesOf
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
@@ -14,9 +15,8 @@ from ..fields.choosers import boneSourceOfScan
 from ..fields.pathField import PathField
 from ..longWork import errorsShown
 from ..packages import packagesAreThere
-from ..signals import GRAY, styleOf
+from ..signals import GRAY, GREEN, RED, styleOf
 from .layout import reveal, say
-from .liveWords import LiveWords, counts, linesOf
 from .panelPart import PanelPart, every
 
 LOOK_EVERY, COUNTED_EVERY = 10, 0.5
@@ -39,9 +39,9 @@ LARGE = 26
 class LivePanel(PanelPart):
     """Connects the widgets of the tab to a `LiveReconstruction`."""
 
-    def __init__(self, ui, work, refresh):
+    def __init__(self, ui, work, refresh, paths):
         super().__init__(ui, work, refresh)
-        self._live = None
+        self._live, self._paths = None, paths
         self._missing = self._advised = ""
         self._record = self._shownID = self._words = None
         self._sized = self._counted = 0.0
@@ -216,6 +216,8 @@ class LivePanel(PanelPart):
             self._showMove(_("Look at the picture, or press Start"))
         if live.volumeNode is not None:
             parameters.output = live.volumeNode
+            if ended is not None and ended.result is not None:
+                self._paths.remember(live.volumeNode, ended.result, ended.skin)
         lines = [counts(live.statistics)]
         if live.wasCanceled:
             lines.append(_("Canceled: the volume is as it was shown last."))
@@ -244,7 +246,7 @@ class LivePanel(PanelPart):
             self._shownID = live.volumeNode.GetID()
             self._refresh()
         words = LiveWords.of(live, self._advised)
-        self._showState(words.state, words.colors)
+        self._showState(words.state, GREEN if words.isWell else RED)
         self._showMove(words.move)
         if self._record is not None and now - self._sized > SIZE_EVERY:
             self._sized = now

@@ -10,11 +10,11 @@ from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
 from AIFReconScene.inputs.boxes import clipAsRecognized
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit, fileFrom
 from AIFReconScene.sceneNodes import addedTogether
-from AIFReconScene.sweep.fileKinds import opened
 from slicer.i18n import tr as _
 
 from AIFReconLib.message import shorten
 from AIFReconLib.progress import part
+from AIFReconLib.worker.recordings import opened_suffixes
 
 from ..fields.choosers import BoxChooser, MethodChooser, PresetChooser, SegmentsChooser, SweepsChooser, boneSourceOfRecorded
 from ..fields.pathField import PATHS, PathField
@@ -23,6 +23,7 @@ from .importDialog import ImportDialog
 from .layout import enable, say
 from .lights import Lights
 from .panelPart import PanelPart
+from .pathsPanel import PathsPanel
 from .picturePanel import PicturePanel
 from .reportPanel import ReportPanel
 
@@ -44,6 +45,7 @@ class RecordedPanel(PanelPart):
         self.lights = Lights(ui, logic.verdicts)
         self.importer = ImportDialog(work, refresh, logic.takeImported)
         self._picture = PicturePanel(ui.picturePlace.layout(), ui.undoCalibrationButton, work, logic.trackingReport)
+        self._paths = PathsPanel(ui, work, refresh, logic.paths)
         self._followers = (
             SweepsChooser(ui.otherSweepsComboBox, ui.otherSweepsLabel, logic.offeredSweeps),
             SegmentsChooser(ui.segmentsComboBox, ui.segmentsLabel),
@@ -76,7 +78,7 @@ class RecordedPanel(PanelPart):
     def setParameterNode(self, parameterNode) -> None:
         """Follow these parameters, or none."""
         super().setParameterNode(parameterNode)
-        for follower in (*self._followers, self.importer):
+        for follower in (*self._followers, self._paths, self.importer):
             follower.setParameterNode(parameterNode)
 
     def update(self, waits: str) -> None:
@@ -84,6 +86,7 @@ class RecordedPanel(PanelPart):
         parameters = self._parameterNode
         for follower in self._followers:
             follower.update()
+        self._paths.update(waits)
         if not self._work.isRunning and self._about != (about := _chosen(parameters)):
             # What was said was about something else
             self._report, self._about = "", about
@@ -96,6 +99,7 @@ class RecordedPanel(PanelPart):
         self._report = ""
         self._wasComplete = False
         self.lights.cancel()
+        self._paths.close()
         if self._ui.summaryLabel:  # destroyed: the application is being closed
             self._ui.summaryLabel.visible = False
             self._ui.inputsCollapsibleButton.collapsed = False
@@ -115,7 +119,7 @@ class RecordedPanel(PanelPart):
 
     def _ask(self) -> list:
         """The files that the user chooses, in the folder where some were chosen before."""
-        asked = " ".join(f"*{suffix}" for suffix in opened())
+        asked = " ".join(f"*{suffix}" for suffix in opened_suffixes())
         words = _("Recordings, calibrations, CT, segmentations ({suffixes})").format(suffixes=asked)
         folder = slicer.util.settingsValue(FOLDER_SETTING, "")
         names = qt.QFileDialog.getOpenFileNames(self._ui.openButton, _("Open recording, CT, segmentation"), folder, words)

@@ -39,29 +39,10 @@ class ReportPanel(Follower):
         if shown is None:
             say(self._ui.reportLabel, html.escape(said))
         elif shown != self._shown:
-            say(self._ui.reportLabel, _asTable(*shown))
+            say(self._ui.reportLabel, shown[1].as_html(shown[0]))
         self._shown = shown
 
     def onCopy(self) -> None:
         """Put the report into the clipboard as text."""
-        qt.QApplication.clipboard().setText(_asText(*self._shown))
-
-
-def _lines(report) -> tuple[list, list]:
-    """Names and values, and sentences, in the panel's words."""
-    rows = [(name[:1].upper() + name[1:], value) for name, value in report.rows()]
-    return rows, [inPanelWords(sentence) for sentence in report.findings()]
-
-
-def _asTable(title: str, report) -> str:
-    rows, findings = _lines(report)
-    cells = "".join(
-        f"<tr><td style='padding-right: 8px'>{html.escape(name)}</td><td>{html.escape(value)}</td></tr>" for name, value in rows
-    )
-    said = "".join(f"<p style='margin: 4px 0'>{html.escape(sentence)}</p>" for sentence in findings)
-    return f"<p style='margin: 0 0 4px 0'><b>{html.escape(title)}</b></p><table cellspacing='0' cellpadding='2'>{cells}</table>{said}"
-
-
-def _asText(title: str, report) -> str:
-    rows, findings = _lines(report)
-    return "\n".join([title, *(f"{name}: {value}" for name, value in rows), *findings])
+        title, report = self._shown
+        qt.QApplication.clipboard().setText(report.as_text(title))

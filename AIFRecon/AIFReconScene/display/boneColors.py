@@ -6,7 +6,7 @@ import vtk
 from slicer.i18n import tr as _
 from vtk.util import numpy_support
 
-from .ownNodes import OwnNodes, colorBy, polyData, setScalars
+from .ownNodes import OwnNodes, colorBy, legend, polyData, setScalars
 from .segmentDisplay import Borrowed, displayOf
 
 MET = "Met"
@@ -86,12 +86,8 @@ def levelNames() -> tuple:
 
 
 def colorsInWords() -> str:
-    """What the colors stand for, as HTML: in the panel, where it covers nothing of what is colored."""
-    told = [_("How the beam hits bone:")]
-    for color, name in zip(reversed(COLORS), reversed(levelNames())):
-        square = "".join(f"{round(255 * part):02x}" for part in color)
-        told.append(f"<span style='background-color:#{square}'>&nbsp;&nbsp;&nbsp;</span>&nbsp;{name.replace(' ', '&nbsp;')}")
-    return " &nbsp; ".join(told)
+    """What the colors stand for, as HTML."""
+    return legend(_("How the beam hits bone:"), reversed(COLORS), reversed(levelNames()))
 
 
 def _surface(mesh, levels: np.ndarray) -> vtk.vtkPolyData:

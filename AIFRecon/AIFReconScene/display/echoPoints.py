@@ -3,6 +3,8 @@
 import numpy as np
 import slicer
 
+from AIFReconLib.geometry.solid import octahedra
+
 from .ownNodes import OwnNodes, colorBy, polyData, setScalars
 
 DISTANCE = "Distance (mm)"
@@ -14,10 +16,6 @@ RADIUS = 0.8
 
 COLORS = ((0.10, 0.60, 1.00), (1.00, 0.90, 0.25), (0.90, 0.10, 0.15))
 """On bone, halfway, and far: told apart by the color-blind too."""
-
-CORNERS = np.concatenate([np.eye(3), -np.eye(3)])
-FACES = np.array([(0, 1, 2), (1, 3, 2), (3, 4, 2), (4, 0, 2), (1, 0, 5), (3, 1, 5), (4, 3, 5), (0, 4, 5)])
-"""Of an octahedron, outward."""
 
 
 class EchoPoints:
@@ -41,7 +39,10 @@ class EchoPoints:
         """Draw echoes at points (n, 3) of RAS world in mm, colored by their distances (n,) in mm; the model node."""
         colors = self._own.colors("colors", "Distance to bone", _colors())
         node = self._own.model("echoes", "Bone echoes")
-        node.SetAndObservePolyData(_octahedra(points, np.abs(distances)))
+        corners, faces, owners = octahedra(points, RADIUS)
+        drawn = polyData(corners, faces)
+        setScalars(drawn.GetPointData(), DISTANCE, np.abs(distances)[owners].astype(np.float32))
+        node.SetAndObservePolyData(drawn)
         node.SetAndObserveTransformNodeID(None)
         display = node.GetDisplayNode()
         with slicer.util.NodeModify(display):
@@ -66,11 +67,3 @@ def _colors():
     shares = np.linspace(0.0, 1.0, 256)
     channels = [np.interp(shares, (0.0, 0.5, 1.0), channel) for channel in zip(*COLORS)]
     return [(f"{FARTHEST * share:.1f} mm", (*color, 1.0)) for share, *color in zip(shares, *channels)]
-
-
-def _octahedra(points: np.ndarray, distances: np.ndarray):
-    """A small octahedron at each point, with its distance at every corner."""
-    corners = (points[:, None] + RADIUS * CORNERS).reshape(-1, 3)
-    drawn = polyData(corners, (FACES + len(CORNERS) * np.arange(len(points))[:, None, None]).reshape(-1, 3))
-    setScalars(drawn.GetPointData(), DISTANCE, np.repeat(distances, len(CORNERS)).astype(np.float32))
-    return drawn

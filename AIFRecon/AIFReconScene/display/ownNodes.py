@@ -71,6 +71,15 @@ def setScalars(attributes, name: str, values: np.ndarray) -> None:
     attributes.SetScalars(array)
 
 
+def legend(title: str, colors, names) -> str:
+    """What colors, each (red, green, blue) from 0 to 1, stand for, as HTML: in the panel, where it covers nothing of what is colored."""
+    told = [title]
+    for color, name in zip(colors, names):
+        square = "".join(f"{round(255 * part):02x}" for part in color)
+        told.append(f"<span style='background-color:#{square}'>&nbsp;&nbsp;&nbsp;</span>&nbsp;{name.replace(' ', '&nbsp;')}")
+    return " &nbsp; ".join(told)
+
+
 def colorBy(display, name: str, colors, low: float, high: float) -> None:
     """Color a model by the scalars of its points, from `low` to `high`."""
     display.SetAndObserveColorNodeID(colors.GetID())

@@ -104,17 +104,37 @@ def lieIn(sliceNode, imageNode) -> None:
     columns, rows, _slices = imageNode.GetImageData().GetDimensions()
     spacing = np.linalg.norm(pose[:3, :2], axis=0)
     across, down = pose[:3, 0] / spacing[0], pose[:3, 1] / spacing[1]
-    normal = np.cross(across, -down)
     center = pose @ [(columns - 1) / 2, (rows - 1) / 2, 0.0, 1.0]
     # Screens have their y axis upward, images have their rows downward
-    sliceToRAS = np.eye(4)
-    sliceToRAS[:3] = np.column_stack([across, -down, normal / np.linalg.norm(normal), center[:3]])
+    sliceToRAS = _placeOf(across, -down, center[:3])
     width, height, _depth = sliceNode.GetDimensions()
     shown = MARGIN * max(columns * spacing[0] / max(width, 1), rows * spacing[1] / max(height, 1))
     with slicer.util.NodeModify(sliceNode):
         sliceNode.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(sliceToRAS))
         sliceNode.SetFieldOfView(shown * width, shown * height, sliceNode.GetFieldOfView()[2])
         sliceNode.UpdateMatrices()
+
+
+def lieAlong(entry: np.ndarray, end: np.ndarray) -> None:
+    """Lay the red view along a line between two points of RAS world, its entry on top, and the yellow one across it, at its middle."""
+    down = (end - entry) / np.linalg.norm(end - entry)
+    # Right on the screen is the patient's left, as in other axial views, unless the line leads there
+    first = np.eye(3)[1 if abs(down[0]) > np.sqrt(0.5) else 0]
+    right = (first @ down) * down - first
+    right /= np.linalg.norm(right)
+    for name, up in (("Red", -down), ("Yellow", np.cross(down, right))):
+        for sliceLogic in _sliceLogics([name]):
+            node = sliceLogic.GetSliceNode()
+            _leaveFrame(node)
+            node.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(_placeOf(right, up, (entry + end) / 2)))
+            node.UpdateMatrices()
+
+
+def _placeOf(right: np.ndarray, up: np.ndarray, center: np.ndarray) -> np.ndarray:
+    """Where a view lies, (4, 4), by unit vectors, (3,), on its screen, and its middle."""
+    normal, place = np.cross(right, up), np.eye(4)
+    place[:3] = np.column_stack([right, up, normal / np.linalg.norm(normal), center])
+    return place
 
 
 def showsReconstruction() -> bool:

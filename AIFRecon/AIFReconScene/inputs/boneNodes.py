@@ -1,6 +1,5 @@
 """Bone as the scene has it of a CT: a segmentation, a labelmap volume, or a volume of probabilities. The scene stays as it is."""
 
-import math
 from contextlib import contextmanager
 
 import numpy as np
@@ -8,22 +7,13 @@ import slicer
 import vtk
 from vtk.util import numpy_support
 
-from AIFReconLib.bone.widths import SIGMA_VOXELS
 from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.transforms import whole_shift
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.message import listed
 from AIFReconLib.progress import Progress, report
 
 from ..transforms import ijkToRAS, matrixToWorld
-
-PADDING = 8
-"""Voxels of nothing around segments that have no reference geometry, beyond what smoothing reaches."""
-
-SMOOTHING_REACH = 4.0
-"""Sigmas."""
-
-CLOSEST = 1e-4
-"""mm and voxels: what lies so close lies in the same place."""
 
 
 def probabilityFromNode(node) -> Volume:
@@ -80,16 +70,6 @@ def nameOf(label: int, names: dict[int, str]) -> str:
 def inNames(labels, names: dict[int, str]) -> str:
     """Neighbors, from one to the other."""
     return listed([nameOf(label, names) for label in labels], " \N{EN DASH} ")
-
-
-def reachOfMap(sigmaVoxels: float | None, sigmaMm: float | None):
-    """The `reach` of labels that leaves room for a bone map of this width."""
-
-    def voxels(spacing) -> int:
-        sigma = (SIGMA_VOXELS if sigmaVoxels is None else sigmaVoxels) if sigmaMm is None else sigmaMm / min(spacing)
-        return math.ceil(SMOOTHING_REACH * sigma) + PADDING if math.isfinite(sigma) and sigma > 0 else 0
-
-    return voxels
 
 
 @contextmanager
@@ -188,7 +168,7 @@ def _paint(labels: np.ndarray, extent: np.ndarray, geometry, image, value: int, 
     """Write `number` where a segment's image is `value`, into labels [k, j, i] that start at `extent` of `geometry`."""
     if image is None or image.IsEmpty():
         return
-    shift = _shiftOf(image, geometry)
+    shift = whole_shift(imageToWorld(image), imageToWorld(geometry))
     if shift is None:
         resampled = slicer.vtkOrientedImageData()
         single = slicer.vtkOrientedImageData()
@@ -207,16 +187,6 @@ def _paint(labels: np.ndarray, extent: np.ndarray, geometry, image, value: int, 
     target = tuple(slice(a, b) for a, b in zip((first - extent[:, 0])[::-1], (last - extent[:, 0] + 1)[::-1]))
     # Several times as fast as an index of truth values
     np.copyto(labels[target], number, where=voxels[source] == value)
-
-
-def _shiftOf(image, geometry) -> np.ndarray | None:
-    """What makes of an image's voxel numbers those of `geometry` that mean the same places; None where voxels do not lie on voxels."""
-    own, other = imageToWorld(image), imageToWorld(geometry)
-    if not np.allclose(own[:3, :3], other[:3, :3], atol=CLOSEST, rtol=0):
-        return None
-    exact = np.linalg.solve(other[:3, :3], own[:3, 3] - other[:3, 3])
-    shift = np.rint(exact)
-    return shift.astype(int) if np.abs(exact - shift).max() < CLOSEST else None
 
 
 def imageToWorld(image) -> np.ndarray:

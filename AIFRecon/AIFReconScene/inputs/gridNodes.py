@@ -1,7 +1,5 @@
 """Where to reconstruct, from what the scene has: a box that the user draws, or the voxels of a volume."""
 
-import math
-
 import numpy as np
 import slicer
 
@@ -11,19 +9,11 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from ..transforms import ijkToRAS, matrixToWorld
 from .boneNodes import named
 
-TOLERANCE = 1e-6
-"""Voxels by which a box may be longer than a whole number of them without getting another one."""
-
 
 def gridFromROI(roiNode, spacing) -> VoxelGrid:
     """The voxels of `spacing` (mm, one or x, y, z) that cover a markups ROI, along its own axes, in RAS world.
 
     Raises GeometryError when it is empty, or its transforms shear it; TransformError for a parent transform that is not linear.
-
-    Notes
-    -----
-    Along an axis of length L mm there are ceil(L / spacing) voxels, centered on the ROI: together they reach over its faces by less
-    than half a voxel.
     """
     spacings = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
     if not (np.isfinite(spacings).all() and (spacings > 0).all()):
@@ -37,13 +27,8 @@ def gridFromROI(roiNode, spacing) -> VoxelGrid:
                 node=roiNode.GetName(), size=" x ".join(f"{mm:g}" for mm in size)
             )
         )
-    count = np.array([max(1, math.ceil(mm / step - TOLERANCE)) for mm, step in zip(size, spacings)])
-    matrix = np.eye(4)
-    matrix[:3, :3] = objectToWorld[:3, :3] / lengths * spacings
-    matrix[:3, 3] = objectToWorld[:3, 3] - matrix[:3, :3] @ ((count - 1) / 2)
-    columns, rows, slices = (int(n) for n in count)
     with named(roiNode):
-        return VoxelGrid((columns, rows, slices), matrix)
+        return VoxelGrid.covering(objectToWorld, roiNode.GetSize(), spacings)
 
 
 def gridFromVolume(volumeNode) -> VoxelGrid:

@@ -9,12 +9,12 @@ from ..sceneNodes import sequencesOf
 from ..sweep.sweepStatus import furtherSweeps, sweepKey
 from .boxes import isEmpty
 
-CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage")
+CHOSEN = ("sweep", "imageSequence", "ctVolume", "bone", "bonePredictions", "roi", "regionVolume", "output", "liveImage", "pathPoint")
 """The parameters that name a node."""
 
 
 class InputWatch:
-    """Observes the sweep, its image, the bone and the box that the parameters name, and the other sweeps of the scene.
+    """Observes the sweep, its image, the bone, the box and the point that the parameters name, and the other sweeps of the scene.
 
     `onChanged` is called when what is known of them no longer holds, `onMoved` when the sweep merely shows another frame, and
     ``onGone(node)`` when any node has gone. A node that is about to be deleted is chosen no more, before the panel's lists choose
@@ -36,7 +36,7 @@ class InputWatch:
         self._keys = {browser.GetID(): sweepKey(browser, images if browser is sweep else None) for browser in browsers}
         self._boxIsEmpty = parameters.roi is not None and isEmpty(parameters.roi)
         sequences = {each: browser for browser in replayed for each in sequencesOf(browser)}
-        followed = (parameters, sweep, images, bone, parameters.roi, *browsers, None, *replayed.values(), *sequences)
+        followed = (parameters, sweep, images, bone, parameters.roi, parameters.pathPoint, *browsers, None, *replayed.values(), *sequences)
         before = self._followed or ()
         if len(followed) == len(before) and all(one is other for one, other in zip(followed, before)):
             return
@@ -54,6 +54,8 @@ class InputWatch:
                 self._observe(image, slicer.vtkMRMLTransformableNode.TransformModifiedEvent, partial(self._onBrowser, browser))
         if parameters.roi is not None:
             self._observe(parameters.roi, vtk.vtkCommand.ModifiedEvent, self._onBox)
+        if parameters.pathPoint is not None:
+            self._observe(parameters.pathPoint, slicer.vtkMRMLMarkupsNode.PointPositionDefinedEvent, lambda *placed: self._onChanged())
         if bone is not None and bone.IsA("vtkMRMLSegmentationNode"):
             events = slicer.vtkSegmentation
             for event in (events.SegmentAdded, events.SegmentRemoved, events.SegmentModified):

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from AIFReconLib.bone.widths import UNKNOWN_WIDTH
+from AIFReconLib.bone.widths import voxels_around
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.progress import part, report
 from AIFReconLib.recipe.recipe import RULES, Recipe
@@ -19,7 +20,7 @@ from ..sceneNodes import proxiesOf
 from ..sweep.sequenceReader import predictionsFromNode, sequenceFromBrowser
 from ..sweep.sweepStatus import furtherSweeps
 from ..transforms import matrixToWorld
-from .boneNodes import isLabeled, labelsFromNode, probabilityFromNode, reachOfMap
+from .boneNodes import isLabeled, labelsFromNode, probabilityFromNode
 from .boneSource import BoneSource
 from .gridNodes import gridFromROI, gridFromVolume
 from .parameters import Region, camelCase, fileFrom, settingsFrom
@@ -113,9 +114,8 @@ class Inputs:
         if self.bone is None or not isLabeled(self.bone):
             return None
         report(progress, 0.0, "Reading the CT's bone")
-        voxels, widest = self.recipe.bone_sigma_voxels, self.recipe.bone_sigma_mm
         chosen = list(self.boneSegments) or None
-        reach = reachOfMap(voxels, UNKNOWN_WIDTH if voxels is None and widest is None else widest)
+        reach = partial(voxels_around, sigma_voxels=self.recipe.bone_sigma_voxels, sigma_mm=self.recipe.bone_sigma_mm)
         return labelsFromNode(self.bone, chosen, referenceVolumeNode=self.ct, world=False, reach=reach, progress=progress)
 
     def grid(self, settings):

@@ -217,9 +217,9 @@ def readingFrom(parameterNode) -> dict:
 
 def takeConfigured(parameterNode, browser) -> None:
     """Let the panel's spacing follow the Plus configuration that a sweep was loaded with, where that tells one within the range."""
-    from ..sweep.sweepRecord import readRecord
+    from ..sweep.sequenceNodes import recordOf
 
-    asked = getattr(readRecord(browser).get("configuration"), "spacing", None)
+    asked = getattr(recordOf(browser).get("configuration"), "spacing", None)
     rule = PARAMETERS["spacing"]
     values = asked if isinstance(asked, tuple | list) else (asked,)
     if asked is not None and len(set(values)) == 1 and rule["minimum"] <= values[0] <= rule["maximum"]:

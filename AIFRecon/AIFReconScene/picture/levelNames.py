@@ -8,15 +8,13 @@ import vtk
 from vtk.util import numpy_support
 
 from AIFReconLib.errors import AIFReconError
+from AIFReconLib.geometry.box import box_around, corners_of, middle_on_plane
 from AIFReconLib.geometry.transforms import transform_points
 
 from ..display import sliceDisplay
 from ..display.ownNodes import OwnNodes
 from ..inputs.boneNodes import imageToWorld
 from ..transforms import matrixToWorld
-
-REACH = 0.6
-"""Of a segment's half extent across the slice: farther from its middle it goes unnamed, or two levels would be named in one place."""
 
 LETTERS = 4.0
 """Size of the letters, in percent of the view."""
@@ -57,7 +55,9 @@ class LevelNames:
         self._own.remove()
 
     def _follow(self, sliceNode) -> None:
-        names = namesIn(slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS()), self._levels)
+        plane = slicer.util.arrayFromVTKMatrix(sliceNode.GetSliceToRAS())
+        places = [(name, middle_on_plane(corners, plane)) for name, corners in self._levels]
+        names = [(name, place) for name, place in places if place is not None]
         shown = [(name, tuple(np.round(place, 2))) for name, place in names]
         if self._shown.get(sliceNode.GetID()) == shown:
             return
@@ -76,7 +76,7 @@ class LevelNames:
         node = slicer.vtkMRMLMarkupsFiducialNode()
         node.SetName(f"Levels {sliceNode.GetLayoutName()}")
         node.SetHideFromEditors(True)
-        with _placingKept():
+        with placingKept():
             node = self._own.add(sliceNode.GetLayoutName(), node)
         node.SetSelectable(False)
         node.CreateDefaultDisplayNodes()
@@ -93,7 +93,7 @@ class LevelNames:
 
 
 @contextlib.contextmanager
-def _placingKept():
+def placingKept():
     """Slicer has the mouse place points into whatever list has just come: within, it stays with the one that the user has."""
     selection = slicer.app.applicationLogic().GetSelectionNode()
     className, nodeID = selection.GetActivePlaceNodeClassName(), selection.GetActivePlaceNodeID()
@@ -102,18 +102,6 @@ def _placingKept():
     finally:
         selection.SetReferenceActivePlaceNodeClassName(className)
         selection.SetReferenceActivePlaceNodeID(nodeID)
-
-
-def namesIn(sliceToRAS: np.ndarray, levels: list) -> list:
-    """The names that a slice (4, 4) shows, each with its place (3,); `levels` are names with the corners (8, 3) of their boxes, RAS."""
-    normal = sliceToRAS[:3, 2] / np.linalg.norm(sliceToRAS[:3, 2])
-    names = []
-    for name, corners in levels:
-        along = (corners - sliceToRAS[:3, 3]) @ normal
-        away = along.mean()
-        if abs(away) <= REACH * np.ptp(along) / 2:
-            names.append((name, corners.mean(axis=0) - away * normal))
-    return names
 
 
 def _keyOf(bone):
@@ -143,19 +131,13 @@ def _cornersOf(segment):
     if image is None:
         bounds = np.zeros(6)
         segment.GetBounds(bounds)
-        return _corners(bounds.reshape(3, 2)) if vtk.vtkMath.AreBoundsInitialized(bounds) else None
+        return corners_of(bounds.reshape(3, 2)) if vtk.vtkMath.AreBoundsInitialized(bounds) else None
     if image.IsEmpty():
         return None
     extent = np.array(image.GetExtent()).reshape(3, 2)
     voxels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape((extent[:, 1] - extent[:, 0] + 1)[::-1])
     inside = voxels == segment.GetLabelValue()
-    along = [np.flatnonzero(inside.any(axis=axes)) for axes in ((0, 1), (0, 2), (1, 2))]
-    if not len(along[0]):
+    if not inside.any():
         return None
-    ends = np.array([(each[0] - 0.5, each[-1] + 0.5) for each in along]) + extent[:, :1]
-    return transform_points(imageToWorld(image), _corners(ends))
-
-
-def _corners(ends: np.ndarray) -> np.ndarray:
-    """Of (3, 2) ends along the axes."""
-    return np.array([(x, y, z) for x in ends[0] for y in ends[1] for z in ends[2]])
+    ends = np.array([(each.start - 0.5, each.stop - 0.5) for each in box_around(inside)[::-1]]) + extent[:, :1]
+    return transform_points(imageToWorld(image), corners_of(ends))

@@ -1,18 +1,14 @@
 """Slice views turned as a scanner shows them: the probe's side up, in the sweep's own planes; or as radiologists look."""
 
-import numpy as np
 import slicer
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.sweep.probe_up import probe_up_axes
 
 from ..display import sliceDisplay
 from ..sweep.sequenceReader import sequenceFromBrowser
 from ..sweep.sweepStatus import sweepKey
 from ..transforms import placeOf
-
-LEAST = 0.3
-"""Length of the mean of unit vectors below which they point everywhere: the first frame then tells which way the columns run."""
 
 
 class ProbeUp:
@@ -55,7 +51,7 @@ def _turnBack() -> None:
 
 def _turnTo(browser, imageSequence, bone) -> None:
     try:
-        axes = sweepAxes(browser, imageSequence, placeOf(bone)[:3, 2])
+        axes = probe_up_axes(sequenceFromBrowser(browser, imageSequence), placeOf(bone)[:3, 2])
     except AIFReconError:
         return
     for node, turn in zip(sliceDisplay.mainViews(), axes):
@@ -72,28 +68,3 @@ def orientationName(sliceNode) -> str:
     MRML writes it into the scene as a part of an XML attribute's name: with a blank or a comma in it the scene could be opened no more.
     """
     return "".join(letter for letter in sliceNode.GetDefaultOrientation() if letter.isalnum()) + "ProbeUp"
-
-
-def sweepAxes(browser, imageSequence, head) -> tuple:
-    """The axes of three views, (3, 3) each: right, up and out of the screen as columns, in RAS; so is `head` (3,), toward the patient's.
-
-    An AIFReconError says that no frame of the sweep can be placed.
-    """
-    sequence = sequenceFromBrowser(browser, imageSequence)
-    poses = sweep_poses(sequence)
-    poses.require_usable(sequence.name)
-    placed = poses.image_to_reference[poses.usable][:, :3, :2]
-    across, beam = (_mean(placed[..., axis]) for axis in (0, 1))
-    across = across - (across @ beam) * beam
-    across /= np.linalg.norm(across)
-    along = np.cross(across, beam)
-    along = along if along @ head > 0 else -along
-    pairs = ((across, -beam), (-along, -beam), (np.cross(along, -beam), along))
-    return tuple(np.column_stack([right, up, np.cross(right, up)]) for right, up in pairs)
-
-
-def _mean(directions: np.ndarray) -> np.ndarray:
-    unit = directions / np.linalg.norm(directions, axis=1)[:, None]
-    mean = unit.mean(axis=0)
-    mean = mean if np.linalg.norm(mean) >= LEAST else unit[0]
-    return mean / np.linalg.norm(mean)

@@ -4,7 +4,6 @@ import slicer
 from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
-from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part
 from AIFReconLib.worker.page import PageAbout, Pictured, tell
 
@@ -12,8 +11,7 @@ from ..inputs.boneNodes import boneNames, isLabeled
 from ..inputs.inputs import Inputs
 from ..panelWords import inPanelWords, remedies
 from ..registration.ctRegistration import rigidPlace
-from ..transforms import ijkToRAS, matrixToWorld
-from ..volumes.volumeNodes import OWN_FIELDS, SETTINGS_ATTRIBUTE, measuredOf, ultrasoundWindowOf
+from ..volumes.volumeNodes import OWN_FIELDS, SETTINGS_ATTRIBUTE, measuredOf, ultrasoundWindowOf, volumeOf
 from ..work import inWorker
 from .spinePicture import spinePicture
 from .spineView import spineOf
@@ -72,13 +70,9 @@ def _boneOf(inputs, bone, progress) -> dict:
 def _pictured(output, ct, bone) -> Pictured:
     plain, spine = measuredOf(output), spineOf(output)
     return Pictured(
-        _volumeOf(output),
+        volumeOf(output),
         ultrasoundWindowOf(output),
-        None if plain is None else _volumeOf(plain),
-        _volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None,
+        None if plain is None else volumeOf(plain),
+        volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None,
         None if spine is None else spinePicture(spine, bone),
     )
-
-
-def _volumeOf(node) -> Volume:
-    return Volume(slicer.util.arrayFromVolume(node), matrixToWorld(node) @ ijkToRAS(node))

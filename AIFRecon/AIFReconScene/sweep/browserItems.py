@@ -12,8 +12,7 @@ from AIFReconLib.io.sequence.slicer import index_seconds
 from AIFReconLib.sweep.pose_tracks import SLICERS_TIME
 
 from ..sceneNodes import sequencesOf
-from .sequenceNodes import PROBLEM_ATTRIBUTE, SOURCE_ATTRIBUTE
-from .sweepRecord import readRecord
+from .sequenceNodes import PROBLEM_ATTRIBUTE, SOURCE_ATTRIBUTE, recordOf
 
 
 class BrowserItems:
@@ -36,7 +35,7 @@ class BrowserItems:
                 f"{self.path}: sequence {self.images.GetName()!r} is not one of this browser's. Choose one of: "
                 f"{self._names(self.sequences)}."
             )
-        self.record = readRecord(browser)
+        self.record = recordOf(browser)
         self._frames = self.record.get("frames", {})
         self.times = timesOf(self.images)
 

@@ -4,7 +4,6 @@ Frames keep their numbers. Images are in MF orientation with an identity IJKToRA
 row), and its parent transform ImageToReference puts it in place. Every transform of the recording has a sequence of its own beside that.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,16 +11,18 @@ import slicer
 
 from AIFReconLib.errors import AIFReconError, GeometryError, NoUsableFramesError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.geometry.transforms import as_matrix
+from AIFReconLib.io.sequence.slicer import index_values
 from AIFReconLib.progress import Progress, part, report
-from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
-from AIFReconLib.sweep.poses import SweepPoses, chain_ends, sweep_poses
+from AIFReconLib.sweep.poses import SweepPoses, chain_ends, status_of_problem, sweep_poses
+from AIFReconLib.sweep.record_text import record_from, record_of, record_text, usable_sample
 
 from ..sceneNodes import freeName, newImage, removeNodes, showGrayLevels
-from .sweepRecord import ATTRIBUTE, recordText
 
 IMAGE = "Image"
+RECORD_ATTRIBUTE = "AIFRecon.Sweep"
+"""Of the sequence browser node: what MRML files would round or drop, as a text of the library."""
+
 STATUS_ATTRIBUTE = "TransformStatus"
 """Of a transform in a sequence: the tracker's word. SlicerOpenIGTLink keeps it under this name too."""
 
@@ -43,9 +44,6 @@ FASTEST_REPLAY = 60.0
 REPORTED_EVERY = 50
 """Transforms that are added between two reports of progress: some 20 ms."""
 
-CLOSEST_INDEX = 0.002
-"""s. Times closer than this cannot number frames: Slicer's files keep times to 1 ms, and it takes values within 1 ms for equal."""
-
 
 def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress | None = None, reference: str | None = None):
     """A new sequence browser node that replays `sequence`, whose images are read one after the other.
@@ -61,7 +59,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
         raise NoUsableFramesError(f"{sequence.name}: it has no frames. Choose another recording.")
     name = freeName(name)
     poses, poseName = _poses(sequence, reference)
-    index, unit = indexValues(sequence.records)
+    index, unit = index_values(sequence.records)
     images = _sequenceNode(f"{name}-{IMAGE}", IMAGE, unit)
     images.SetAttribute(ORIENTATION_ATTRIBUTE, "MFA")
     images.SetAttribute(COVERS_ATTRIBUTE, sequence.records[0].fields.get(COVERS_ATTRIBUTE))
@@ -77,7 +75,7 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
         node = _sequenceNode(f"{name}-{poseName}", str(poseName), unit)
         _fillPoses(node, poseName, poses, index)
         transforms = {poseName: node, **transforms}
-    record = recordText(_record(sequence, poses, poseName, index, part(progress, 0.98, 1.0)))
+    record = record_text(record_of(sequence, poses, poseName, index, part(progress, 0.98, 1.0)))
     report(progress, 1.0, "Added the sweep")
     browser = _addToScene(name, images, transforms, transforms.get(poseName) if poses is not None else None, record)
     if unit and len(index) > 1:
@@ -85,15 +83,9 @@ def browserFromSequence(sequence: TrackedSequence, name: str, progress: Progress
     return browser
 
 
-def indexValues(records: Sequence[FrameRecord]) -> tuple[list[str], str]:
-    """What numbers the items of a sequence, and its unit: times in s where they can tell frames apart, else frame numbers."""
-    times = [record.timestamp for record in records]
-    if all(time is not None and math.isfinite(time) for time in times):
-        rounded = [f"{time:.3f}" for time in times]
-        gaps = np.diff([float(text) for text in rounded])
-        if not gaps.size or gaps.min() > CLOSEST_INDEX - 1e-9:
-            return rounded, "s"
-    return [str(number) for number in range(len(records))], ""
+def recordOf(browser) -> dict:
+    """What was kept of the sweep; an empty dict for a browser that somebody else made, or whose record is damaged."""
+    return record_from(browser.GetAttribute(RECORD_ATTRIBUTE))
 
 
 def _poses(sequence: TrackedSequence, reference: str | None) -> tuple[SweepPoses | None, TransformName]:
@@ -142,17 +134,8 @@ def _fillTransforms(node, name: TransformName, records: Sequence[FrameRecord], i
     for number, record in enumerate(records):
         if number % REPORTED_EVERY == 0:
             report(progress, number / len(records), "Adding transforms")
-        matrix, status = _usable(record.transforms.get(name, missing))
+        matrix, status = usable_sample(record.transforms.get(name, missing))
         _setTransform(node, index[number], name, matrix, status)
-
-
-def _usable(sample: TransformSample) -> tuple[np.ndarray, TransformStatus]:
-    """Matrix and status as a transform node can hold them: INVALID and the identity for what is no invertible affine matrix."""
-    try:
-        return as_matrix(sample.matrix), sample.status
-    except GeometryError:
-        status = TransformStatus.INVALID if sample.status is TransformStatus.OK else sample.status
-        return np.eye(4), status
 
 
 def _fillPoses(node, name: TransformName, poses: SweepPoses, index: list[str]) -> None:
@@ -160,17 +143,9 @@ def _fillPoses(node, name: TransformName, poses: SweepPoses, index: list[str]) -
     last = poses.image_to_reference[usable[0]] if usable.size else np.eye(4)
     for number, problem in enumerate(poses.problems):
         last = poses.image_to_reference[number] if problem is None else last
-        item = _setTransform(node, index[number], name, last, statusOf(problem))
+        item = _setTransform(node, index[number], name, last, status_of_problem(problem))
         if problem is not None:
             item.SetAttribute(PROBLEM_ATTRIBUTE, problem)
-
-
-def statusOf(problem: str | None) -> TransformStatus:
-    """The status that a reason of `sweep_poses` ends with (``ProbeToTracker OUT_OF_VIEW``); INVALID for a reason without one."""
-    if problem is None:
-        return TransformStatus.OK
-    status = TransformStatus.parse(problem.replace("(", " ").replace(")", " ").split()[-1])
-    return TransformStatus.INVALID if status in (TransformStatus.UNKNOWN, TransformStatus.OK) else status
 
 
 def _setTransform(node, indexValue: str, name: TransformName, matrix: np.ndarray, status: TransformStatus):
@@ -194,7 +169,7 @@ def _addToScene(name: str, images, transforms: dict, pose, record: str):
         browser.SetAndObserveMasterSequenceNodeID(images.GetID())
         # At every change of a browser, Slicer looks through all that it replays
         with slicer.util.NodeModify(browser):
-            browser.SetAttribute(ATTRIBUTE, record)
+            browser.SetAttribute(RECORD_ATTRIBUTE, record)
             for node in transforms.values():
                 browser.AddSynchronizedSequenceNode(node)
         proxies = {}
@@ -215,41 +190,3 @@ def _addToScene(name: str, images, transforms: dict, pose, record: str):
         removeNodes(added)
         raise
     return browser
-
-
-def _record(sequence: TrackedSequence, poses: SweepPoses | None, poseName: TransformName, index: list[str], progress) -> dict:
-    """What `sequenceFromBrowser` needs and MRML does not keep, frame by frame under the text that numbers it."""
-    names = [name for name in sequence.transform_names() if name not in sequence.transforms]
-    frames = {}
-    for number, record in enumerate(sequence.records):
-        if number % REPORTED_EVERY == 0:
-            report(progress, number / len(sequence), "Adding transforms")
-        frame: dict[str, object] = {"time": record.timestamp}
-        if record.unfiltered_timestamp is not None:
-            frame["unfiltered"] = record.unfiltered_timestamp
-        if record.image_status is not TransformStatus.OK:
-            frame["image"] = record.image_status.value
-        if record.fields:
-            frame["fields"] = dict(record.fields)
-        missing = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
-        statuses = {str(transform): _usable(record.transforms.get(transform, missing))[1].value for transform in names}
-        statuses = {transform: status for transform, status in statuses.items() if status != TransformStatus.OK.value}
-        if poses is not None:
-            if poses.problems[number] is None:
-                frame["pose"] = poses.image_to_reference[number]
-            else:
-                frame["problem"] = poses.problems[number]
-                statuses[str(poseName)] = statusOf(poses.problems[number]).value
-        if statuses:
-            frame["statuses"] = statuses
-        frames[index[number]] = frame
-    return {
-        "version": 1,
-        "name": sequence.name,
-        "poseName": str(poseName) if poses is not None else None,
-        "fields": dict(sequence.fields),
-        "notes": tuple(sequence.notes if poses is None else poses.notes),
-        "transforms": dict(sequence.transforms),
-        "configuration": None if sequence.configuration is NO_CONFIGURATION else sequence.configuration,
-        "frames": frames,
-    }

@@ -1,13 +1,13 @@
 """A sequence browser as the library's sweep: images read from the nodes when asked for, every frame with its place in RAS world."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.inspection.summary import SweepSummary
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
-from AIFReconLib.sweep.poses import describe_frames, describe_skipped
 
 from .browserItems import BrowserItems, checkRecorded, timesOf
 from .sequenceNodes import COVERS_ATTRIBUTE, IMAGE_STATUS_ATTRIBUTE, ORIENTATION_ATTRIBUTE, PROBLEM_ATTRIBUTE
@@ -16,25 +16,6 @@ from .sweepPoses import FramePose, framePoses
 
 IMAGE_TO_WORLD = TransformName("Image", "Reference")
 """What the poses are called in the sweep that is handed to the library: Reference is RAS world."""
-
-
-@dataclass(frozen=True)
-class SweepSummary:
-    """What a panel says of a sweep."""
-
-    frames: int
-    usable: int  #: Of them: with an image and a valid pose
-    skipped: dict[str, list[int]]  #: Numbers of the others, by reason
-    problem: str | None = None  #: Why nothing can be reconstructed from it, in a sentence
-
-    @property
-    def lines(self) -> list[str]:
-        """The findings in words, as `aifrecon info` has them."""
-        if self.problem:
-            return [self.problem]
-        placed = f"{self.usable} of {self.frames} frames have a position."
-        skipped = ((describe_frames(numbers), reason) for reason, numbers in self.skipped.items())
-        return [placed, *(f"Will be skipped: {frames}: {reason}." for frames, reason in skipped)]
 
 
 def sequenceFromBrowser(browser, imageSequence=None, reference: str | None = None) -> TrackedSequence:
@@ -88,11 +69,7 @@ def sweepSummary(browser, imageSequence=None, reference: str | None = None) -> S
         problem = pose.problem if status is TransformStatus.OK else f"no image ({status.value})"
         if problem is not None:
             skipped.setdefault(problem, []).append(number)
-    usable = frames - sum(len(numbers) for numbers in skipped.values())
-    problem = None
-    if not usable:
-        problem = f"{items.path.name}: no frame has a position ({describe_skipped(skipped)}). Check the tracking of this recording."
-    return SweepSummary(frames, usable, skipped, problem)
+    return SweepSummary.of_frames(items.path.name, frames, skipped)
 
 
 def _frameRecord(items: BrowserItems, number: int, node, pose: FramePose) -> FrameRecord:

@@ -16,11 +16,11 @@ from AIFReconLib.geometry.transforms import why_not_an_image_pose
 from AIFReconLib.recipe.recipe import LONGEST_GAP
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.pose_tracks import SLICERS_TIME, PoseTrack
-from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.sweep.poses import status_of_problem, sweep_poses
 
 from ..transforms import ijkToRAS, matrixToParent, parentTransforms
 from .browserItems import BrowserItems, isTransformName, timesOf
-from .sequenceNodes import IMAGE, STATUS_ATTRIBUTE, statusOf
+from .sequenceNodes import IMAGE, STATUS_ATTRIBUTE
 
 ROUNDED, TINY = 1e-5, 1e-9
 """How far numbers of a matrix move that Slicer writes with 6 digits: by this share of them, or this."""
@@ -214,7 +214,7 @@ def _byName(items: BrowserItems, named: dict, reference: str | None) -> list[Fra
                 pose = FramePose(None, problem, status) if problem or pose.matrix is None else FramePose(matrix @ pose.matrix)
             result.append(pose)
         else:
-            result.append(FramePose(None, problem, statusOf(problem)))
+            result.append(FramePose(None, problem, status_of_problem(problem)))
     return result
 
 

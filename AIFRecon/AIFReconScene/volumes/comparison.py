@@ -1,6 +1,5 @@
 """Several methods on one sweep: volumes to be seen side by side, and how well each shows bone."""
 
-import re
 from dataclasses import dataclass
 
 import slicer
@@ -113,13 +112,7 @@ def updateMetricsTable(tableNode, metrics: dict) -> None:
             column = vtk.vtkDoubleArray()
             column.SetName(heading)
             for row in rows.values():
-                column.InsertNextValue(round(float(row[key]), _digits(QUANTITIES[key].form)))
+                column.InsertNextValue(round(float(row[key]), QUANTITIES[key].digits))
             tableNode.AddColumn(column)
             tableNode.SetColumnDescription(heading, f"{QUANTITIES[key].label}: {QUANTITIES[key].definition}")
         tableNode.SetLocked(True)
-
-
-def _digits(form: str) -> int:
-    """Digits after the point that a format keeps; two more for a percentage, which is kept as a share."""
-    [digits] = re.findall(r"\.(\d+)", form)
-    return int(digits) + (2 if form.endswith("%") else 0)

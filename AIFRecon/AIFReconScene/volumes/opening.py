@@ -9,11 +9,12 @@ from slicer.i18n import tr as _
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part, report
+from AIFReconLib.worker.recordings import CONFIGURATION, PREDICTIONS, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kind_of
 
 from ..inputs.boneSource import BoneSource
 from ..sceneNodes import addedTogether, freeName, removeNodes
-from ..sweep.fileKinds import CONFIGURATION, PREDICTIONS, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kindOf
 from ..transforms import ijkToRAS
+from ..work import inWorker
 from .segments import addSegments
 
 MOST_LABELS = 64
@@ -34,7 +35,7 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
 
     ``loadRecording(parameters, progress)`` reads the recording that the parameters name.
     """
-    kinds = [(kindOf(path), path) for path in paths]
+    kinds = [(inWorker(kind_of, path), path) for path in paths]
     ordered = [(kind, path) for wanted in ORDER for kind, path in kinds if kind == wanted]
     sweeps = []
     with openedTogether(parameters):

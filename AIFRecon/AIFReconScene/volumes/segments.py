@@ -4,6 +4,7 @@ import numpy as np
 import slicer
 from slicer.i18n import tr as _
 
+from AIFReconLib.geometry.box import box_around
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.progress import part, report
 from AIFReconLib.worker.evaluating import bone_of_ct
@@ -57,16 +58,9 @@ def addSegments(node, labels: Volume, names: dict[int, str], progress=None) -> N
     """
     for number, (label, name) in enumerate(names.items()):
         report(progress, number / len(names), f"Adding {name}")
-        part = _around(labels, label)
+        part = labels[box_around(labels.array == label)]
         image, holder = slicer.vtkOrientedImageData(), slicer.vtkMRMLScalarVolumeNode()
         updateVolumeNode(holder, Volume((part.array == label).astype(np.uint8), part.ijk_to_reference))
         image.ShallowCopy(holder.GetImageData())
         image.SetGeometryFromImageToWorldMatrix(slicer.util.vtkMatrixFromArray(part.ijk_to_reference))
         node.AddSegmentFromBinaryLabelmapRepresentation(image, name, COLORS[number % len(COLORS)])
-
-
-def _around(labels: Volume, label: int) -> Volume:
-    """The part of the volume that a label lies in."""
-    where = labels.array == label
-    spans = [np.flatnonzero(where.any(axis=tuple(other for other in range(3) if other != axis))) for axis in range(3)]
-    return labels[tuple(slice(int(span[0]), int(span[-1]) + 1) for span in spans)] if all(map(len, spans)) else labels

@@ -10,9 +10,11 @@ import vtk
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.inspection.gray_levels import gray_levels
 from AIFReconLib.worker.evaluating import write_settings
 
 from ..sceneNodes import freeName, newImage, removeNodes, setWindow, sharedColors
+from ..transforms import ijkToRAS, matrixToWorld
 from ..work import inWorker
 
 INTENSITY, SCORE, HITS, COSINE, MASK = "intensity", "score", "hits", "cosine", "mask"
@@ -43,16 +45,22 @@ SPINE_ROLE = "AIFRecon.spine"
 COMPARED_ROLE = "AIFRecon.ComparedSweep"
 """Of the reference from a comparison's volumes and table to the sweep that was compared; a volume that is written to otherwise loses it."""
 
-BRIGHTEST_SHARE = 99.5
-"""Percent of the measured voxels that the window reaches up to: single bright voxels must not darken the rest."""
-
-SAMPLED = 250_000
-"""Voxels that are looked at for the window, at most."""
-
 
 def updateVolumeNode(node, volume: Volume) -> None:
     """Put a volume into a volume node, in RAS world; its voxels are copied once. A parent transform is taken off."""
     _place(node, _imageData(volume.array), volume)
+
+
+def volumeOf(node) -> Volume:
+    """The voxels of a volume node where they lie in RAS world, with what it says of where it comes from."""
+    fields = {name: node.GetAttribute(name) for name in node.GetAttributeNames() if name.startswith(OWN_FIELDS)}
+    return Volume(slicer.util.arrayFromVolume(node), matrixToWorld(node) @ ijkToRAS(node), fields)
+
+
+def besideOf(node, kind: str):
+    """What of `KINDS` was kept beside a volume, on its voxels; None where it was not."""
+    kept = node.GetNodeReference(_ROLE.format(kind=kind))
+    return None if kept is None or kept.GetImageData() is None else volumeOf(kept)
 
 
 def saveSettings(node, path) -> None:
@@ -107,7 +115,7 @@ def outputNodes(
         volumes[MEASURED] = measured
     # All memory is taken before the first node changes
     images = {kind: _imageData(volume.array) for kind, volume in volumes.items()}
-    window = ultrasoundWindow(result.intensity.array, result.mask.array)
+    window = gray_levels(result.intensity.array, result.mask.array)
     made = []
     try:
         placed = {}
@@ -164,19 +172,10 @@ def _removeHelpers(node, roles) -> None:
     removeNodes([each for each in kept if hasGivenName(each) and each.GetAttribute(KIND_ATTRIBUTE) in (None, MEASURED)])
 
 
-def ultrasoundWindow(intensity: np.ndarray, mask: np.ndarray) -> tuple[float, float]:
-    """Darkest and brightest gray level to show: from 0 to the level that all but the brightest 0.5% of measured voxels stay below."""
-    step = max(1, intensity.size // SAMPLED)
-    levels = intensity.ravel()[::step][mask.ravel()[::step] != 0]
-    levels = levels[np.isfinite(levels)]
-    brightest = float(np.percentile(levels, BRIGHTEST_SHARE)) if levels.size else 0.0
-    return 0.0, brightest if brightest > 0 else 1.0
-
-
 def ultrasoundWindowOf(node) -> tuple[float, float]:
-    """The same of a volume node, whose voxels are 0 where nothing was measured."""
+    """Darkest and brightest gray level to show of a volume node, whose voxels are 0 where nothing was measured."""
     array = slicer.util.arrayFromVolume(node)
-    return ultrasoundWindow(array, array)
+    return gray_levels(array, array)
 
 
 def _imageData(array: np.ndarray):
@@ -226,7 +225,7 @@ def followIntensity(node, result, shown: tuple[float, float] | None = None) -> t
 
     `shown` is what this function returned the last time. A window that is another by now is the user's, and stays.
     """
-    window = ultrasoundWindow(result.intensity.array, result.mask.array)
+    window = gray_levels(result.intensity.array, result.mask.array)
     if node.GetDisplayNode() is not None and shown in (None, windowOf(node)):
         _show(node, INTENSITY, window)
         return window

@@ -32,6 +32,9 @@ _TIME_KINDS = ("list", "time")
 _LPS, _RAS = ("left-posterior-superior", "lps"), ("right-anterior-superior", "ras")
 _IDENTITY_TOLERANCE = 1e-6
 
+CLOSEST_INDEX = 0.002
+"""s. Times closer than this cannot number frames: Slicer's files keep times to 1 ms, and it takes values within 1 ms for equal."""
+
 
 def is_slicer_sequence(metafile: Metafile) -> bool:
     """Whether Slicer's Sequences module wrote the file."""
@@ -136,6 +139,16 @@ def is_interleaved(metafile: Metafile) -> bool:
 def index_seconds(unit: str, label: str) -> float | None:
     """How many seconds 1 is in an index of this unit and name, in lower case; None where it is no time."""
     return _SECONDS.get(unit, 1.0 if not unit and label == "time" else None)
+
+
+def index_values(records: Sequence[FrameRecord]) -> tuple[list[str], str]:
+    """What numbers the items of a sequence, and its unit: times in s where they can tell frames apart, else frame numbers."""
+    times = [record.timestamp for record in records]
+    rounded = [f"{time:.3f}" for time in times if time is not None and math.isfinite(time)]
+    gaps = np.diff([float(text) for text in rounded])
+    if len(rounded) == len(times) and (not gaps.size or gaps.min() > CLOSEST_INDEX - 1e-9):
+        return rounded, "s"
+    return [str(number) for number in range(len(records))], ""
 
 
 def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[float] | None, tuple[str, ...]]:

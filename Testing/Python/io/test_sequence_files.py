@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import SimpleITK as sitk
@@ -320,8 +318,7 @@ def test_a_record_that_could_not_be_read_back_is_refused(tmp_path, record, expec
 
 def test_a_new_require_recording_kind_is_an_entry_of_the_table(tmp_path, monkeypatch):
     """All that chooses or names files goes by it, the module too."""
-    monkeypatch.syspath_prepend(str(Path(__file__).resolve().parents[3] / "AIFRecon"))
-    from AIFReconScene.sweep.fileKinds import opened  # what a file is, the worker says
+    from AIFReconLib.worker.recordings import opened_suffixes
 
     images = np.zeros((2, 3, 4), np.uint8)
     kind = RecordingKind(
@@ -330,6 +327,6 @@ def test_a_new_require_recording_kind_is_an_entry_of_the_table(tmp_path, monkeyp
     monkeypatch.setattr(files_of_sequences, "KINDS", (*files_of_sequences.KINDS, kind))
     path = tmp_path / "sweep.two"
     assert read_sequence(path).images is images
-    assert ".two" in opened()
+    assert ".two" in opened_suffixes()
     with pytest.raises(SequenceFormatError, match=r"must be one of \.mha, .*\.two\."):
         read_sequence(tmp_path / "sweep.txt")

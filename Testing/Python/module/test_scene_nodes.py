@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +14,7 @@ import vtk  # noqa: E402
 from scene_host import class_counts, transform_node, volume_node, warping_node  # noqa: E402
 
 from AIFReconLib.bone.map import BoneMap  # noqa: E402
-from AIFReconLib.bone.widths import SIGMA_VOXELS  # noqa: E402
+from AIFReconLib.bone.widths import SIGMA_VOXELS, voxels_around  # noqa: E402
 from AIFReconLib.errors import TransformError  # noqa: E402
 from AIFReconLib.geometry.volume import Volume  # noqa: E402
 
@@ -64,13 +65,13 @@ def equal(a: BoneMap, b: BoneMap) -> bool:
 
 def bone_of(node, chosen=None, referenceVolumeNode=None, sigmaVoxels=None) -> BoneMap:
     """The map that the worker makes of a node."""
-    from AIFReconScene.inputs.boneNodes import isLabeled, labelsFromNode, probabilityFromNode, reachOfMap
+    from AIFReconScene.inputs.boneNodes import isLabeled, labelsFromNode, probabilityFromNode
     from AIFReconScene.transforms import matrixToWorld
 
     place = matrixToWorld(node)
     if not isLabeled(node):
         return BoneMap.from_probability(probabilityFromNode(node), place)
-    reach = reachOfMap(sigmaVoxels, None)
+    reach = partial(voxels_around, sigma_voxels=sigmaVoxels or SIGMA_VOXELS)
     labels = labelsFromNode(node, chosen, referenceVolumeNode=referenceVolumeNode, world=False, reach=reach)
     return BoneMap.from_labels(labels, sigmaVoxels or SIGMA_VOXELS, None, place)
 
@@ -357,13 +358,3 @@ def test_a_failure_midway_leaves_the_scene_as_it_was(scene, monkeypatch):
     with pytest.raises(MemoryError):
         outputs(result(), "Sweep", ("intensity", "score"))
     assert class_counts(scene) == before
-
-
-def test_the_window_ends_where_almost_all_measured_voxels_do():
-    from AIFReconScene.volumes.volumeNodes import ultrasoundWindow
-
-    levels = np.full((10, 10, 100), 120.0, np.float32)
-    levels[0, 0, 0], levels[1] = 60000.0, 9000.0
-    mask = np.ones(levels.shape, np.uint8)
-    mask[1] = 0
-    assert ultrasoundWindow(levels, mask) == (0.0, 120.0)

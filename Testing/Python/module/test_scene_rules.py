@@ -25,7 +25,6 @@ OWN = {
     "sliceDisplay",
     "sweepImages",
     "sweepPoses",
-    "sweepRecord",
     "transforms",
     "volumeNodes",
 }

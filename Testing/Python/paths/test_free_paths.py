@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -17,9 +19,14 @@ from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.models import read_model
+<<<<<<< HEAD
+=======
+from AIFReconLib.paths.aims import canal_between, skin_under
+from AIFReconLib.paths.asked import AskedPaths
+>>>>>>> h-paths
 from AIFReconLib.paths.free_paths import FreePaths, free_paths
 from AIFReconLib.paths.shown import markups, paths_figure, write_skin_map
-from AIFReconLib.paths.windows import BLOCKED, FREE, NOT_SEEN, TIGHT, states_of
+from AIFReconLib.paths.states import BLOCKED, FREE, NOT_SEEN, TIGHT, states_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedSequence
 
@@ -103,6 +110,21 @@ def test_clearance_is_the_distance_to_bone_less_the_margin(found):
     assert found.along(reference(0, 0, 20), reference(0, 40, 20))[0] < 0
     before = found.along(reference(0, 0, 20), reference(0, 14, 20))[0]
     assert before == pytest.approx(6.0 - 1.0 - SPACING / 2, abs=0.6)
+
+
+def test_a_program_with_windows_is_shown_the_same_and_loads_no_scipy(found, volume, skin):
+    asked = AskedPaths(volume, None, None, TARGET, skin, None, None, ReconstructionSettings())
+    shown = asked.shown()
+    assert [line.clearance for line in shown.lines] == [window.clearance for window in found.windows]
+    assert [line.state for line in shown.lines[:2]] == [FREE, FREE]
+    np.testing.assert_array_equal(shown.skin, found.entries)
+    np.testing.assert_array_equal(shown.states, found.states)
+    assert shown.triangles.max() < len(shown.skin)
+    line = asked.along(reference(0, 0, 20), reference(0, 40, 20))
+    assert (line.clearance, line.seen) == found.along(line.entry, line.end)
+    assert (line.state, line.depth) == (BLOCKED, pytest.approx(40.0))
+    code = "import sys, AIFReconLib.paths.asked; sys.exit('scipy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def test_a_larger_margin_takes_as_much_off_all_clearances(found, volume, skin):

@@ -21,7 +21,7 @@ from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.worker.reconstructing import Asked, PlacedBone, know_method, reconstructed
-from AIFReconLib.worker.recordings import frame_fields, images_between, read_recording, without_images
+from AIFReconLib.worker.recordings import RECORDING, VOLUME, images_between, kind_of, read_recording, without_images
 
 
 def sweep(count: int = 5) -> TrackedSequence:
@@ -93,13 +93,13 @@ def test_a_recording_comes_in_pieces_that_are_its_images(worker, tmp_path):
         told.images[0]
 
 
-def test_what_a_file_says_of_its_frames_is_told_and_a_volume_has_none(tmp_path):
+def test_a_recording_and_a_volume_are_told_apart_by_their_headers(tmp_path):
     write_sequence(sweep(), path := tmp_path / "sweep.igs.mha")
-    assert "Timestamp" in frame_fields(path)
+    assert kind_of(path) == RECORDING
     Volume(np.zeros((3, 3, 3), np.uint8), np.eye(4)).write(volume := tmp_path / "volume.nrrd")
-    assert frame_fields(volume) is None
+    assert kind_of(volume) == VOLUME
     with pytest.raises(SequenceFormatError):
-        frame_fields(tmp_path / "sweep.txt")
+        kind_of(tmp_path / "sweep.txt")
 
 
 def test_no_configuration_is_none_in_another_process_too():

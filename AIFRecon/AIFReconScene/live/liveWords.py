@@ -3,12 +3,11 @@
 import time
 from dataclasses import dataclass
 
-from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
 from AIFReconLib.live.wire.sources import CONNECTED
 
-from ..signals import GREEN, RED
+from ..panelWords import inPanelWords
 
 
 @dataclass(frozen=True)
@@ -16,7 +15,7 @@ class LiveWords:
     """What is said in large letters."""
 
     state: str  #: Whether the probe is seen, or what is wrong
-    colors: tuple  #: Of `signals`
+    isWell: bool  #: Whether all is as it should be
     move: str  #: What the person with the probe is to do now
     isScouting: bool  #: Whether the box is still to be found
 
@@ -39,7 +38,7 @@ class LiveWords:
             state = _("Paused") if statistics.phase == "paused" else tracking
         if tracked and live.seen.has_fallen:
             state, apart = _("The CT no longer fits"), True
-        return cls(state, GREEN if tracked and not apart else RED, _nextMove(live, tracked, scouting, apart, advised), scouting)
+        return cls(state, tracked and not apart, _nextMove(live, tracked, scouting, apart, advised), scouting)
 
 
 def linesOf(live) -> list:
