@@ -21,11 +21,7 @@ from ..message import Described, columns
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
-<<<<<<< HEAD
-=======
-from .aims import canal_between, skin_under
 from .states import FREE, NOT_SEEN, STATES, states_of
->>>>>>> h-paths
 from .surroundings import PlacedField, ShownVolume, Surroundings
 from .windows import END_PITCH, ENTRY_PITCH, Window, windows_of
 

@@ -201,15 +201,7 @@ def simulate_frame(
 def _first_surfaces(
     distance: Volume, probe: PhasedArray, transducer_to_reference: Matrix, effects: UltrasoundEffects
 ) -> tuple[Floats, Floats]:
-    """Where rays first meet bone.
-
-    Returns
-    -------
-    hits : (lines, elevations) float64 array, mm
-        Distance from the apex; infinite for a ray that meets none.
-    cosines : (lines, elevations) float64 array
-        Of the angle of incidence there; 0 without a hit.
-    """
+    """Where rays first meet bone: (lines, elevations) distances from the apex in mm, infinite without a hit, and cosines of incidence."""
     ranges = np.arange(probe.radii[0], probe.radii[1] + RAY_STEP, RAY_STEP, dtype=np.float64)
     sigma = probe.elevation_fwhm(ranges - probe.apex_offset) / 2.3548
     elevations = ELEVATIONS if effects.beam_thickness else np.zeros(1)

@@ -18,6 +18,7 @@ from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
+from ..evaluation.visibility import SweepBeams
 from ..geometry.volume import Volume
 from ..guidance.guidance import Guidance
 from ..live.pairing.synchronizer import SynchronizerSettings
@@ -33,7 +34,6 @@ from ..live.wire.messages import StreamMessage
 from ..live.wire.sources import QueueSource, StreamStatistics
 from ..machine.threads import usable_cores
 from ..message import said
-from ..paths.aims import faces_at
 from ..progress import Progress, part, report
 from ..provenance.record import with_settings
 from ..registration.labeled_bone import LabeledBone
@@ -275,7 +275,7 @@ class Scan:
         if imaging is None or imaging.probe is None or not self._poses or latest is None or latest.image is None:
             return None
         rows, columns = latest.image.shape
-        return faces_at(np.array(self._poses), imaging, (columns, rows))
+        return SweepBeams(np.array(self._poses), (columns, rows), imaging.probe, imaging.region).skin()
 
     def _estimator(self, imaging: Imaging) -> BoneEstimator:
         return self._model or EchoEstimator(imaging)

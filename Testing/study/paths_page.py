@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from AIFReconLib.evaluation.lines import BLOCKED, FREE, ToldApart, told_apart
+from AIFReconLib.paths.states import FREE as GIVEN_FREE
+from AIFReconLib.paths.states import ROOM, TIGHT, states_of
 from AIFReconLib.paths.surroundings import FAR
-from AIFReconLib.paths.windows import FREE as GIVEN_FREE
-from AIFReconLib.paths.windows import ROOM, TIGHT, states_of
 
 from .method_cases import OURS, PLAIN
 from .paths_cases import FIXED, NONE, PLANNED, RIGHT, WRONG, Row

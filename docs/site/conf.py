@@ -71,6 +71,7 @@ TABLES = {
             "import",
             "registration",
             "calibration",
+            "calibration-phantom",
             "guidance",
             "paths",
             "own-data",

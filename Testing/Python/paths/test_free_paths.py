@@ -19,11 +19,7 @@ from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.models import read_model
-<<<<<<< HEAD
-=======
-from AIFReconLib.paths.aims import canal_between, skin_under
 from AIFReconLib.paths.asked import AskedPaths
->>>>>>> h-paths
 from AIFReconLib.paths.free_paths import FreePaths, free_paths
 from AIFReconLib.paths.shown import markups, paths_figure, write_skin_map
 from AIFReconLib.paths.states import BLOCKED, FREE, NOT_SEEN, TIGHT, states_of
