@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Matrix
+from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
 from ..errors import AIFReconError, require_kind
 from ..geometry.transform_graph import TransformName
@@ -86,14 +87,15 @@ def checked(
     *,
     recipe: Recipe | None = None,
     progress: Progress | None = None,
+    known: SweepEchoes | None = None,
 ) -> Checked:
-    """What `check_calibration` tells, and whether the calibration agrees."""
+    """What `check_calibration` tells, and whether the calibration agrees; `known` are echoes of the sweeps that were found already."""
     if labels is not None:
         require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else as_matrix(start, "start")
     sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
     bone = None if labels is None else BoneField.from_labels(labels)
-    echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2))
+    echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2), known)
     if len(np.unique(echoes.angles)) < 2:
         return Checked(None, "cannot be told from this sweep, which shows bone from one angle.")
     report(progress, 0.2, "Trying repairs")

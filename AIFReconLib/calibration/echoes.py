@@ -194,11 +194,17 @@ class Mending(Judged):
 
 
 def imaged_echoes(
-    sequences: TrackedSequence | Iterable[TrackedSequence], recipe: Recipe | None = None, progress: Progress | None = None
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+    known: SweepEchoes | None = None,
 ) -> ImagedEchoes:
-    """The bone echoes of one or more sweeps in one Reference, as the images show them; errors are those of `sweep_echoes`."""
+    """The bone echoes of one or more sweeps in one Reference, as the images show them; errors are those of `sweep_echoes`.
+
+    `known` are those that it has found of the same sweeps already.
+    """
     sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
-    found = sweep_echoes(sweeps, recipe, most_frames=MOST_FRAMES, progress=progress)
+    found = known or sweep_echoes(sweeps, recipe, most_frames=MOST_FRAMES, progress=progress)
     poses = poses_of_each(sweeps, recipe.image_to_reference, recipe.reference)
     sizes = [pixel_spacing(pose.image_to_reference[pose.usable[0]]) for pose in poses]
     spacing = sizes[0]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import Matrix
+from ..bone.echoes.found import SweepEchoes
 from ..compounding.methods.table import method_named
 from ..errors import AIFReconError
 from ..geometry.volume import Volume
@@ -117,13 +118,21 @@ def _bone(labeled: LabeledBone | None, method: str) -> tuple[list[str], bool]:
 
 
 def calibration_lines(
-    sequences: list[TrackedSequence], labels: Volume, placed: Matrix | None, recipe: Recipe, progress: Progress | None = None
+    sequences: list[TrackedSequence],
+    labels: Volume,
+    placed: Matrix | None,
+    recipe: Recipe,
+    progress: Progress | None = None,
+    known: SweepEchoes | None = None,
 ) -> tuple[list[str], bool | None]:
-    """What the bone of a CT that lies on sweeps says of their calibration, and whether that agrees; None where it cannot be told."""
+    """What the bone of a CT that lies on sweeps says of their calibration, and whether that agrees; None where it cannot be told.
+
+    `known` are echoes of the sweeps that were found already.
+    """
     from ..calibration.check import checked
 
     try:
-        told = checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress)
+        told = checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress, known=known)
     except AIFReconError as error:
         return [f"Calibration: cannot be told. {in_options(error)}"], None
     return list(map(in_options, told.lines)), told.agrees

@@ -143,7 +143,7 @@ def _calibration(
     arguments: argparse.Namespace, sequences: list[TrackedSequence], found: Registration, labels: Volume, progress: Progress | None
 ) -> list[str]:
     """What the bone where it came to lie says of the calibration; nothing where the sweep cannot tell."""
-    lines, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe_from(arguments), progress)
+    lines, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe_from(arguments), progress, found.echoes)
     return [] if agrees is None else lines
 
 
