@@ -235,6 +235,18 @@ class AIFReconRegistrationTest(unittest.TestCase):
         tinyScene.setMatrix(self.transform, self.true)
         self.assertTrue(waitFor(lambda: self.ui.agreementProgressBar.value == high))
 
+    def test_the_gauge_follows_a_ct_that_is_moved_back_to_where_it_rested_before_the_last_check(self):
+        self.ui.checkButton.click()
+        high = self.ui.agreementProgressBar.value
+        away = tinyScene.moved(0.0, 0.0, 12.0)
+        self.displace(away)
+        self.assertTrue(waitFor(lambda: self.ui.agreementProgressBar.value < high - 20))
+        tinyScene.setMatrix(self.transform, self.true)
+        self.ui.checkButton.click()
+        self.assertEqual(self.ui.agreementProgressBar.value, high)
+        self.displace(away)
+        self.assertTrue(waitFor(lambda: self.ui.agreementProgressBar.value < high - 20))
+
     def test_a_reconstruction_says_whether_ct_and_sweep_agree(self):
         self.ui.applyButton.click()
         self.assertIn("CT agrees: ", self.ui.registrationVerdictLabel.text)

@@ -176,7 +176,7 @@ class RegistrationPanel(PanelPart):
         return (*(node.GetID() if node is not None else "" for node in chosen), tuple(parameters.boneSegments))
 
     def _show(self, parameters, placed) -> None:
-        self._placed, self._about, self._task = placed, self._subject(parameters), None
+        self._placed, self._about, self._task, self._knownAt = placed, self._subject(parameters), None, None
         if parameters.sweep is not None:
             self._logic.verdicts.takeAgreement(parameters, placed.agreement)
         self._gauge(placed.agreement, self._names())
