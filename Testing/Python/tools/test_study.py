@@ -26,6 +26,10 @@ from study.__main__ import main as start
 from study.free_paths import canal_depth, lines_to_canal
 from study.method_cases import PHANTOM, Row, patient_rows
 from study.method_page import COLUMNS, in_the_pages
+from study.paths_cases import FIXED, LISTS, NONE, PLANNED
+from study.paths_cases import RIGHT as RIGHT_CT
+from study.paths_cases import Row as PathRow
+from study.paths_page import paths_page
 from study.patients import read_rows, run_study
 
 TESTING = Path(__file__).resolve().parents[2]
@@ -130,3 +134,27 @@ def test_what_was_measured_stands_in_the_pages_that_mark_a_place(tmp_path, monke
     assert measured.keep({"speed": "| 1 |\n|---|"}, "make bench", "here") == [tmp_path / "speed.md", page]
     made = f"*`make bench`, {date.today().isoformat()}, here.*"
     assert page.read_text("utf-8") == f"a\n<!-- measured: speed -->\n| 1 |\n|---|\n\n{made}\n<!-- end -->\nb\n"
+
+
+def test_the_table_of_free_paths_counts_what_was_seen_and_what_was_given():
+    """Forty free lines of which half were seen, and sixty blocked ones of which a clearance lets three pass."""
+    truth = [3.0] * 40 + [-1.0] * 60
+    told = {
+        "truth": truth,
+        "reached": [1.0] * 100,
+        "brightest": [50.0] * 40 + [200.0] * 60,
+        "clearance": [1.5] * 40 + [1.5] * 3 + [-0.5] * 57,
+        "with_ct": [1.5] * 40 + [-0.5] * 60,
+        "seen": [1.0] * 20 + [0.5] * 20 + [1.0] * 60,
+    }
+    assert set(told) == set(LISTS)
+    rows = [
+        PathRow(0, scan, ct, method, 297, 0.1, True, True, 1.35, **told)
+        for scan in (FIXED, PLANNED)
+        for ct, method in ((NONE, "average"), (RIGHT_CT, "weighted"))
+    ]
+    lines = paths_page(rows).splitlines()
+    assert lines[0].startswith("**Fixed scans** of 297 frames, 1 patients: 40 free lines and 60 blocked ones.")
+    shares = "50.0% | 50.0% | 5.00% | 5.00% | 0.0% | 100.0% |"
+    assert f"| `weighted`, right CT | 1.000 | 0.0% | 0.975 | 5.0% | 5.0% | {shares}" in lines
+    assert "| the same, with the CT's bone | 1.000 | 0.0% | 1.000 | 0.0% | 0.0% | 50.0% | 50.0% | 0.00% | 0.00% | 0.0% | 100.0% |" in lines
