@@ -94,7 +94,9 @@ def calibrate_by_crossing(
     after = float(np.mean([_distance(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
     compared = Halves(before, after, _apart(echoes, *ends))
     said = doubt_of_halves(compared.apart) or doubt_of_size(found, ASKED)
-    if after > GAIN * before:
+    if not np.isfinite(before + after):
+        said = Sentence("Frames of different angles show no bone in common. Scan the same bone with the probe tilted to all sides.")
+    elif after > GAIN * before:
         said = Sentence(
             f"Frames of other angles bear the calibration as given out as well: {before:.2f} mm between them, {after:.2f} mm with another."
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from made_echoes import ANGLES, made_echoes, wrongly_calibrated
@@ -70,3 +72,10 @@ def test_one_angle_is_refused():
 def test_halves_that_disagree_are_refused(wrong, monkeypatch):
     monkeypatch.setattr(crossing, "_apart", lambda *given: 1.5)
     assert "lie 1.5 mm apart" in (calibrated(wrong).refusal or "")
+
+
+def test_angles_that_show_nothing_in_common_are_refused():
+    echoes = made_echoes(ANGLES[:2])
+    apart = echoes.planes.copy()
+    apart[echoes.angles == 1, :3, 3] += 500.0
+    assert "no bone in common" in (calibrated(replace(echoes, planes=apart, times=np.full(len(apart), np.nan))).refusal or "")
