@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -75,8 +76,10 @@ def results(tmp_path):
 def scene():
     """A new MRML scene as Slicer's application sets it up; it is `slicer.mrmlScene` while the test runs."""
     slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
+    from host import i18n
     from host.mrml_scene import createScene
 
+    sys.modules.setdefault("slicer.i18n", i18n)
     before = getattr(slicer, "mrmlScene", None)
     made = slicer.mrmlScene = createScene()
     yield made

@@ -14,10 +14,11 @@ def getContext(sourceFile):
 
 
 def translate(context, text):
-    """The text in the application's language."""
-    from slicer import app
+    """The text in the application's language; as it is where there is a scene and no application."""
+    import slicer
 
-    return app.translate(context, text)
+    app = getattr(slicer, "app", None)
+    return text if app is None else app.translate(context, text)
 
 
 def tr(text):
