@@ -23,7 +23,7 @@ from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
-from .solve import ALL, EXPECTED, FINE_ECHOES, PARAMETERS, UNITS, Solved, as_vector, descend, in_words, solve
+from .solve import ALL, COARSE, EXPECTED, FINE, FINE_ECHOES, PARAMETERS, UNITS, Solved, as_vector, descend, in_words, solve
 
 PLACES = 3
 """Places of the CT from which is started where none is given."""
@@ -182,7 +182,7 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
 
 
 def _as_given(echoes: ImagedEchoes, bone: BoneField, place: Floats, none: Correction) -> Solved:
-    return descend(echoes, bone, Solved(place, none, 1.0), (8.0, 4.0, 2.0, 1.0), np.zeros(len(PARAMETERS), dtype=bool))
+    return descend(echoes, bone, Solved(place, none, 1.0), (*COARSE, FINE[-1]), np.zeros(len(PARAMETERS), dtype=bool))
 
 
 def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mask, after: Agreement, sides: Halves) -> Sentence | None:

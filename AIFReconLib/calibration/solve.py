@@ -51,7 +51,7 @@ SEEN_TOGETHER = 20.0
 NOISE = 0.1
 """mm^2. Variance of an echo's distance, for the weight of what is known before; measured after."""
 
-COARSE, FINE = (8.0, 4.0, 2.0), (2.0, 1.0)
+COARSE, FINE = (8.0, 4.0, 2.0), (2.0, 0.7)
 """mm. Scales of the robust distance, one after the other; see registration/refine.py."""
 
 COARSE_ECHOES, FINE_ECHOES = 700, 2500

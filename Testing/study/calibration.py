@@ -57,7 +57,7 @@ ONE_WAY, ONE_ANGLE, RIGHT = "nine angles, one direction", "one angle", "a right 
 DRAWN = 3
 """Wrong calibrations for each number of angles."""
 
-CHECKED = 4
+CHECKED = 10
 """Patients whose sweeps are checked: a check of a wrong calibration takes twenty seconds."""
 
 SHIFT_MM, TURN_DEG, SCALE, DELAY = 5.0, 3.0, 0.03, 0.06
