@@ -32,7 +32,8 @@ EXAMPLE = """examples:
       --bone-transform CTToReference.tfm --sweep sweep.igs.mha --config PlusDeviceSet.xml --output paths.mrk.json
   aifrecon paths volume.nrrd --target 1.5 -20 38 --skin skin.vtp --output paths.mrk.json --skin-map map.vtp
 
-Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted."""
+Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted.
+'aifrecon plan --unseen' takes the --report, and says how to scan there."""
 
 MARKUPS = ".mrk.json"
 MODELS = (".stl", ".ply", ".obj", ".vtp")

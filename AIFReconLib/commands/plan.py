@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import SettingsError
+from ..arrays import Floats
+from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.plan_figure import plan_figure
 from ..geometry.transforms import invert, transform_points
@@ -16,6 +17,7 @@ from ..guidance.bone import GuidedBone
 from ..guidance.coverage import covered
 from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, plan_scan
 from ..guidance.probe import ProbeOnBack
+from ..guidance.window import NOT_SEEN, unseen_of, window
 from ..io.disk.atomic import check_writable, write_text
 from ..message import columns
 from ..progress import part
@@ -31,6 +33,8 @@ EXAMPLE = """examples:
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --target all --frames 360 \\
       --probe-like sweep.igs.mha --config PlusDeviceSet.xml --output plan.json --preview plan.png
+  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 \\
+      --probe-like sweep.igs.mha --config PlusDeviceSet.xml --output plan.json
 
 --probe-like: size and pixels of its images, its probe, and the skin that its face was on; else a phased array, and the skin 15 mm
 behind the spinous processes."""
@@ -55,6 +59,12 @@ def add_to(commands: Commands) -> None:
         help="interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label, by name or number "
         "(default: %(default)s)",
     )
+    parser.add_argument(
+        "--unseen",
+        type=Path,
+        metavar="PATHS.json",
+        help="in place of bone, the windows that the report of aifrecon paths tells as not seen",
+    )
     parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="of all passes together (default: %(default)s)")
     parser.add_argument(
         "--candidates",
@@ -76,7 +86,8 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, plan, write, and say what each pass adds."""
     arguments.sequence = arguments.probe_like
     inputs = sequence_inputs(arguments) if arguments.probe_like else [arguments.config]
-    refuse_to_overwrite([arguments.output, arguments.preview], [*inputs, *labels_inputs(arguments), arguments.bone_transform])
+    inputs += [*labels_inputs(arguments), arguments.bone_transform, arguments.unseen]
+    refuse_to_overwrite([arguments.output, arguments.preview], inputs)
     if arguments.frames < 1:
         raise SettingsError(f"Input frames must be 1 or more; got {arguments.frames!r}. Give --frames N.")
     check_writable(arguments.output)
@@ -89,6 +100,8 @@ def run(arguments: argparse.Namespace) -> None:
         like = sequence_from(arguments) if arguments.probe_like else None
         bone, probe, assumed = patient_and_probe(labels, placed, like, recipe_from(arguments), part(progress, 0.05, 0.1))
         notes = (*labels.notes, *assumed)
+        if arguments.unseen:
+            bone, arguments.target = window(bone, _unseen(arguments.unseen)), NOT_SEEN
         plan = plan_scan(bone, probe, arguments.target, arguments.frames, arguments.candidates, progress=part(progress, 0.1, 0.95))
         write_text(arguments.output, json.dumps(plan.to_dict()) + "\n")
         written = [arguments.output]
@@ -104,6 +117,14 @@ def run(arguments: argparse.Namespace) -> None:
             ]
         )
     )
+
+
+def _unseen(path: Path) -> Floats:
+    """The places of a report of paths; FileFormatError when the file is none."""
+    try:
+        return unseen_of(json.loads(path.read_text("utf-8")))
+    except (ValueError, AIFReconError) as error:
+        raise FileFormatError(f"{path}: it is no report of paths ({error}). Make one with aifrecon paths --report.") from None
 
 
 def _lines(plan: ScanPlan) -> list[str]:

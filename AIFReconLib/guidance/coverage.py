@@ -92,22 +92,31 @@ def coverage(
     sequence, recipe = joined(sequences), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     usable = poses.require_usable(sequence.name)
-    imaging = resolve_imaging(sequence, poses, True, recipe)
     report(progress, 0.0, "Finding the bone surface")
     looks = poses.image_to_reference[usable][:, :3, 1]
     mean = (looks / np.linalg.norm(looks, axis=1)[:, None]).mean(axis=0)
     bone, notes = bone_before(labels, labels_to_reference, mean, names)
+    met = followed(bone, sequence, recipe, thickness, part(progress, 0.1, 1.0))
+    return covered(met, notes)
+
+
+def followed(
+    bone: GuidedBone, sequence: TrackedSequence, recipe: Recipe, thickness: float = BEAM_THICKNESS, progress: Progress | None = None
+) -> BoneMet:
+    """What the frames of a sweep met of this bone, in the order of time; arguments and errors are those of `coverage`."""
+    poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
+    usable = poses.require_usable(sequence.name)
+    imaging = resolve_imaging(sequence, poses, True, recipe)
     met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
     order = time_order(sequence)
     order = order[np.isin(order, usable)]
     scale = _full_scale(sequence)
-    following = part(progress, 0.1, 1.0)
     for done, frame in enumerate(tracked_frames(sequence, poses, order)):
-        report(following, done / len(order), "Following the beams")
+        report(progress, done / len(order), "Following the beams")
         if frame.image_to_reference is not None:
             met.insert(frame.image_to_reference, frame.image, scale)
     report(progress, 1.0, "Followed the beams")
-    return covered(met, notes)
+    return met
 
 
 def bone_before(

@@ -17,13 +17,14 @@ from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order
 from .bone import GuidedBone
 from .candidates import DRAWS
-from .coverage import Coverage, coverage, covered
+from .coverage import Coverage, coverage, covered, followed
 from .mesh import ColoredBone
 from .met import BoneMet
 from .next_move import Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
 from .seen import AdvisedMove, Direction, GuidanceSeen, ProbeShape
+from .window import window
 
 FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
 NOT_IN_BOX = "The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the sweep."
@@ -140,6 +141,7 @@ def guidance_of_sweep(
     recipe: Recipe | None = None,
     *,
     grid: VoxelGrid | None = None,
+    unseen: Floats | None = None,
     progress: Progress | None = None,
 ) -> Guidance:
     """What recorded sweeps have met, and the next move from where the last one ended.
@@ -156,6 +158,8 @@ def guidance_of_sweep(
         As in `reconstruct`.
     grid : VoxelGrid or None
         The box that is to be reconstructed, if it is known.
+    unseen : (n, 3) array, mm in Reference, or None
+        Places that the next move leads to in place of bone, as `FreePaths.unseen` has them.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     found = coverage(sequence, labels, labels_to_reference, recipe=recipe, progress=part(progress, 0.0, 0.5))
@@ -168,5 +172,6 @@ def guidance_of_sweep(
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     order = time_order(sequence)
     order = order[np.isin(order, poses.usable)]
-    advisor = Advisor(found.met, poses.image_to_reference[order], part(progress, 0.5, 1.0))
-    return Guidance.of(colored, found.met, advisor.advise(found.met, poses.image_to_reference[order[-1]]), found.notes)
+    met = found.met if unseen is None or not len(unseen) else followed(window(found.met.bone, unseen), sequence, recipe)
+    advisor = Advisor(met, poses.image_to_reference[order], part(progress, 0.5, 1.0))
+    return Guidance.of(colored, found.met, advisor.advise(met, poses.image_to_reference[order[-1]]), found.notes)

@@ -47,6 +47,7 @@ class ShownPaths:
     triangles: Integers  #: (m, 3), numbers of those points, counterclockwise seen from outside
     states: Bytes  #: (n,). Of the best line from each of them.
     notes: tuple[str, ...]  #: What must be known of it, but for that it is research
+    unseen: Floats  #: (n, 3). As `FreePaths.unseen`: where guidance can lead the next scan.
 
 
 class AskedPaths:
@@ -76,7 +77,7 @@ class AskedPaths:
 
         found = self._found
         lines = tuple(MetLine(one.entry, one.end, one.clearance, one.seen) for one in found.windows)
-        return ShownPaths(lines, found.entries, skin_triangles(found.entries, found.target), found.states, found.notes[1:])
+        return ShownPaths(lines, found.entries, skin_triangles(found.entries, found.target), found.states, found.notes[1:], found.unseen)
 
     def along(self, entry: Floats, end: Floats) -> MetLine:
         """Any other line, (3,) and (3,) mm: fast enough for one that is dragged."""

@@ -22,7 +22,7 @@ from ..progress import Progress, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
 from .states import FREE, NOT_SEEN, STATES, states_of
-from .surroundings import PlacedField, ShownVolume, Surroundings
+from .surroundings import PlacedField, ShownVolume, Surroundings, in_cubes
 from .windows import END_PITCH, ENTRY_PITCH, Window, windows_of
 
 MARGIN = 1.0
@@ -56,6 +56,11 @@ class FreePaths(Described):
 
     def _facts(self) -> list[tuple[str, str]]:
         return [("windows", str(sum(one.is_free for one in self.windows))), ("lines", str(self.lines)), ("entries", str(len(self.entries)))]
+
+    @property
+    def unseen(self) -> Floats:
+        """(n, 3), mm: the places of windows that were not seen. `AIFReconLib.guidance.window` aims a scan at them."""
+        return np.concatenate([np.empty((0, 3)), *(one.unseen for one in self.windows if not one.is_free)])
 
     def along(self, entry: ArrayLike, end: ArrayLike) -> tuple[float, float]:
         """Of any line, (3,) and (3,) mm: clearance in mm, and the share of it that was seen. Fast enough for a line that is dragged."""
@@ -158,7 +163,7 @@ def free_paths(
     points = np.asarray(skin, dtype=np.float64) if isinstance(skin, np.ndarray) else SweepBeams.of_sequence(skin, recipe).skin()
     if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
         raise GeometryError(f"Input skin must be points (n, 3) in mm, or a sweep; got shape {points.shape}.")
-    points = _thinned(points)
+    points = in_cubes(points, ENTRY_PITCH)
     away = np.linalg.norm(points - center, axis=1)
     if not within < away.min() < FARTHEST:
         raise GeometryError(
@@ -212,13 +217,6 @@ def _target(target: str | ArrayLike, labels: Labels | None, place: Matrix) -> Fl
     if center.shape != (3,) or not np.isfinite(center).all():
         raise SettingsError(f"Input target must be a point X Y Z in mm, or two labels as in L3-L4; got {target!r}.")
     return center
-
-
-def _thinned(points: Floats) -> Floats:
-    """The mean of the points in each cube of `ENTRY_PITCH`, (n, 3)."""
-    _, cube = np.unique(np.floor(points / ENTRY_PITCH), axis=0, return_inverse=True)
-    count = np.bincount(cube.reshape(-1))
-    return np.stack([np.bincount(cube.reshape(-1), axis) / count for axis in points.T], axis=1)
 
 
 def _lines(skin: Floats, center: Floats, axis: Floats, within: float, cone_deg: float) -> tuple[Floats, Floats, Integers, Integers]:

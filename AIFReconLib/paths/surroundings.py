@@ -136,16 +136,37 @@ class Surroundings:
 
     def profile(self, entries: Floats, ends: Floats) -> tuple[Singles, Singles]:
         """Distance from bone, mm, and looks at as many places of each line, (n, m), from `UNDER_SKIN` below the entry to the end."""
-        to_ijk = self.distance.grid.reference_to_ijk
-        way = ends - entries
-        length = np.linalg.norm(way, axis=1)
-        first = np.minimum(UNDER_SKIN / np.maximum(length, UNDER_SKIN), 1.0)[:, None]
-        along = first + (1.0 - first) * np.linspace(0.0, 1.0, max(int(np.ceil(length.max(initial=0.0) / STEP)), 1) + 1)
-        start, step = transform_points(to_ijk, entries), way @ to_ijk[:3, :3].T
+        to_ijk, along = self.distance.grid.reference_to_ijk, _places(entries, ends)
+        start, step = transform_points(to_ijk, entries), (ends - entries) @ to_ijk[:3, :3].T
         kji = (start.T[::-1, :, None] + step.T[::-1, :, None] * along).astype(np.float32)
         distance = scipy.ndimage.map_coordinates(self.distance.array, kji, np.float32, 1, cval=FAR)
         looks = scipy.ndimage.map_coordinates(self.looks.array, kji, np.float32, 1, cval=0.0)
         return distance, looks
+
+    def unseen(self, entries: Floats, ends: Floats, pitch: float) -> Floats:
+        """Places of these lines that were not seen, (m, 3) mm: the middle of those in each cube of `pitch` mm."""
+        found = []
+        for first in range(0, len(entries), LINES_AT_ONCE):
+            begin, way = entries[first : first + LINES_AT_ONCE], (ends - entries)[first : first + LINES_AT_ONCE]
+            line, place = np.nonzero(self.profile(begin, begin + way)[1] < ONE_LOOK)
+            along = _places(begin, begin + way)[line, place]
+            found.append(begin[line] + along[:, None] * way[line])
+        return in_cubes(np.concatenate(found), pitch)
+
+
+def in_cubes(points: Floats, pitch: float) -> Floats:
+    """The mean of the points (n, 3) in each cube of `pitch` mm, (m, 3)."""
+    _, cube = np.unique(np.floor(points / pitch), axis=0, return_inverse=True)
+    count = np.bincount(cube.reshape(-1))
+    return np.stack([np.bincount(cube.reshape(-1), axis) / count for axis in points.T], axis=1)
+
+
+def _places(entries: Floats, ends: Floats) -> Floats:
+    """Parts of the way from entries to ends (n, 3) at which lines are looked at, (n, m), from `UNDER_SKIN` below the entry on."""
+    length = np.linalg.norm(ends - entries, axis=1)
+    first = np.minimum(UNDER_SKIN / np.maximum(length, UNDER_SKIN), 1.0)[:, None]
+    places: Floats = first + (1.0 - first) * np.linspace(0.0, 1.0, max(int(np.ceil(length.max(initial=0.0) / STEP)), 1) + 1)
+    return places
 
 
 @dataclass(frozen=True, eq=False)

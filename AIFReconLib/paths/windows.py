@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
@@ -13,6 +13,9 @@ from .surroundings import Surroundings
 
 ENTRY_PITCH, END_PITCH = 2.0, 1.5
 """mm between the points on the skin from which lines begin, and between those at which they end."""
+
+UNSEEN_PITCH = 3.0
+"""mm between places that were not seen: a beam is as thick."""
 
 NEIGHBORS = 1.8
 """Times that distance within which points are neighbors: the diagonal one still is."""
@@ -33,6 +36,7 @@ class Window:
     seen: float  #: 0 to 1
     width: tuple[float, float]  #: mm across all its lines where the best one is nearest to bone: the narrow and the wide way
     lines: int
+    unseen: Floats = field(repr=False)  #: (n, 3). Places of its lines that were not seen, one in each cube of `UNSEEN_PITCH`.
 
     @property
     def depth(self) -> float:
@@ -58,6 +62,7 @@ class Window:
             "seen": round(self.seen, 4),
             "width_mm": [round(side, 1) for side in self.width],
             "lines": self.lines,
+            "unseen": np.round(self.unseen, 2).tolist(),
         }
 
 
@@ -76,15 +81,16 @@ def windows_of(
     for is_free, chosen in ((True, np.flatnonzero(states >= TIGHT)), (False, np.flatnonzero(states == NOT_SEEN))):
         groups = _joined(entries, ends, number[chosen], last[chosen])
         sizes = np.bincount(groups)
-        of_kind = []
+        of_kind: list[tuple[int, Integers]] = []
         for group in np.flatnonzero(sizes >= FEWEST):
             lines = chosen[groups == group]
-            best = lines[clearance[lines].argmax()]
-            width = _width(surroundings, entries[number[lines]], ends[last[lines]], entries[number[best]], ends[last[best]])
-            of_kind.append((entries[number[best]], ends[last[best]], float(clearance[best]), float(seen[best]), width, len(lines)))
-        of_kind.sort(key=lambda one: -one[2] if is_free else -one[5])
-        for one in of_kind if is_free else of_kind[:MOST]:
-            found.append(Window(f"Path {len(found) + 1}", is_free, *one))
+            of_kind.append((int(lines[clearance[lines].argmax()]), lines))
+        of_kind.sort(key=lambda one: -clearance[one[0]] if is_free else -len(one[1]))
+        for best, lines in of_kind if is_free else of_kind[:MOST]:
+            entry, end, begins, finishes = entries[number[best]], ends[last[best]], entries[number[lines]], ends[last[lines]]
+            width, unseen = _width(surroundings, begins, finishes, entry, end), surroundings.unseen(begins, finishes, UNSEEN_PITCH)
+            name, clear, share = f"Path {len(found) + 1}", float(clearance[best]), float(seen[best])
+            found.append(Window(name, is_free, entry, end, clear, share, width, len(lines), unseen))
     return tuple(found)
 
 

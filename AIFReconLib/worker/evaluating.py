@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Matrix
+from ..arrays import Floats, Matrix
 from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
@@ -135,13 +135,14 @@ def guidance_in_sweep(
     labels_to_reference: Matrix,
     recipe: Recipe,
     grid: VoxelGrid | None = None,
+    unseen: Floats | None = None,
     progress: Progress | None = None,
 ) -> tuple[GuidanceSeen, dict[str, Share]]:
     """What `guidance_of_sweep` tells, and as `met_of_sweep`; nothing of that where there is a problem."""
     from ..guidance.coverage import back_of_labels
     from ..guidance.guidance import guidance_of_sweep
 
-    found = guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, progress=progress)
+    found = guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress)
     return found.seen(), {} if found.coverage is None else back_of_labels(found.coverage.met)
 
 

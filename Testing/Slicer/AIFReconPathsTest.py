@@ -145,6 +145,16 @@ class AIFReconPathsTest(unittest.TestCase):
         found = self.expected(self.points("Target")[0], labels=False)
         np.testing.assert_allclose(self.points(), [found.windows[0].entry, found.windows[0].end], atol=1e-3)
 
+    def test_the_next_move_leads_to_windows_that_were_not_seen(self):
+        self.find()
+        np.testing.assert_allclose(self.paths.unseen, self.expected().unseen, atol=1e-3)
+        self.ui.guidanceCheckBox.click()
+        self.assertTrue(waitFor(lambda: "looks where paths were not seen" in self.ui.guidanceLabel.text), self.ui.guidanceLabel.text)
+        self.ui.pathTargetComboBox.currentIndex = 1
+        self.assertTrue(waitFor(lambda: self.paths.unseen is None))
+        self.ui.guidanceSweepButton.click()
+        self.assertTrue(waitFor(lambda: "more bone" in self.ui.guidanceLabel.text), self.ui.guidanceLabel.text)
+
     # ---- what changes
 
     def test_what_was_found_does_not_hold_for_a_ct_that_was_moved_or_another_target(self):

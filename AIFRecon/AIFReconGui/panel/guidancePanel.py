@@ -92,7 +92,7 @@ class GuidancePanel(PanelPart):
             self._say(said)
 
     def _ofSweep(self, parameters, progress) -> str:
-        seen = self._logic.verdicts.guide(parameters, progress)
+        seen = self._logic.verdicts.guide(parameters, progress, self._logic.paths.unseen)
         self._about = self._subject(parameters, ofScan=False)
         self._show(seen, parameters.bone)
         return ""
@@ -106,12 +106,9 @@ class GuidancePanel(PanelPart):
 
     def _isOld(self, parameters) -> bool:
         """Whether what is shown is of something else than what is chosen now; a scan follows its bone by itself."""
-        if self._about is None:
-            return False
-        ofScan = self._about[0]
-        if self._live.isRunning:
-            return not ofScan
-        return self._about != self._subject(parameters, ofScan)
+        if self._about is None or self._live.isRunning:
+            return self._about is not None and not self._about[0]
+        return self._about != self._subject(parameters, self._about[0])
 
     def _showScan(self) -> None:
         live, parameters = self._live.guidance, self._parameterNode
@@ -173,8 +170,11 @@ class GuidancePanel(PanelPart):
         first, *then = move.directions
         self._large(first.arrow, first.words)
         # Beside a scan the first step stands in large letters; of what was recorded the list is all there is
-        listed = then if self._about is None or self._about[0] else move.directions
-        adds = _("over {where}; shows {adds:.1f} cm² more bone").format(where=inNames(move.over, names), adds=move.adds_cm2)
+        listed, words = then, _("over {where}; shows {adds:.1f} cm² more bone")
+        if self._about is not None and not self._about[0]:
+            listed = move.directions
+            words = words if self._logic.paths.unseen is None else _("over {where}; looks where paths were not seen")
+        adds = words.format(where=inNames(move.over, names), adds=move.adds_cm2)
         self._say("\n".join([*(f"{step.arrow}  {step.words}" for step in listed), adds]))
 
     def _clearMove(self) -> None:

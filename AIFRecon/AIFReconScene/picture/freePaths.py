@@ -39,6 +39,7 @@ class FreePaths:
     def __init__(self):
         self._last, self._found, self._map = (None, 0, None, None), None, None
         self.lines: list = []  #: Nodes of the best line of each window, the best first
+        self.unseen = None  #: Where windows were not seen, (n, 3) in RAS; guidance leads there
 
     def remember(self, node, result, skin=None) -> None:
         """Keep what the scene does not of the `Reconstruction` that a node shows: the score, and points of a scan's skin, (n, 3) in RAS."""
@@ -69,6 +70,7 @@ class FreePaths:
         asked = volumeOf(output), *beside, target, skin, labels, place, inputs.recipe
         self._found = worker.keep(AskedPaths, *asked, progress=part(progress, 0.1, 1.0))
         shown = inWorker(AskedPaths.shown, self._found)
+        self.unseen = shown.unseen if len(shown.unseen) else None
         with slicer.util.RenderBlocker():
             self._show(output, shown)
         return shown.notes
@@ -91,7 +93,7 @@ class FreePaths:
             for node in (self._map, *self.lines):
                 if node is not None and node.GetScene() is not None:
                     node.SetDisplayVisibility(False)
-        self._found, self._map, self.lines = None, None, []
+        self._found, self._map, self.lines, self.unseen = None, None, [], None
 
     def clear(self) -> None:
         """The scene goes, or the panel."""

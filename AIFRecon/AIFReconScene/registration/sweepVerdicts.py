@@ -102,20 +102,19 @@ class SweepVerdicts:
             task.cancel()
         self._sought = {}
 
-    def guide(self, parameters, progress=None) -> GuidanceSeen:
+    def guide(self, parameters, progress=None, unseen=None) -> GuidanceSeen:
         """What the chosen sweeps have met, and the next move from where the last one ended; with that, the coverage is known.
 
-        An AIFReconError says what cannot be used and what to do.
+        It leads to bone, or to `unseen` places, (n, 3) in RAS. An AIFReconError says what cannot be used and what to do.
         """
         inputs = Inputs.fromParameters(parameters)
         for sweep in inputs.sweeps:
             checkRecorded(sweep)
         place, labels = rigidPlace(inputs.bone), inputs.labels(part(progress, 0.0, 0.1))
-        asked = inputs.sequence(), labels, place, inputs.recipe, inputs.grid(inputs.recipe)
+        asked = inputs.sequence(), labels, place, inputs.recipe, inputs.grid(inputs.recipe), unseen
         seen, back = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
         if back:
-            names = boneNames(parameters.bone, list(parameters.boneSegments))
-            move = seen.move
+            names, move = boneNames(parameters.bone, list(parameters.boneSegments)), seen.move
             words = "" if move is None else f"Next: {move.directions[0].words} over {inNames(move.over, names)}."
             self._tell(COVERAGE, parameters, _verdictOn(back, names, words))
         return seen

@@ -142,6 +142,17 @@ def test_what_was_not_measured_or_only_filled_is_not_seen(volume, skin):
         assert share < 1.0
 
 
+def test_the_places_that_were_not_seen_are_told(volume, skin):
+    x, y, _z = np.moveaxis(in_body(), -1, 0)
+    found = free_paths(volume, TARGET, skin, mask=mask_of(~((y > 26) & (y < 29) & (x < 0))))
+    at = transform_points(invert(BODY_TO_REFERENCE), found.unseen)
+    assert len(at) >= 4
+    assert ((at[:, 1] > 25) & (at[:, 1] < 30) & (at[:, 0] < 1)).all()
+    told = [place for one in found.to_dict()["windows"] if not one["free"] for place in one["unseen"]]
+    np.testing.assert_allclose(told, found.unseen, atol=0.01)
+    assert not any(len(one.unseen) for one in found.windows if one.is_free)
+
+
 def test_lines_out_of_the_volume_are_not_seen(found):
     assert found.along(reference(0, 0, 0), reference(0, 60, 0))[1] == pytest.approx(46 / 56, abs=0.03)
 
