@@ -106,6 +106,12 @@ def reconstructed(
     """
     know_method(asked.recipe.method, asked.search_path)
     bone, labeled = _bone_of(asked, part(progress, 0.0, 0.1))
+    unasked: tuple[str, ...] = ()
+    if bone is None and labeled is None:
+        from ..bone.echoes.surface import bone_unasked
+
+        recipe, bone, unasked = bone_unasked(asked.sequence, asked.recipe, part(progress, 0.0, 0.1))
+        asked = replace(asked, recipe=recipe)
     has_bone = bone is not None or labeled is not None
     method = method_named(asked.recipe.method_for(has_bone))
     wanted = [name for name in FOR_VIEWS if name in keep]
@@ -117,7 +123,7 @@ def reconstructed(
         if not wished:
             raise
         result = _one(asked, asked.recipe, bone, labeled, wanted, share)
-    lines = summary_lines(result, len(asked.sequence), words=words)
+    lines = summary_lines(replace(result, said=(*result.said, *unasked)), len(asked.sequence), words=words)
     comparison = None if labeled is None else labeled.comparison(part(progress, 0.75, 0.8))
     if labeled is not None and comparison is not None and labeled.is_automatic(result.method):
         lines += [advised(line, words) for line in labeled.lines(result.method)[len(comparison.lines) :]]

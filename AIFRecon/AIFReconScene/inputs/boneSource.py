@@ -42,7 +42,7 @@ def lacksBoneOfCT(parameters) -> bool:
 
 
 def whyNoBone(parameters, live: bool = False) -> str:
-    """What is missing of the source that is chosen; empty where nothing is: without bone of a CT a sweep is averaged."""
+    """What is missing of the source that is chosen; empty where nothing is: no CT is needed."""
     source, model = parameters.boneSource, fileFrom(parameters.boneModelPath)
     if source == BoneSource.MODEL:
         if model is None:
@@ -79,13 +79,13 @@ def describeBone(parameters, live: bool = False) -> str:
         return _("Bone is looked for in the sweep itself: what is bright with darkness behind it. The docs say how well that works.")
     if source != BoneSource.CT:
         return whyNoBone(parameters, live)
+    averaged = _("No bone selected: the scan is averaged, and bone is not enhanced.")
+    none = averaged if live else _("No bone selected: bone is what the echoes of the sweep show by themselves, if any.")
     if lacksBoneOfCT(parameters):
         named = _(" TotalSegmentator is installed: it names each vertebra.") if hasattr(slicer.modules, "totalsegmentator") else ""
-        return _("No bone selected: the sweep is averaged, and bone is not enhanced. “Bone from CT” finds it.") + named
+        return none + _(" “Bone from CT” finds that of the CT.") + named
     if bone is None:
-        return _("No bone selected: the sweep is averaged, and bone is not enhanced.")
-    if bone.IsA("vtkMRMLSegmentationNode"):
-        return ""
+        return none
     if bone.IsA("vtkMRMLLabelMapVolumeNode"):
         return _("Every label above 0 is bone.")
-    return _("Taken for the probability of bone, from 0 to 1.")
+    return "" if bone.IsA("vtkMRMLSegmentationNode") else _("Taken for the probability of bone, from 0 to 1.")

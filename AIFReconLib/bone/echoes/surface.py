@@ -11,16 +11,17 @@ images", SIGGRAPH: what a line of sight says of the space before and behind a po
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from ...arrays import Floats, Integers, Mask, Singles
-from ...errors import GeometryError
+from ...errors import BeamGeometryError, GeometryError, InsufficientMemoryError
 from ...geometry.volume import Volume, VoxelGrid
 from ...machine.memory import LARGEST_GRID, require_memory
 from ...machine.threads import in_parts, usable_cores
-from ...message import listed
+from ...message import Sentence, listed, said
 from ...progress import Progress, part, report
 from ...recipe.recipe import Recipe
 from ...remedies import Remedy
@@ -105,6 +106,23 @@ def bone_from_sweep(
     if may_be is not None:
         found = found[may_be(found.points)]
     return surface_of(found, part(progress, 0.9, 1.0))
+
+
+def bone_unasked(
+    sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None
+) -> tuple[Recipe, BoneMap | None, tuple[str, ...]]:
+    """What is done where nobody has said how, by a method, a bone input or a configuration: recipe, bone, and why there is none.
+
+    That is `bone_from_sweep` where the images show bone, and nothing of it where they do not or the probe is not known.
+    """
+    asked = recipe.method or recipe.importance_mask or recipe.speed_of_sound or sequence.configuration.method
+    if asked or sequence.configuration.uses_importance_mask:
+        return recipe, None, ()
+    try:
+        bone = bone_from_sweep(sequence, recipe, progress)
+    except (BeamGeometryError, GeometryError, InsufficientMemoryError) as error:
+        return recipe, None, (Sentence(f"No CT, and no bone that the sweep shows by itself: a plain average. {said(error)}", error),)
+    return replace(recipe, bone_from_sweep=True), replace(bone, notes=(f"No CT. {bone.notes[0]}", *bone.notes[1:])), ()
 
 
 def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap:

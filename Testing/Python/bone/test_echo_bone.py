@@ -26,6 +26,8 @@ from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from AIFReconLib.worker.reconstructing import Asked
+from AIFReconLib.worker.reconstructing import reconstructed as worker_reconstructs
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 APEX = (59.5, -20.0)
@@ -258,6 +260,44 @@ def test_the_command_gives_what_the_library_gives(patient, tmp_path):
     bone = bone_from_sweep(sequence)
     expected = reconstruct(sequence, ReconstructionSettings(method="weighted"), bone)
     np.testing.assert_array_equal(read_volume(tmp_path / "v.nrrd").array, expected.intensity.array)
+
+
+def reconstructed(patient, path, *options) -> np.ndarray:
+    assert main([*patient.reconstruct, *options, "--output", str(path)]) == 0
+    return read_volume(path).array
+
+
+def test_that_is_what_happens_where_nobody_has_said_how(patient, tmp_path, capsys):
+    asked = reconstructed(patient, tmp_path / "asked.nrrd", "--bone-from-sweep", "--method", "weighted")
+    assert "No CT" not in capsys.readouterr().out
+    np.testing.assert_array_equal(reconstructed(patient, tmp_path / "v.nrrd"), asked)
+    assert "No CT. Bone is the surface that" in capsys.readouterr().out
+    again = reconstructed(patient, tmp_path / "again.nrrd", "--settings", str(tmp_path / "v.nrrd"))
+    np.testing.assert_array_equal(again, asked)
+    made = worker_reconstructs(Asked(read_sequence(patient.sweep, config=patient.config)))
+    np.testing.assert_array_equal(made.result.intensity.array, asked)
+    assert any("No CT. Bone is the surface" in line for line in made.lines)
+
+
+def test_images_without_bone_are_averaged_and_it_is_said(tmp_path, capsys):
+    images = np.random.default_rng(0).integers(20, 60, (6, 30, 40), dtype=np.uint8)
+    patient = write_patient(tmp_path, tracked_sequence(images=images))
+    plain = reconstructed(patient, tmp_path / "plain.nrrd", "--method", "average")
+    assert "No CT" not in capsys.readouterr().out
+    np.testing.assert_array_equal(reconstructed(patient, tmp_path / "v.nrrd"), plain)
+    said = capsys.readouterr().out
+    assert "a plain average" in said
+    assert "--clip-px" in said
+
+
+def test_a_configuration_that_names_a_method_is_followed(patient, tmp_path, capsys):
+    config = patient.config.read_text("utf-8").replace("<VolumeReconstruction ", '<VolumeReconstruction CompoundingMode="MAXIMUM" ', 1)
+    patient.config.write_text(config, "utf-8")
+    assert "MAXIMUM" in config
+    reconstructed(patient, tmp_path / "v.nrrd")
+    said = capsys.readouterr().out
+    assert said.startswith("maximum")
+    assert "No CT" not in said
 
 
 @pytest.mark.parametrize("other", ["--bone-labels", "--bone-probability", "--bone-transform"])
