@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..bone.echoes.surface import bone_unasked
 from ..bone.map import BoneMap
 from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
@@ -259,12 +260,15 @@ class _Work:
         bone, of_map, name = self._bone, {}, recipe.method_for(True)
         if self._labeled is not None:
             bone, of_map = self._labeled.map(name), self._labeled.settings(name)
+        unasked: tuple[str, ...] = ()
+        if bone is None:
+            recipe, bone, unasked = bone_unasked(self._sequence, recipe)
         beside = [name for name in BESIDE if getattr(arguments, name)]
         share = own_memory()
         memory = None if share is None else max(int(share / OVER_PLAN), 1)
         result = reconstruct(self._sequence, recipe, bone, grid, beside=beside, memory=memory)
         files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]
-        result = with_provenance(result, arguments, files, of_map)
+        result = with_provenance(replace(result, said=(*result.said, *unasked)), arguments, files, of_map)
         stem = result.method.replace(":", "-")
         volume = self._folder / f"{stem}.nrrd"
         result.intensity.write(volume)

@@ -41,7 +41,7 @@ def commands(folder: Path, data: Path | None) -> dict[str, list[str]]:
     result = {
         "`--help`": ["--help"],
         "`info`": ["info", *sweep],
-        "`reconstruct`, average": ["reconstruct", *sweep, "-o", str(folder / "average.nrrd")],
+        "`reconstruct`, average": ["reconstruct", *sweep, "--method", "average", "-o", str(folder / "average.nrrd")],
         "`reconstruct` with a CT": ["reconstruct", *sweep, *bone, "-o", str(folder / "weighted.nrrd")],
         "`register`": ["register", *sweep, *bone, "-o", str(folder / "placed.tfm")],
         "`coverage`": ["coverage", *sweep, *bone],
