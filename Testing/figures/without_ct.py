@@ -1,4 +1,5 @@
-"""Figures and numbers of docs/without-ct.md: two real sweeps without a CT, reconstructed with bone drawn from the sweep itself.
+"""Figures and numbers of docs/without-ct.md: bone drawn from the sweep itself, beside its CT, and in two
+real sweeps without one.
 
 Run from anywhere: ``python Testing/figures/without_ct.py``. The recordings lie in AIFRECON_DATA_DIR, else in shared/data beside the
 repository; the figures go to docs/images.
@@ -7,6 +8,7 @@ repository; the figures go to docs/images.
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -16,6 +18,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from scipy import ndimage
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from study.calibration import PASSES, Patient
+from study.real_bone_cases import RealBone
+
 from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.compounding.methods.average import AVERAGE
@@ -23,10 +30,12 @@ from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.imaging.detection import detect_imaging
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.resolve import Imaging, imaging_fields
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -171,6 +180,45 @@ def sample_grid(bone, grid) -> np.ndarray:
     return bone.on_grid(grid).probability
 
 
+def beside_a_ct() -> None:
+    """A real bone and a patient of real shape: average, `weighted` without the CT, and with it."""
+    bone, patient = RealBone.found(), Patient.scanned(0)
+    scanned, placed = patient.case(tuple(range(PASSES))).sequence, patient.labels.placed_by(patient.ct_to_reference)
+    cases = {
+        "real bone (fibula)": (bone.sequence, Recipe(probe=LINEAR, spacing=0.5), bone.labels, 2),
+        "real shape, simulated": (scanned, Recipe(spacing=0.7), placed, 0),
+    }
+    figure = Figure(figsize=(9.6, 3.9), facecolor=BACKGROUND)
+    FigureCanvasAgg(figure)
+    layout = {"left": 0.03, "right": 0.995, "bottom": 0.01, "top": 0.94, "wspace": 0.03, "hspace": 0.04, "height_ratios": (1, 1.3)}
+    panels = figure.subplots(2, 3, gridspec_kw=layout)
+    for number, (row, (name, (sequence, recipe, labels, axis))) in enumerate(zip(panels, cases.items(), strict=True)):
+        volumes = {
+            "average": reconstruct(sequence, replace(recipe, method=AVERAGE.name)),
+            "weighted, without a CT": reconstruct(sequence, recipe, bone_from_sweep(sequence, recipe)),
+            "weighted, with its CT": reconstruct(sequence, recipe, LabeledBone(labels, None, sequence, recipe)),
+        }
+        for axes, (title, result) in zip(row, volumes.items(), strict=True):
+            shown = result.mask.array != 0
+            solid = np.nan_to_num(sample(labels, grid_points(result.grid), order=0)) > 0
+            rim = solid & ~ndimage.binary_erosion(solid) & shown
+            plane = int(np.argmax(rim.sum(axis=tuple(n for n in range(3) if n != axis))))
+            picture = np.ma.masked_array(result.intensity.array, mask=~shown).take(plane, axis)
+            sides = np.delete(result.grid.spacing[::-1], axis) * picture.shape
+            if sides[0] > sides[1]:  # the long way lies across the page
+                picture, sides = picture.T, sides[::-1]
+            show(axes, picture, (0, sides[1], 0, sides[0]), "" if number else title, vmin=0, vmax=255, origin="lower")
+        row[0].set_ylabel(name, color=INK, fontsize=8)
+    figure.savefig(IMAGES / "without-ct-beside.png", dpi=120, facecolor=BACKGROUND)
+
+
+def grid_points(grid) -> np.ndarray:
+    """Where the voxels are, (k, j, i, 3)."""
+    ijk = np.stack(np.meshgrid(*(np.arange(n) for n in grid.size), indexing="ij"), axis=-1).transpose(2, 1, 0, 3)
+    return ijk @ grid.ijk_to_reference[:3, :3].T + grid.ijk_to_reference[:3, 3]
+
+
 if __name__ == "__main__":
+    beside_a_ct()
     for recording in RECORDINGS:
         study(recording)
