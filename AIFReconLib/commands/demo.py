@@ -11,9 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
 from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
+from ..compounding.methods.weighted import WEIGHTED
 from ..compounding.state import Reconstruction
 from ..evaluation.figures import compare_figure, require_matplotlib
 from ..evaluation.metrics import evaluate
@@ -64,6 +66,9 @@ PRINTED = (
     "speckle_snr",
 )
 """Metrics that are printed; the page and the CSV hold all."""
+
+WITHOUT_CT = "weighted, no CT"
+"""What the picture calls the volume whose bone the sweep tells by itself."""
 
 
 def add_to(commands: Commands) -> None:
@@ -116,6 +121,8 @@ def run(arguments: argparse.Namespace) -> None:
         ct = read_volume(files.ct).placed_by(ct_to_reference)
         title = f"Simulated lumbar spine, {len(sequence)} tracked frames"
         shown = {method: one.intensity for method, one in results.items()}
+        seen = bone_from_sweep(sequence)
+        shown[WITHOUT_CT] = reconstruct(sequence, settings[WEIGHTED.name], seen, progress=part(progress, 0.95, 0.97)).intensity
         compare_figure(figure, ct, shown, files.center_ras, bone=labels, mask=result.mask, title=title)
         bar.clear()
         print(f"look at {figure}; the other methods and the report follow", flush=True)
