@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..bone.echoes.surface import LEAST_A_FRAME
 from ..bone.growing_bone import GrowingBone
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
@@ -39,7 +40,7 @@ class LiveBone:
     """What looks for bone beside a session."""
 
     def __init__(self, arguments: argparse.Namespace):
-        self.bone = GrowingBone()
+        self.bone = GrowingBone(least_a_frame=LEAST_A_FRAME if arguments.bone_from_sweep else 0.0)
         self._device: str | None = arguments.bone_image
         # Refused before the scan, not in it
         self._model = OnnxModel(arguments.bone_model) if arguments.bone_model else None
