@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import product
 from typing import ClassVar
 
 import numpy as np
 
-from ..arrays import Integers, Matrix, Numbers
-from ..geometry.box import corners_of
-from ..geometry.transforms import CLOSEST, transform_points
+from ..arrays import Integers
+from ..geometry.transforms import CLOSEST
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part, report
 from .echoes.found import SweepEchoes
 from .echoes.surface import EchoSurface
 from .map import BoneMap
 from .placed.on_grid import BoneOnGrid
-
-BLOCK = 48
-"""Voxels along each edge of what is brought up to date in one go, where there is any bone; some 15 ms."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,35 +67,23 @@ class GrowingBone(BoneMap):
             self._told[:] = [placed]
         elif not has_news:
             return False
-        self._write(self._surface.news(part(progress, 0.0, 0.5)), grid, placed, part(progress, 0.5, 1.0))
-        return True
-
-    def _write(self, new: BoneMap, grid: VoxelGrid, placed: BoneOnGrid, progress: Progress | None) -> None:
-        """Bring a part of the map to the voxels that lie in it."""
-        last = np.array(new.probability.grid.size) - 1
-        corners = transform_points(
-            grid.reference_to_ijk @ new.probability.ijk_to_reference, corners_of(np.stack([np.zeros(3), last], axis=1))
-        )
-        first = np.maximum(np.ceil(corners.min(axis=0) - CLOSEST).astype(int), 0)
-        stop = np.minimum(np.floor(corners.max(axis=0) + CLOSEST).astype(int) + 1, grid.size)
-        to_new = new.probability.grid.reference_to_ijk @ grid.ijk_to_reference
-        for k, j, i in product(*(range(int(a), int(b), BLOCK) for a, b in zip(first[::-1], stop[::-1], strict=True))):
-            size = np.minimum(BLOCK, stop - (i, j, k))
-            where = slice(k, k + size[2]), slice(j, j + size[1]), slice(i, i + size[0])
-            # Where no frame has shown bone near by, there is none to write, nor was there
-            if not (_around((i, j, k), size, to_new, new.probability.array).any() or placed.probability[where].any()):
-                continue
-            report(progress, 0.0, "Telling the volume of bone")
-            block = new.on_grid(Volume(placed.probability, grid.ijk_to_reference)[where].grid)
-            at = np.stack(np.meshgrid(*(np.arange(s.start, s.stop) for s in where), indexing="ij")[::-1], axis=-1)
-            there = transform_points(to_new, at)
-            held = np.all((there >= -CLOSEST) & (there <= last + CLOSEST), axis=-1)
-            placed.directions_reference[where][held] = block.directions_reference[held]
-            placed.probability[where][held] = block.probability[held]
+        low, high = (end(grid.corners(), axis=0) for end in (np.min, np.max))
+        news = self._surface.news(part(progress, 0.0, 0.5), within=(low, high))
+        if news is not None:
+            _write(news, grid, placed, part(progress, 0.5, 1.0))
+        return news is not None
 
 
-def _around(first: tuple[int, int, int], size: Integers, to_map: Matrix, array: Numbers) -> Numbers:
-    """The part of a map's array [k, j, i] that a block of voxels (i, j, k) is interpolated from."""
-    corners = transform_points(to_map, corners_of(np.stack([first, first + size - 1], axis=1)))
-    low, high = np.maximum(np.floor(corners.min(axis=0)).astype(int), 0), np.maximum(np.ceil(corners.max(axis=0)).astype(int) + 1, 0)
-    return array[low[2] : high[2], low[1] : high[1], low[0] : high[0]]
+def _write(new: BoneMap, grid: VoxelGrid, placed: BoneOnGrid, progress: Progress | None) -> None:
+    """Bring a part of the map to the voxels that lie in it."""
+    found = new.at_voxels(grid)
+    near, last = found.coordinates, np.array(new.probability.shape)[:, None] - 1
+    j, i = (numbers.ravel() for numbers in np.mgrid[slice(*near.rows), slice(*near.columns)])
+    for k in range(*near.planes):
+        report(progress, k / grid.shape[0], "Telling the volume of bone")
+        there = near.of_voxels(np.full_like(j, k), j, i)
+        held = np.all((there > -CLOSEST) & (there < last + CLOSEST), axis=0)
+        voxels = np.ravel_multi_index((np.full(held.sum(), k), j[held], i[held]), grid.shape)
+        probability, directions = found.at(voxels, everywhere=True)
+        placed.directions_reference.reshape(-1, 3)[voxels] = directions
+        placed.probability.reshape(-1)[voxels] = probability

@@ -115,11 +115,16 @@ def bone_from_sweep(
 
 
 def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap:
-    """The bone that echoes, one at least, show: probability, side and inside, as far as there are any."""
+    """The bone that echoes show: probability, side and inside, as far as there are any.
+
+    Raises GeometryError when there are none.
+    """
     surface = EchoSurface()
     surface.add(echoes)
-    notes = (f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",)
-    return replace(surface.news(progress, usable_cores()), notes=notes)
+    found = surface.news(progress, usable_cores())
+    if found is None:
+        raise GeometryError("No frame shows an echo of bone.", Remedy.CHECK_PROBE_AND_CLIP)
+    return replace(found, notes=(f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",))
 
 
 class EchoSurface:
@@ -136,8 +141,8 @@ class EchoSurface:
     times its trust B / (B + 0.2 S), with B the scores of the echoes at its place and S those of the echoes in whose shadow it lies, per
     mm: echoes in the shadow of bone that other beams met before are reverberation more often than bone.
 
-    All but the median follows from sums over echoes in cubes, so that a part has the values of the whole. The median is that of all that
-    is known when a part is told.
+    All but the median follows from sums over echoes in cubes, so that a part has the values of the whole. The median is that of what has
+    been told until then.
     """
 
     def __init__(self) -> None:
@@ -173,14 +178,19 @@ class EchoSurface:
         cubes, beyond = self._shown.cubes, int(FARTHEST / SPACING) + 1
         return cubes.min(axis=0) - beyond, cubes.max(axis=0) + beyond
 
-    def news(self, progress: Progress | None = None, threads: int = 1) -> BoneMap:
-        """The part of the map that has changed since this was asked last. There must be some: see `take_in`."""
+    def news(self, progress: Progress | None = None, threads: int = 1, within: tuple[Floats, Floats] | None = None) -> BoneMap | None:
+        """The part of the map that has changed since this was asked last, as far as it lies in a box (from, to; mm in Reference)."""
         report(progress, 0.0, "Laying echoes together")
-        self.take_in()
+        if not self.take_in():
+            return None
         changed, self._changed = np.array(self._changed), []
         # A change reaches as far as trusts and neighborhoods are averaged; so does what the values there are made of
         (first, last), reach = self._ends(), int(CUT_OFF * (NEIGHBORHOOD + BLUR) / SPACING)
         low, high = np.maximum(changed.min(axis=0) - reach, first), np.minimum(changed.max(axis=0) + reach, last)
+        if within is not None:
+            low, high = np.maximum(low, cubes_of(within[0]) - 1), np.minimum(high, cubes_of(within[1]) + 1)
+        if (low > high).any():
+            return None
         start, stop = np.maximum(low - reach, first), np.minimum(high + reach, last)
         shape = tuple((stop - start + 1)[::-1].tolist())
         require_memory(shape[::-1], np.full(3, SPACING), BYTES_PER_VOXEL, most=LARGEST_GRID)

@@ -14,6 +14,7 @@ from AIFReconLib.bone.echoes.sums import HALF, CubeSums, cubes_of
 from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
 from AIFReconLib.bone.predicted_bone import PointsOfFrames
 from AIFReconLib.bone.predictions import Prediction
+from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.sweep.frames import TrackedFrame
 
@@ -117,6 +118,11 @@ def test_what_lies_in_the_shadow_of_more_is_no_bone():
     assert np.mean(np.delete(found.probability.array[k, j, i], behind) > 0.3) > 0.9
 
 
+def test_of_no_echoes_there_is_no_surface():
+    with pytest.raises(GeometryError, match="No frame shows an echo"):
+        surface_of(SweepEchoes.joined([]))
+
+
 # Part by part
 
 
@@ -134,6 +140,7 @@ class Told:
     def take(self) -> None:
         """Ask for news."""
         news = self.surface.news()
+        assert news is not None
         assert news.slopes is not None
         first = np.rint(news.probability.grid.origin - self.whole.probability.grid.origin).astype(int)
         k, j, i = (slice(a, a + n) for a, n in zip(first[::-1], news.probability.shape))
@@ -164,6 +171,25 @@ def test_news_that_take_bone_back_tell_so():
     echoes, deep = bent(300), np.arange(300) % 6 == 0
     first, late = np.flatnonzero(deep), np.flatnonzero(~deep)
     assert Told([echoes[first], *(echoes[late[n::5]] for n in range(5))]).off[1:].max() < 1e-5
+
+
+def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
+    """However far away a tracker has once seen the probe."""
+    parts = echoes_of(PlaneSweep(count=4, turn=0.0))
+    whole = surface_of(SweepEchoes.joined(parts))
+    surface, middle = EchoSurface(), transform_points(whole.probability.ijk_to_reference, 0.5 * np.array(whole.probability.grid.size))
+    for part in parts:
+        surface.add(part)
+    surface.add(SweepEchoes(parts[0].points + 9e5, parts[0].beams, parts[0].scores, parts[0].frames))
+    news = surface.news(within=(middle - 8.0, middle + 8.0))
+    assert news is not None
+    first = np.rint(news.probability.grid.origin - whole.probability.grid.origin).astype(int)
+    assert (np.array(news.probability.grid.size) <= 20).all()
+    k, j, i = (slice(a, a + n) for a, n in zip(first[::-1], news.probability.shape))
+    assert news.probability.array.max() > 0.9
+    np.testing.assert_allclose(news.probability.array, whole.probability.array[k, j, i], atol=1e-5)
+    surface.add(SweepEchoes(parts[0].points + 500.0, parts[0].beams, parts[0].scores, parts[0].frames))
+    assert surface.news(within=(middle - 8.0, middle + 8.0)) is None
 
 
 def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():

@@ -75,8 +75,8 @@ def test_what_is_spread_is_what_is_known(grid, parts):
         assert bone.spread()
     expected = whole().on_grid(grid)
     assert expected.probability.max() > 0.8
-    # All but how much several sides count, which is told with each part
-    atol = 1e-5 if len(parts) == 1 else 0.03
+    # All but how much several sides count, which goes by what was told of this volume until then
+    atol = 2e-3 if len(parts) == 1 else 0.03
     np.testing.assert_allclose(placed.probability, expected.probability, atol=atol)
     sure = expected.probability > 0.3
     assert (np.einsum("vc,vc->v", placed.directions_reference[sure], expected.directions_reference[sure]) > 0.999).all()
