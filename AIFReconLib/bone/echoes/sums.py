@@ -38,14 +38,15 @@ class CubeSums:
     @property
     def cubes(self) -> Integers:
         """All that have sums, (n, 3)."""
-        rest, i = np.divmod(self._numbers, ACROSS)
-        return np.stack([i, rest % ACROSS, rest // ACROSS], axis=1) - HALF
+        return _cubes(self._numbers)
 
     def within(self, low: Integers, high: Integers) -> tuple[Integers, Floats]:
         """The cubes (n, 3) from `low` to `high` that have sums, and these (many, n)."""
-        cubes = self.cubes
-        some = np.all((cubes >= low) & (cubes <= high), axis=1)
-        return cubes[some], self._sums[:, some]
+        first, last = np.searchsorted(self._numbers, _numbers(np.stack([low, high])))
+        some = slice(first, last + 1)
+        cubes = _cubes(self._numbers[some])
+        inner = np.all((cubes >= low) & (cubes <= high), axis=1)
+        return cubes[inner], self._sums[:, some][:, inner]
 
 
 def _numbers(cubes: Integers) -> Integers:
@@ -53,3 +54,10 @@ def _numbers(cubes: Integers) -> Integers:
     i, j, k = cubes.T + HALF
     numbers: Integers = (k * ACROSS + j) * ACROSS + i
     return numbers
+
+
+def _cubes(numbers: Integers) -> Integers:
+    """The cubes (n, 3) with these numbers."""
+    rest, i = np.divmod(numbers, ACROSS)
+    cubes: Integers = np.stack([i, rest % ACROSS, rest // ACROSS], axis=1) - HALF
+    return cubes

@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 import scipy
 
-from ...arrays import Floats, Integers, Mask
+from ...arrays import Floats, Integers, Mask, Singles
 from ...errors import GeometryError
 from ...geometry.volume import Volume, VoxelGrid
 from ...machine.memory import LARGEST_GRID, require_memory
@@ -196,9 +196,7 @@ class EchoSurface:
         require_memory(shape[::-1], np.full(3, SPACING), BYTES_PER_VOXEL, most=LARGEST_GRID)
         voxels, sums = self._trusted(start, stop, shape)
         report(progress, 0.2, "Laying echoes together")
-        kept = np.zeros(shape, bool)
-        kept.reshape(-1)[voxels] = True
-        away = scipy.ndimage.distance_transform_edt(~kept, sampling=SPACING) if len(voxels) else np.full(shape, np.inf)
+        away = _away(voxels, shape)
         part_of = tuple(slice(a, b + 1) for a, b in zip((low - start)[::-1].tolist(), (high - start)[::-1].tolist(), strict=True))
         wanted = np.zeros(shape, bool)
         wanted[part_of] = away[part_of] <= FARTHEST
@@ -258,6 +256,20 @@ def _planes(places: Floats, moments: Floats) -> tuple[Floats, Floats]:
     normals = np.linalg.eigh(covariance)[1][:, :, 0]
     normals *= np.where((normals * moments[4:7].T).sum(axis=1) < 0, -1.0, 1.0)[:, None]
     return ((places - mean) * normals).sum(axis=1), normals
+
+
+def _away(voxels: Integers, shape: tuple[int, ...]) -> Singles:
+    """How far each voxel [k, j, i] is from the nearest of these, flat, that lie not at the border; infinite from `FARTHEST` on, mm."""
+    away, reach = np.full(shape, np.inf, np.float32), int(FARTHEST / SPACING)
+    at = np.stack(np.unravel_index(voxels, shape), axis=1)
+    at = at[np.all((at >= reach) & (at < np.array(shape) - reach), axis=1)]
+    steps = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 3), axis=-1).reshape(-1, 3)
+    lengths = SPACING * np.linalg.norm(steps, axis=1)
+    # The nearest is written last
+    for number in np.argsort(-lengths):
+        if lengths[number] <= FARTHEST:
+            away[tuple((at + steps[number]).T)] = lengths[number]
+    return away
 
 
 def _blurred(voxels: Integers, values: Floats, shape: tuple[int, ...], sigma: float) -> Floats:
