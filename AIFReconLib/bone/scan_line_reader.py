@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 import numpy as np
 import scipy
 
-from ..arrays import Array, Floats, Mask, Numbers, Singles
+from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
 from ..errors import BeamGeometryError
 from ..geometry.transforms import pixel_spacing
 from ..imaging.scan_lines import scan_line_samples
@@ -46,8 +46,7 @@ class ForEachKind(Generic[Tool]):
 class ScanLineReader:
     """Reads images of one size, spacing and probe along their scan lines.
 
-    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe. Scan lines and samples closer than `pitch` and
-    `step` (mm) are read as one.
+    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe.
 
     Attributes
     ----------
@@ -59,14 +58,7 @@ class ScanLineReader:
         Between lines (of a sector at half depth) and between samples of a line.
     """
 
-    def __init__(
-        self,
-        size: tuple[int, int],
-        spacing: tuple[float, float],
-        imaging: Imaging,
-        pitch: float = LINE_PITCH,
-        step: float = SAMPLE_STEP,
-    ):
+    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
         if imaging.probe is None:
             raise BeamGeometryError("Bone is looked for along the beams, whose directions are not known.", Remedy.NAME_THE_PROBE)
         mask = imaging.region.mask(*size)
@@ -78,10 +70,9 @@ class ScanLineReader:
         apart = max(float(across[:, across.shape[1] // 2].mean()), 1e-3) if across.size else 1.0
         known = _within(columns, rows, mask)
         # As many lines and samples are read as one as the smoothing that follows would blur anyway
-        together = max(min(int(pitch / apart), len(columns)), 1), max(min(int(step / lines.step), columns.shape[1]), 1)
-        self.size, self._samples = size, (columns, rows, known, together)
+        together = max(min(int(LINE_PITCH / apart), len(columns)), 1), max(min(int(SAMPLE_STEP / lines.step), columns.shape[1]), 1)
+        self._spacing, self._samples = np.asarray(spacing), (columns, rows, known, together)
         self._read = _reading_matrix(columns, rows, known, size, together)
-        self._drawn = mask, lines.sample_of_pixel
         self._others: dict[tuple[tuple[int, int], Rectangle], scipy.sparse.csr_matrix[np.float32]] = {}
         self.columns, self.rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
         self.known: Mask = share > 0.5
@@ -109,15 +100,15 @@ class ScanLineReader:
             self._others[key] = _reading_matrix(*there, within, size, together)
         return self._of(self._others[key], values)
 
-    def draw(self, samples: Singles) -> Singles:
-        """An image, (rows, columns) float32, of values on the samples: each pixel has that of its nearest one; 0 elsewhere."""
-        mask, nearest = self._drawn
-        image: Singles = np.zeros(mask.shape, dtype=np.float32)
-        line, sample = np.divmod(nearest, self._samples[0].shape[1])
-        together = self._samples[3]
-        last = np.array(samples.shape) - 1
-        image[mask] = samples[np.minimum(line // together[0], last[0]), np.minimum(sample // together[1], last[1])]
-        return image
+    def places(self, lines: Integers, samples: Floats) -> tuple[Floats, Floats]:
+        """Places between samples of these lines: column and row (n, 2), and one mm along the beam there, in pixels (n, 2)."""
+        # Scan lines are straight: both follow from the two samples around
+        before = np.clip(np.floor(samples).astype(np.int64), 0, max(self.rows.shape[1] - 2, 0))
+        after = np.minimum(before + 1, self.rows.shape[1] - 1)
+        start, stop = (np.stack([self.columns[lines, at], self.rows[lines, at]], axis=-1) for at in (before, after))
+        way = stop - start
+        beams = way / np.maximum(np.linalg.norm(way * self._spacing, axis=1, keepdims=True), 1e-9)
+        return start + (samples - before)[:, None] * way, beams
 
     def _of(self, matrix: scipy.sparse.csr_matrix[np.float32], values: Singles) -> Singles:
         samples: Singles = (matrix @ values.ravel()).reshape(self.known.shape)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..bone.echoes.surface import LEAST_A_FRAME
 from ..bone.growing_bone import GrowingBone
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
@@ -39,11 +40,11 @@ class LiveBone:
     """What looks for bone beside a session."""
 
     def __init__(self, arguments: argparse.Namespace):
-        self.bone = GrowingBone()
+        self.bone = GrowingBone(least_a_frame=LEAST_A_FRAME if arguments.bone_from_sweep else 0.0)
         self._device: str | None = arguments.bone_image
         # Refused before the scan, not in it
         self._model = OnnxModel(arguments.bone_model) if arguments.bone_model else None
-        self._record = predictions_path(arguments)
+        self._record, self._scan = predictions_path(arguments), arguments.record
         self._watch: BoneWatch | None = None
         self._frames = 0
 
@@ -89,6 +90,9 @@ class LiveBone:
             lines.append(in_options(state.problem))
         if self._watch.recorded is not None:
             lines.append(f"recorded what was said of bone to {self._watch.recorded}")
+        if self._scan is not None:
+            told = "--bone-from-sweep" if self._watch.recorded is None else f"--bone-frames {self._watch.recorded}"
+            lines.append(f"to weight all frames by all that was found: aifrecon reconstruct {self._scan} {told}")
         return lines
 
     def _estimator(self, imaging: Imaging) -> BoneEstimator:

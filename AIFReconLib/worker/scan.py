@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..bone.echoes.found import FEWEST, SweepEchoes
+from ..bone.echoes.surface import LEAST_A_FRAME
 from ..bone.field import BoneField
 from ..bone.growing_bone import GrowingBone
 from ..bone.map import BoneMap
@@ -70,7 +71,8 @@ class Scan:
         know_method(recipe.method, request.search_path)
         self._given = None if request.server is not None else _Given()
         self._labeled: LabeledBone | None = None
-        self._growing = GrowingBone() if request.bone_from is not None else None
+        least = LEAST_A_FRAME if request.bone_from == ECHOES else 0.0
+        self._growing = GrowingBone(least_a_frame=least) if request.bone_from is not None else None
         # Refused before the scan, not in it
         self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
         self._method = recipe.method_for(True)

@@ -21,8 +21,8 @@ THICKNESS = 1.5
 class PlaneSweep:
     """Frames 1 mm apart, turned by a few degrees each, over a plane 20 mm deep."""
 
-    def __init__(self, count=12, turn=3.0):
-        first = image_pose(SPACING, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))
+    def __init__(self, count=12, turn=3.0, spacing=SPACING):
+        first = image_pose(spacing, (25.0, -35.0, 50.0), (12.0, -40.0, 75.0))
         self.normal = first[:3, 1] / np.linalg.norm(first[:3, 1]) + 0.3 * first[:3, 0] / np.linalg.norm(first[:3, 0])
         self.normal /= np.linalg.norm(self.normal)
         """Along the sound, from tissue into bone."""
@@ -32,8 +32,15 @@ class PlaneSweep:
         for number in range(count):
             tilt = image_pose((1.0, 1.0), (turn * (number - count / 2), 0.0, 0.0))
             about = np.eye(4)
-            about[:3, 3] = [COLUMNS / 2 * SPACING[0], 0.0, 0.0]
-            pose = first @ np.diag([2.0, 2.0, 2.0, 1.0]) @ about @ tilt @ np.linalg.inv(about) @ np.diag([*SPACING, 0.5, 1.0])
+            about[:3, 3] = [COLUMNS / 2 * spacing[0], 0.0, 0.0]
+            pose = (
+                first
+                @ np.diag([1 / spacing[0], 1 / spacing[1], 2.0, 1.0])
+                @ about
+                @ tilt
+                @ np.linalg.inv(about)
+                @ np.diag([*spacing, 0.5, 1.0])
+            )
             pose[:3, 3] += (number - count / 2) * across
             poses.append(pose)
         self.poses = np.array(poses)

@@ -21,6 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.bone.echoes.surface import LEAST_A_FRAME
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.bone.map import BoneMap
@@ -113,7 +114,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
     grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine, **imaging_fields(region, probe))
     model = arguments.bone_model and OnnxModel(arguments.bone_model)
-    seen, growing = bool(model or arguments.bone_from_sweep), GrowingBone()
+    seen, growing = bool(model or arguments.bone_from_sweep), GrowingBone(least_a_frame=LEAST_A_FRAME * arguments.bone_from_sweep)
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
         assert server.stdin is not None
         assert server.stdout is not None

@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.network.model import OnnxModel
-from AIFReconLib.bone.predicted_bone import EchoEstimator, bone_from_frames
+from AIFReconLib.bone.predicted_bone import bone_from_frames
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
@@ -101,7 +101,6 @@ def sources(case: Case, model: Path | None) -> Iterator[tuple[str, Callable[[], 
     if model is not None:
         yield f"{model.name}", seen(OnnxModel(model))
     yield "echoes", lambda: bone_from_sweep(case.sequence, Recipe(**imaging_fields(probe=case.probe)))
-    yield "the same echoes as predictions", seen(EchoEstimator(imaging))
 
 
 def compare(case: Case, model: Path | None) -> bool:

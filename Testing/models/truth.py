@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import ndimage
+from scipy.spatial import cKDTree
 
+from AIFReconLib.bone.echoes.found import BoneEchoes
 from AIFReconLib.bone.predicted_bone import BoneEstimator
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.scan_line_reader import ScanLineReader
@@ -42,6 +44,7 @@ class TrueBone:
         self._distance = (outside - inside).astype(np.float32)
         self._to_labels, self._imaging = labels.grid.reference_to_ijk, imaging
         self._readers: dict[tuple[object, ...], ScanLineReader] = {}
+        self._nearest: dict[int, np.ndarray] = {}
 
     def reader(self, frame: TrackedFrame) -> ScanLineReader:
         """The scan lines of a frame."""
@@ -70,7 +73,13 @@ class TrueBone:
 
     def estimate(self, frame: TrackedFrame) -> Prediction:
         """See `BoneEstimator`."""
-        return Prediction(self.reader(frame).draw(self.on_lines(frame)))
+        lines, (rows, columns) = self.reader(frame), frame.placed()[0].shape
+        key = id(lines)
+        if key not in self._nearest:
+            samples = cKDTree(np.stack([lines.columns.ravel(), lines.rows.ravel()], axis=1))
+            pixels = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1)
+            self._nearest[key] = np.asarray(samples.query(pixels)[1])
+        return Prediction(self.on_lines(frame).ravel()[self._nearest[key]])
 
     def notes(self) -> tuple[str, ...]:
         """Nothing."""
@@ -96,6 +105,14 @@ class Worth:
     median_mm: float
 
 
+def drawn(echoes: BoneEchoes, lines: ScanLineReader) -> np.ndarray:
+    """The score of each echo at the sample nearest to it, (lines, samples); 0 at all others."""
+    probability = np.zeros(lines.columns.size, np.float32)
+    samples = cKDTree(np.stack([lines.columns.ravel(), lines.rows.ravel()], axis=1))
+    probability[samples.query(echoes.pixels)[1]] = echoes.scores
+    return probability.reshape(lines.columns.shape)
+
+
 def worth_of(
     estimator: BoneEstimator, truth: TrueBone, sequence: TrackedSequence, poses: SweepPoses, every: int = 1, sure: float = SURE
 ) -> Worth:
@@ -104,12 +121,15 @@ def worth_of(
     errors = []
     for frame in tracked_frames(sequence, poses, poses.usable[::every]):
         lines, (distance, first) = truth.reader(frame), truth.along(frame)
-        prediction = estimator.estimate(frame)
-        if prediction is None:
+        told = estimator.estimate(frame)
+        if told is None:
             continue
-        image = frame.placed()[0]
-        whole = (0.0, 0.0, float(image.shape[1]), float(image.shape[0]))
-        probability = lines.read_rectangle(prediction.probability, prediction.rectangle or whole)
+        if isinstance(told, BoneEchoes):
+            probability = drawn(told, lines)
+        else:
+            image = frame.placed()[0]
+            whole = (0.0, 0.0, float(image.shape[1]), float(image.shape[0]))
+            probability = lines.read_rectangle(told.probability, told.rectangle or whole)
         probability = np.where(np.abs(distance) <= AROUND, probability, 0.0)
         best = probability.max(axis=1)
         # The middle of what is as sure as the surest

@@ -11,14 +11,13 @@ them and shares no code.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
 
 from ...arrays import Floats, Integers, Mask, Numbers, Reals, Singles
 from ...resolve import Imaging
 from ..scan_line_reader import ScanLineReader, running_sum
+from .found import BoneEchoes
 
 ECHO_ALONG, ECHO_ACROSS = 0.4, 0.8
 """mm. Smoothing of the image along scan lines (about the axial resolution) and across them, against speckle."""
@@ -37,18 +36,6 @@ CREST = 1.0
 
 NEIGHBORHOOD, NEIGHBOR_DEPTH, NEIGHBORS_NEEDED = 2.0, 2.0, 0.5
 """Where neighbors of an echo are, mm to the sides; how much deeper or higher theirs may be, mm; which part of the lines must have one."""
-
-HALF_THICKNESS = 0.75
-"""mm before and behind an echo that are drawn as bone."""
-
-
-@dataclass(frozen=True, eq=False)
-class BoneEchoes:
-    """What one frame shows of bone: at most one echo per scan line."""
-
-    pixels: Floats  #: (n, 2). Column and row of each.
-    beams: Floats  #: (n, 2). One mm along the sound there, in pixels (column, row).
-    scores: Singles  #: (n,). What was asked for at least, to 1.
 
 
 class BoneEchoFinder:
@@ -72,11 +59,10 @@ class BoneEchoFinder:
     ):
         self._least, self._bright = least, bright
         self._lines = lines = ScanLineReader(size, spacing, imaging)
-        self._spacing, self._pitch, self._step = np.asarray(spacing), lines.pitch, lines.step
-        self._columns, self._rows, self._known = lines.columns, lines.rows, lines.known
+        self._pitch, self._step, self._known = lines.pitch, lines.step, lines.known
         self._sigma = ECHO_ACROSS / self._pitch, ECHO_ALONG / self._step
         self._reach = np.maximum(scipy.ndimage.gaussian_filter(self._known.astype(np.float32), self._sigma), np.float32(1e-3))
-        samples = np.arange(self._rows.shape[1])
+        samples = np.arange(self._known.shape[1])
         self._from, self._to = (np.minimum(samples + round(mm / self._step), samples.size) for mm in (SHADOW_FROM, SHADOW_TO))
         known_before = running_sum(self._known)
         self._behind = (known_before[:, self._to] - known_before[:, self._from]).astype(np.float32)
@@ -86,18 +72,12 @@ class BoneEchoFinder:
     @property
     def lines(self) -> int:
         """Scan lines that are looked at: the most echoes that an image can have."""
-        return len(self._columns)
+        return len(self._known)
 
     def find(self, image: Numbers) -> BoneEchoes:
         """The bone echoes of an image, (rows, columns); values below 0 and not finite count as 0."""
         scores, samples, bone = self._strongest(image)
-        # Scan lines are straight: places between samples, and the way along the beam, follow from the two around
-        before = np.clip(np.floor(samples[bone]).astype(np.int64), 0, max(self._rows.shape[1] - 2, 0))
-        after = np.minimum(before + 1, self._rows.shape[1] - 1)
-        start, stop = (np.stack([self._columns[bone, at], self._rows[bone, at]], axis=-1) for at in (before, after))
-        way = stop - start
-        beams = way / np.maximum(np.linalg.norm(way * self._spacing, axis=1, keepdims=True), 1e-9)
-        return BoneEchoes(start + (samples[bone] - before)[:, None] * way, beams, scores[bone])
+        return BoneEchoes(*self._lines.places(bone, samples[bone]), scores[bone])
 
     def _strongest(self, image: Numbers) -> tuple[Singles, Floats, Integers]:
         """The score and place of the strongest echo of every line, (lines,) each, and the numbers of the lines where it is bone."""
@@ -112,14 +92,6 @@ class BoneEchoFinder:
             crests = np.take_along_axis(echo, np.rint(samples).astype(np.int64)[:, None], axis=1)[:, 0]
             found = (scores >= self._least) & (crests >= self._bright * level)
         return scores, samples, np.flatnonzero(self._agreed(samples, found))
-
-    def drawn(self, image: Numbers) -> Singles:
-        """Bone in every pixel of an image, (rows, columns) float32: the score of an echo, `HALF_THICKNESS` mm before and behind it."""
-        scores, samples, bone = self._strongest(image)
-        near = np.abs(np.arange(self._rows.shape[1]) - samples[bone, None]) * self._step <= HALF_THICKNESS
-        lines: Singles = np.zeros(self._rows.shape, dtype=np.float32)
-        lines[bone] = np.where(near, scores[bone, None], np.float32(0.0))
-        return self._lines.draw(lines)
 
     def look(self, image: Numbers) -> tuple[Singles, Singles | None, float]:
         """Smoothed intensity e and score of every sample, (lines, samples) each, and m; no score where the image is black."""

@@ -1,4 +1,4 @@
-"""The bone echoes of a sweep as points in Reference: what a CT is laid upon."""
+"""Bone as points with a beam, whatever found them: in one frame, and in Reference, where a CT or a surface is laid upon them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Floats, Integers, Mask, Singles
+from ...arrays import Floats, Integers, Mask, Matrix, Singles
 
 FEWEST = 150
 """Echoes below which no registration is attempted: six degrees of freedom from a few frames of a few scan lines."""
+
+
+@dataclass(frozen=True, eq=False)
+class BoneEchoes:
+    """What one frame shows of bone: at most one echo per scan line."""
+
+    pixels: Floats  #: (n, 2). Column and row of each.
+    beams: Floats  #: (n, 2). One mm along the sound there, in pixels (column, row).
+    scores: Singles  #: (n,). How surely each is bone, 0 to 1.
+
+    def placed(self, image_to_reference: Matrix, frame: int) -> SweepEchoes:
+        """The same in Reference, of the frame with this number."""
+        beams = self.beams @ image_to_reference[:3, :2].T
+        beams /= np.maximum(np.linalg.norm(beams, axis=1, keepdims=True), 1e-9)
+        points = self.pixels @ image_to_reference[:3, :2].T + image_to_reference[:3, 3]
+        return SweepEchoes(points, beams, self.scores, np.full(len(points), frame))
 
 
 @dataclass(frozen=True, eq=False)

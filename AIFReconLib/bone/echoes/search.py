@@ -33,11 +33,7 @@ AT_ONCE = 16
 def echoes_of(frame: TrackedFrame, finder: BoneEchoFinder, number: int | None = None) -> SweepEchoes:
     """The echoes of a frame that has an image and a pose, in Reference; `number` stands for the frame's own."""
     image, matrix = frame.placed()
-    echoes = finder.find(image)
-    beams = echoes.beams @ matrix[:3, :2].T
-    beams /= np.maximum(np.linalg.norm(beams, axis=1, keepdims=True), 1e-9)
-    frames = np.full(len(echoes.scores), frame.number if number is None else number)
-    return SweepEchoes(echoes.pixels @ matrix[:3, :2].T + matrix[:3, 3], beams, echoes.scores, frames)
+    return finder.find(image).placed(matrix, frame.number if number is None else number)
 
 
 def sweep_echoes(

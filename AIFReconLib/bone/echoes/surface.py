@@ -10,6 +10,7 @@ images", SIGGRAPH: what a line of sight says of the space before and behind a po
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -30,9 +31,7 @@ from ...sweep.joined import sweeps_of
 from ..map import BoneMap
 from .found import SweepEchoes
 from .search import sweep_echoes
-
-SPACING = 1.0
-"""mm between voxels of the map."""
+from .sums import SPACING, CubeSums, cubes_of
 
 LEAST_SCORE = 0.35
 """From which echoes take part: those of many frames bear each other out, so that weaker ones count than in a registration."""
@@ -64,6 +63,13 @@ FARTHEST = 3.0
 AGREED, PARALLEL = 0.1, 1e-6
 """Part of how far beams are apart at the median voxel, from which on a place counts in full: what only one side has seen is bone less
 often, in a sweep from several. And how far they are apart, within a tenth of a degree, where the whole sweep came from one."""
+
+CUT_OFF = 3.0
+"""Standard deviations beyond which a Gaussian is 0."""
+
+PAIRS = [(a, b) for a in range(3) for b in range(a, 3)]
+AT_ONCE = 4096
+"""Echoes that are added, and voxels that planes are laid at, in one step."""
 
 BYTES_PER_VOXEL = 80
 """While planes are laid: sums and their blurred forms for two moments at a time, distances, and the map."""
@@ -128,6 +134,21 @@ def bone_unasked(
 def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap:
     """The bone that echoes show: probability, side and inside, as far as there are any.
 
+    Raises GeometryError when there are none.
+    """
+    surface = EchoSurface()
+    surface.add(echoes)
+    found = surface.news(progress, usable_cores())
+    if found is None:
+        raise GeometryError("No frame shows an echo of bone.", Remedy.CHECK_PROBE_AND_CLIP)
+    return replace(found, notes=(f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",))
+
+
+class EchoSurface:
+    """The surface that echoes lie on, which may come one after the other. What is kept of them are sums in cubes of 1 mm.
+
+    Echoes may be added by one thread while another asks for `news`: those that are added meanwhile come with the next.
+
     Notes
     -----
     At each voxel near echoes, a plane is laid through those around it: by their Gaussian-weighted mean and covariance, along the direction
@@ -136,84 +157,140 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2) min(1, a / (0.1 median(a))), T = `THICKNESS`, R = `REACH`. An echo counts by its score
     times its trust B / (B + 0.2 S), with B the scores of the echoes at its place and S those of the echoes in whose shadow it lies, per
     mm: echoes in the shadow of bone that other beams met before are reverberation more often than bone.
+
+    All but the median follows from sums over echoes in cubes, so that a part has the values of the whole. The median is that of what has
+    been told until then.
     """
-    report(progress, 0.0, "Laying echoes together")
-    grid = _grid_around(echoes.points)
-    trust = _trust(echoes, grid)
-    kept = trust >= LEAST_TRUST
-    echoes, weights = echoes[kept], (echoes.scores * trust)[kept].astype(np.float64)
-    voxels = _numbers(echoes.points, grid)
-    report(progress, 0.3, "Laying echoes together")
-    count = np.bincount(voxels, minlength=grid.voxels)
-    away = scipy.ndimage.distance_transform_edt(count.reshape(grid.shape) == 0, sampling=SPACING)
-    near = np.flatnonzero(away <= FARTHEST)
-    away = away.reshape(-1)[near]
-    # About the middle, so that differences of squares keep their digits
-    offsets = echoes.points - (grid.origin + 0.5 * SPACING * (np.array(grid.size) - 1))
-    pairs = [(a, b) for a in range(3) for b in range(a, 3)]
-    wanted = [
-        np.ones(len(weights)),
-        *offsets.T,
-        *echoes.beams.T,
-        *(offsets[:, a] * offsets[:, b] for a, b in pairs),
-    ]
-    moments = np.empty((len(wanted), near.size))
 
-    def gather(number: int) -> None:
-        sums = np.bincount(voxels, weights * wanted[number], grid.voxels).astype(np.float64).reshape(grid.shape)
-        moments[number] = _blurred(sums, NEIGHBORHOOD).reshape(-1)[near]
+    def __init__(self) -> None:
+        self._new: deque[SweepEchoes] = deque()
+        self._shown, self._shadows = CubeSums(13), CubeSums(1)
+        self._changed: list[Integers] = []
+        self._apart: tuple[Integers, Floats] = np.empty((0, 3), np.int64), np.empty(0)
 
-    in_parts(gather, len(wanted), usable_cores(), part(progress, 0.3, 0.9), "Laying echoes together")
+    def add(self, echoes: SweepEchoes) -> None:
+        """Take more echoes, of a frame or of a sweep."""
+        if len(echoes):
+            self._new.append(echoes)
+
+    def take_in(self) -> bool:
+        """Add up what has come; whether there are news."""
+        new = SweepEchoes.joined([self._new.popleft() for _ in range(len(self._new))])
+        depths = np.arange(SHADOW_FROM, SHADOW_TO, SPACING)
+        for first in range(0, len(new), AT_ONCE):
+            some = new[np.arange(first, min(first + AT_ONCE, len(new)))]
+            cubes, behind = cubes_of(some.points), cubes_of((some.points + depths[:, None, None] * some.beams).reshape(-1, 3))
+            self._shown.add(cubes, _moments(some))
+            self._shadows.add(behind, np.tile(some.scores.astype(np.float64), len(depths))[None])
+            self._changed += [end(of, axis=0) for of in (cubes, behind) for end in (np.min, np.max)]
+        return bool(self._changed)
+
+    def renew(self) -> None:
+        """The next `news` are of all that is known."""
+        if len(self._shown.cubes):
+            self._changed += list(self._ends())
+
+    def _ends(self) -> tuple[Integers, Integers]:
+        """From where to where there may be bone."""
+        cubes, beyond = self._shown.cubes, int(FARTHEST / SPACING) + 1
+        return cubes.min(axis=0) - beyond, cubes.max(axis=0) + beyond
+
+    def news(self, progress: Progress | None = None, threads: int = 1, within: tuple[Floats, Floats] | None = None) -> BoneMap | None:
+        """The part of the map that has changed since this was asked last, as far as it lies in a box (from, to; mm in Reference)."""
+        report(progress, 0.0, "Laying echoes together")
+        if not self.take_in():
+            return None
+        changed, self._changed = np.array(self._changed), []
+        # A change reaches as far as trusts and neighborhoods are averaged; so does what the values there are made of
+        (first, last), reach = self._ends(), int(CUT_OFF * (NEIGHBORHOOD + BLUR) / SPACING)
+        low, high = np.maximum(changed.min(axis=0) - reach, first), np.minimum(changed.max(axis=0) + reach, last)
+        if within is not None:
+            low, high = np.maximum(low, cubes_of(within[0]) - 1), np.minimum(high, cubes_of(within[1]) + 1)
+        if (low > high).any():
+            return None
+        start, stop = np.maximum(low - reach, first), np.minimum(high + reach, last)
+        shape = tuple((stop - start + 1)[::-1].tolist())
+        require_memory(shape[::-1], np.full(3, SPACING), BYTES_PER_VOXEL, most=LARGEST_GRID)
+        voxels, sums = self._trusted(start, stop, shape)
+        report(progress, 0.2, "Laying echoes together")
+        away = _away(voxels, shape)
+        part_of = tuple(slice(a, b + 1) for a, b in zip((low - start)[::-1].tolist(), (high - start)[::-1].tolist(), strict=True))
+        wanted = np.zeros(shape, bool)
+        wanted[part_of] = away[part_of] <= FARTHEST
+        near = np.flatnonzero(wanted)
+        moments = np.empty((len(sums), near.size))
+
+        def gather(number: int) -> None:
+            moments[number] = _blurred(voxels, sums[number], shape, NEIGHBORHOOD).reshape(-1)[near]
+
+        in_parts(gather, len(sums), threads, part(progress, 0.3, 0.7), "Laying echoes together")
+        apart = 1.0 - np.linalg.norm(moments[4:7], axis=0) / moments[0]
+        places = np.stack(np.unravel_index(near, shape)[::-1], axis=1) + start
+        others = ~np.all((self._apart[0] >= low) & (self._apart[0] <= high), axis=1)
+        self._apart = np.concatenate([self._apart[0][others], places]), np.concatenate([self._apart[1][others], apart])
+        usual = np.median(self._apart[1]) if len(self._apart[1]) else 0.0
+        agreed = np.clip((apart + PARALLEL) / (AGREED * usual + PARALLEL), 0.0, 1.0)
+        probability, inside, slopes = np.zeros(shape, np.float32), np.zeros(shape, np.uint8), np.zeros((3, *shape), np.float32)
+
+        def lay(number: int) -> None:
+            some = slice(number * AT_ONCE, (number + 1) * AT_ONCE)
+            heights, normals = _planes(SPACING * places[some], moments[:, some])
+            at = tuple((places[some] - start).T[::-1])
+            probability[at] = np.exp(-0.5 * (heights / THICKNESS) ** 2 - 0.5 * (away[at] / REACH) ** 2) * agreed[some]
+            inside[at] = heights > 0
+            slopes[(slice(None), *at)] = normals.T
+
+        in_parts(lay, -(-near.size // AT_ONCE), threads, part(progress, 0.7, 1.0), "Laying echoes together")
+        report(progress, 1.0, "Laid echoes together")
+        around = VoxelGrid.from_spacing(SPACING * start, shape[::-1], SPACING).ijk_to_reference
+        surface, behind = (Volume(values, around)[part_of] for values in (probability, inside))
+        return BoneMap(surface, behind, slopes=np.ascontiguousarray(slopes[(slice(None), *part_of)]))
+
+    def _trusted(self, start: Integers, stop: Integers, shape: tuple[int, ...]) -> tuple[Integers, Floats]:
+        """The voxels (n,), flat, that echoes are believed at, and the sums (13, n) there."""
+        (cubes, sums), (behind, shadows) = (of.within(start, stop) for of in (self._shown, self._shadows))
+        voxels, dark = (np.ravel_multi_index((at - start).T[::-1], shape) for at in (cubes, behind))
+        echo = _blurred(voxels, sums[0], shape, BLUR).reshape(-1)[voxels]
+        shadow = _blurred(dark, shadows[0], shape, BLUR).reshape(-1)[voxels]
+        trust = echo / (echo + SHADOWED * shadow)
+        believed = trust >= LEAST_TRUST
+        return voxels[believed], (sums * trust)[:, believed]
+
+
+def _moments(echoes: SweepEchoes) -> Floats:
+    """What a plane is laid by, (13, n): scores, and by these places, beams, and products of places."""
+    products = [echoes.points[:, a] * echoes.points[:, b] for a, b in PAIRS]
+    moments: Floats = np.stack([np.ones(len(echoes)), *echoes.points.T, *echoes.beams.T, *products]) * echoes.scores
+    return moments
+
+
+def _planes(places: Floats, moments: Floats) -> tuple[Floats, Floats]:
+    """How far places (n, 3) lie behind the planes by these moments (13, n), and the planes' normals (n, 3)."""
     mean = (moments[1:4] / moments[0]).T
-    covariance = np.empty((near.size, 3, 3))
-    for (a, b), second in zip(pairs, moments[7:], strict=True):
+    covariance = np.empty((len(places), 3, 3))
+    for (a, b), second in zip(PAIRS, moments[7:], strict=True):
         covariance[:, a, b] = covariance[:, b, a] = second / moments[0] - mean[:, a] * mean[:, b]
     normals = np.linalg.eigh(covariance)[1][:, :, 0]
     normals *= np.where((normals * moments[4:7].T).sum(axis=1) < 0, -1.0, 1.0)[:, None]
-    k, j, i = np.unravel_index(near, grid.shape)
-    places = SPACING * (np.stack([i, j, k], axis=1) - 0.5 * (np.array(grid.size) - 1))
-    height = ((places - mean) * normals).sum(axis=1)
-    apart = 1.0 - np.linalg.norm(moments[4:7], axis=0) / moments[0]
-    agreed = np.clip((apart + PARALLEL) / (AGREED * np.median(apart) + PARALLEL), 0.0, 1.0)
-    probability, inside, slopes = np.zeros(grid.voxels, np.float32), np.zeros(grid.voxels, np.uint8), np.zeros((3, grid.voxels), np.float32)
-    probability[near] = np.exp(-0.5 * (height / THICKNESS) ** 2 - 0.5 * (away / REACH) ** 2) * agreed
-    inside[near] = height > 0
-    slopes[:, near] = normals.T
-    report(progress, 1.0, "Laid echoes together")
-    surface, behind = (Volume(values.reshape(grid.shape), grid.ijk_to_reference) for values in (probability, inside))
-    notes = (f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",)
-    return BoneMap(surface, behind, notes, slopes.reshape(3, *grid.shape))
+    return ((places - mean) * normals).sum(axis=1), normals
 
 
-def _grid_around(points: Floats) -> VoxelGrid:
-    """Cubes around points with room for their neighborhoods."""
-    low, high = points.min(axis=0) - 3 * NEIGHBORHOOD, points.max(axis=0) + 3 * NEIGHBORHOOD
-    size = (np.ceil((high - low) / SPACING).astype(int) + 1).tolist()
-    require_memory((size[0], size[1], size[2]), np.full(3, SPACING), BYTES_PER_VOXEL, most=LARGEST_GRID)
-    return VoxelGrid.from_spacing(low, size, SPACING)
+def _away(voxels: Integers, shape: tuple[int, ...]) -> Singles:
+    """How far each voxel [k, j, i] is from the nearest of these, flat, that lie not at the border; infinite from `FARTHEST` on, mm."""
+    away, reach = np.full(shape, np.inf, np.float32), int(FARTHEST / SPACING)
+    at = np.stack(np.unravel_index(voxels, shape), axis=1)
+    at = at[np.all((at >= reach) & (at < np.array(shape) - reach), axis=1)]
+    steps = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 3), axis=-1).reshape(-1, 3)
+    lengths = SPACING * np.linalg.norm(steps, axis=1)
+    # The nearest is written last
+    for number in np.argsort(-lengths):
+        if lengths[number] <= FARTHEST:
+            away[tuple((at + steps[number]).T)] = lengths[number]
+    return away
 
 
-def _trust(echoes: SweepEchoes, grid: VoxelGrid) -> Singles:
-    """Of each echo, what the others say of its place, (n,), 0 to 1."""
-    at = _numbers(echoes.points, grid)
-    shown = np.bincount(at, echoes.scores, grid.voxels).astype(np.float64)
-    shadowed = np.zeros(grid.voxels)
-    for depth in np.arange(SHADOW_FROM, SHADOW_TO, SPACING):
-        behind = echoes.points + depth * echoes.beams
-        within = np.all((behind >= grid.origin) & (behind <= grid.origin + SPACING * (np.array(grid.size) - 1)), axis=1)
-        shadowed += np.bincount(_numbers(behind[within], grid), echoes.scores[within], grid.voxels)
-    echo, shadow = (_blurred(sums.reshape(grid.shape), BLUR).reshape(-1)[at] for sums in (shown, shadowed))
-    trust: Singles = (echo / (echo + SHADOWED * shadow)).astype(np.float32)
-    return trust
-
-
-def _numbers(points: Floats, grid: VoxelGrid) -> Integers:
-    """The voxels [k, j, i], flat, that points (n, 3) within the grid lie in."""
-    i, j, k = np.rint((points - grid.origin) / SPACING).astype(np.int64).T
-    numbers: Integers = (k * grid.size[1] + j) * grid.size[0] + i
-    return numbers
-
-
-def _blurred(sums: Floats, sigma: float) -> Floats:
-    blurred: Floats = scipy.ndimage.gaussian_filter(sums, sigma / SPACING, mode="constant", truncate=3.0)
+def _blurred(voxels: Integers, values: Floats, shape: tuple[int, ...], sigma: float) -> Floats:
+    """Values (n,) at voxels, flat, averaged over their neighborhoods, [k, j, i]."""
+    sums = np.bincount(voxels, values, int(np.prod(shape))).astype(np.float64).reshape(shape)
+    blurred: Floats = scipy.ndimage.gaussian_filter(sums, sigma / SPACING, mode="constant", truncate=CUT_OFF)
     return blurred

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from ...bone.echoes.found import BoneEchoes
 from ...bone.growing_bone import GrowingBone
-from ...bone.predicted_bone import BoneEstimator
-from ...bone.predictions import Prediction, PredictionSampler
+from ...bone.predicted_bone import BoneEstimator, PointsOfFrames
+from ...bone.predictions import Prediction
 from ...bone.recorded_predictions import COVERS, SAME_TIME, probability_of
-from ...bone.scan_line_reader import ForEachKind
 from ...errors import GeometryError, OperationCanceled
 from ...resolve import Imaging
 from ..pairing.synchronizer import LiveFrame
@@ -85,7 +85,7 @@ class BoneWatch(Watch):
         self._recorder = None if record is None else Recorder(record)
         self.recorded: Path | None = None
         self._estimator: BoneEstimator | None = None
-        self._samplers: ForEachKind[PredictionSampler] | None = None
+        self._points: PointsOfFrames | None = None
         self._waiting: list[ImageMessage] = []
         self._full = 1.0
         self._newest: LiveFrame | None = None
@@ -126,21 +126,18 @@ class BoneWatch(Watch):
                 self._take(of_frame, Prediction(self._streamed(message)))
         elif frame is not None and (imaging := self._session.imaging()) is not None:
             self._estimator = self._estimator or self._make_estimator(imaging)
-            prediction = self._estimator.estimate(frame)
-            if prediction is not None:
-                self._take(frame, prediction)
+            said = self._estimator.estimate(frame)
+            if said is not None:
+                self._take(frame, said)
 
-    def _take(self, frame: LiveFrame, prediction: Prediction) -> None:
+    def _take(self, frame: LiveFrame, said: Prediction | BoneEchoes) -> None:
         imaging = self._session.imaging()
         self._frames, self._problem = self._frames + 1, None
-        if self._recorder is not None:
-            self._recorder.append(_as_frame(frame, prediction))
-        if imaging is None:
-            return
-        if self._samplers is None:
-            self._samplers = ForEachKind(PredictionSampler, imaging)
-        image, pose = frame.placed()
-        self._bone.learn(self._samplers.of(frame).sample(image, prediction), pose, self._session.grid)
+        if self._recorder is not None and isinstance(said, Prediction):
+            self._recorder.append(_as_frame(frame, said))
+        if imaging is not None:
+            self._points = self._points or PointsOfFrames(imaging)
+            self._bone.learn(self._points.of(frame, said))
 
     def _matched(self) -> list[tuple[LiveFrame, ImageMessage]]:
         """Predictions whose frames are placed; others wait a little."""
@@ -183,11 +180,7 @@ class _Spreading(Watch):
 
     def _look(self, frame: LiveFrame | None) -> None:
         with contextlib.suppress(OperationCanceled):
-            self._bone.spread(self._pause)
-
-    def _pause(self) -> None:
-        if not self._make_way():
-            raise OperationCanceled
+            self._bone.spread(lambda fraction, step: self._make_way())
 
     def _tell_problem(self, problem: str) -> None:
         self._tell(problem)

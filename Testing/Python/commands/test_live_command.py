@@ -153,6 +153,15 @@ def test_sources_of_bone_that_do_not_go_together_are_refused(serve, live, result
     assert words in refused(live(serve(), *options, "--output", results / "v.nrrd"), capsys, results)
 
 
+def test_a_scan_that_looks_for_bone_says_how_all_frames_are_weighted_by_all_of_it(serve, live, results, capsys):
+    record, looking = results / "scan.mha", ["--bone-from-sweep", "--method", "weighted", "--probe", "linear"]
+    arguments = live(serve(loop=True), "--frames", "10", *looking, "--output", results / "v.nrrd", "--record", record)
+    assert main(arguments) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert f"  to weight all frames by all that was found: aifrecon reconstruct {record} --bone-from-sweep" in lines
+    assert any("bone was looked for in" in line for line in lines)
+
+
 def fail_at_frame(number, monkeypatch):
     real = Reconstructor.insert
 

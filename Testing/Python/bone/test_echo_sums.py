@@ -1,0 +1,202 @@
+"""The surface that echoes lie on, by sums in cubes: against loops over echoes, and part by part against the whole."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from math import exp
+
+import numpy as np
+import pytest
+from seen_planes import IMAGING, PlaneSweep
+
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.echoes.sums import HALF, CubeSums, cubes_of
+from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
+from AIFReconLib.bone.predicted_bone import PointsOfFrames
+from AIFReconLib.bone.predictions import Prediction
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.sweep.frames import TrackedFrame
+
+
+def echoes_of(sweep: PlaneSweep) -> list[SweepEchoes]:
+    points, said = PointsOfFrames(IMAGING), sweep.predictions()
+    frames = [TrackedFrame(image, pose, number=n) for n, (image, pose) in enumerate(zip(sweep.images, sweep.poses))]
+    return [points.of(frame, Prediction(said[frame.number])) for frame in frames]
+
+
+def bent(count=90, seed=0) -> SweepEchoes:
+    """Echoes scattered about a bent sheet far from the origin, seen from several sides, and some in its shadow."""
+    random = np.random.default_rng(seed)
+    x, y, deep = random.uniform(0, 9, count), random.uniform(0, 8, count), np.where(np.arange(count) % 6, 0.0, random.uniform(4, 9, count))
+    beams = np.stack([random.uniform(-0.5, 0.5, count), random.uniform(-0.2, 0.2, count), np.ones(count)], axis=1)
+    points = np.stack([x - 412.3, y + 88.1, 1020.7 + 0.05 * x**2 + 0.3 * y + deep + random.normal(0, 0.3, count)], axis=1)
+    beams /= np.linalg.norm(beams, axis=1, keepdims=True)
+    return SweepEchoes(points, beams, random.uniform(0.35, 1, count).astype(np.float32), np.arange(count))
+
+
+# Sums
+
+
+def test_sums_in_cubes_are_those_of_a_loop_whatever_their_order():
+    random = np.random.default_rng(1)
+    cubes, values = random.integers(-3, 4, (400, 3)), random.integers(0, 9, (2, 400)).astype(float)
+    expected: dict = defaultdict(lambda: np.zeros(2))
+    for cube, value in zip(cubes, values.T):
+        expected[tuple(cube)] += value
+    sums = CubeSums(2)
+    for first in range(0, 400, 37):
+        sums.add(cubes[first : first + 37], values[:, first : first + 37])
+    found, of = sums.within(np.array([-2, -3, -1]), np.array([3, 0, 2]))
+    wanted = {cube: value for cube, value in expected.items() if -2 <= cube[0] <= 3 and -3 <= cube[1] <= 0 and -1 <= cube[2] <= 2}
+    assert {tuple(cube): tuple(value) for cube, value in zip(found, of.T)} == {cube: tuple(value) for cube, value in wanted.items()}
+    assert len(found) == len(wanted)
+
+
+def test_points_out_of_this_world_lie_in_cubes_at_its_end():
+    assert cubes_of(np.array([[1e30, -1e30, 0.4]])).tolist() == [[HALF - 1, -HALF, 0]]
+
+
+# Planes
+
+
+def around(place, of, sigma):
+    """What each of these cubes counts at a place: a Gaussian that ends three deviations away along each axis."""
+    apart = [max(abs(a - b) for a, b in zip(place, cube)) for cube in of]
+    return [
+        exp(-0.5 * sum((a - b) ** 2 for a, b in zip(place, cube)) / sigma**2) if far <= 3 * sigma else 0.0 for cube, far in zip(of, apart)
+    ]
+
+
+def trusts_by_loops(echoes: SweepEchoes) -> list[float]:
+    """Of each echo: how much is shown at its place, against how much of it lies in shadows."""
+    cubes, scores = [tuple(np.rint(point)) for point in echoes.points], echoes.scores.tolist()
+    dark = [(tuple(np.rint(p + (2.5 + n) * b)), s) for p, b, s in zip(echoes.points, echoes.beams, scores) for n in range(23)]
+    trust = []
+    for cube in cubes:
+        shown = sum(s * w for s, w in zip(scores, around(cube, cubes, 1)))
+        shadow = sum(s * w for (_, s), w in zip(dark, around(cube, [where for where, _ in dark], 1)))
+        trust.append(shown / (shown + 0.2 * shadow))
+    return trust
+
+
+def by_loops(echoes: SweepEchoes, trust: list[float], place) -> tuple[float, float, np.ndarray]:
+    """Probability, but for what beams from several sides make of it, how far these are apart, and the normal, at a whole millimeter."""
+    cubes, scores = [tuple(np.rint(point)) for point in echoes.points], echoes.scores.tolist()
+    kept = [n for n, value in enumerate(trust) if value >= 0.35]
+    counts = np.array([trust[n] * scores[n] * w for n, w in zip(kept, around(place, [cubes[n] for n in kept], 2))])
+    points, beams = echoes.points[kept], echoes.beams[kept]
+    mean = counts @ points / counts.sum()
+    vectors = np.linalg.eigh(((points - mean).T * counts) @ (points - mean))[1]
+    facing = counts @ beams / counts.sum()
+    normal = vectors[:, 0] * (1 if vectors[:, 0] @ facing >= 0 else -1)
+    away = min(np.linalg.norm(np.array(place) - cubes[n]) for n in kept)
+    height = (np.array(place) - mean) @ normal
+    probability = exp(-0.5 * (height / 0.8) ** 2 - 0.5 * (away / 2.0) ** 2) if away <= 3 else 0.0
+    return probability, 1 - float(np.linalg.norm(facing)), normal
+
+
+def test_the_surface_is_that_of_loops_over_echoes():
+    echoes = bent()
+    found = surface_of(echoes)
+    random, grid, trust = np.random.default_rng(2), found.probability.grid, trusts_by_loops(echoes)
+    k, j, i = np.nonzero(found.probability.array > 0.05)
+    for n in random.choice(len(k), 25, replace=False):
+        place = transform_points(grid.ijk_to_reference, [i[n], j[n], k[n]]).round(6)
+        probability, apart, normal = by_loops(echoes, trust, place)
+        assert apart > 0.007  # seen from several sides, which is counted elsewhere
+        assert found.probability.array[k[n], j[n], i[n]] == pytest.approx(probability, abs=1e-6)
+        np.testing.assert_allclose(found.slopes[:, k[n], j[n], i[n]], normal, atol=1e-6)
+
+
+def test_what_lies_in_the_shadow_of_more_is_no_bone():
+    echoes = bent(300)
+    found = surface_of(echoes)
+    behind = np.flatnonzero(np.arange(300) % 6 == 0)
+    i, j, k = (cubes_of(echoes.points) - np.rint(found.probability.grid.origin).astype(int)).T
+    assert np.mean(found.probability.array[k, j, i][behind] > 0.3) < 0.3
+    assert np.mean(np.delete(found.probability.array[k, j, i], behind) > 0.3) > 0.9
+
+
+def test_of_no_echoes_there_is_no_surface():
+    with pytest.raises(GeometryError, match="No frame shows an echo"):
+        surface_of(SweepEchoes.joined([]))
+
+
+# Part by part
+
+
+class Told:
+    """What a surface has told of the voxels of the whole: probability and slopes."""
+
+    def __init__(self, parts: list[SweepEchoes]):
+        self.whole, self.surface = surface_of(SweepEchoes.joined(parts)), EchoSurface()
+        self.values = np.zeros((4, *self.whole.probability.shape))
+        for part in parts:
+            self.surface.add(part)
+            if self.surface.take_in():
+                self.take()
+
+    def take(self) -> None:
+        """Ask for news."""
+        news = self.surface.news()
+        assert news is not None
+        assert news.slopes is not None
+        first = np.rint(news.probability.grid.origin - self.whole.probability.grid.origin).astype(int)
+        k, j, i = (slice(a, a + n) for a, n in zip(first[::-1], news.probability.shape))
+        self.values[:, k, j, i] = (news.probability.array, *news.slopes)
+
+    @property
+    def off(self) -> np.ndarray:
+        """By how much that differs from the whole."""
+        assert self.whole.slopes is not None
+        return np.abs(self.values - (self.whole.probability.array, *self.whole.slopes))
+
+
+def test_a_surface_that_grew_from_one_side_is_that_of_all_echoes():
+    assert Told(echoes_of(PlaneSweep(count=8, turn=0.0))).off.max() < 1e-5
+
+
+def test_a_surface_that_grew_from_several_sides_differs_by_how_much_sides_count_alone():
+    told = Told(echoes_of(PlaneSweep(count=8)))
+    assert told.off[1:].max() < 1e-5
+    assert np.mean(told.off[0][told.whole.probability.array > 0] > 0.02) < 0.05
+    told.surface.renew()
+    told.take()
+    assert told.off.max() < 1e-5
+
+
+def test_news_that_take_bone_back_tell_so():
+    """What was bone turns out to lie in the shadow of more."""
+    echoes, deep = bent(300), np.arange(300) % 6 == 0
+    first, late = np.flatnonzero(deep), np.flatnonzero(~deep)
+    assert Told([echoes[first], *(echoes[late[n::5]] for n in range(5))]).off[1:].max() < 1e-5
+
+
+def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
+    """However far away a tracker has once seen the probe."""
+    parts = echoes_of(PlaneSweep(count=4, turn=0.0))
+    whole = surface_of(SweepEchoes.joined(parts))
+    surface, middle = EchoSurface(), transform_points(whole.probability.ijk_to_reference, 0.5 * np.array(whole.probability.grid.size))
+    for part in parts:
+        surface.add(part)
+    surface.add(SweepEchoes(parts[0].points + 9e5, parts[0].beams, parts[0].scores, parts[0].frames))
+    news = surface.news(within=(middle - 8.0, middle + 8.0))
+    assert news is not None
+    first = np.rint(news.probability.grid.origin - whole.probability.grid.origin).astype(int)
+    assert (np.array(news.probability.grid.size) <= 20).all()
+    k, j, i = (slice(a, a + n) for a, n in zip(first[::-1], news.probability.shape))
+    assert news.probability.array.max() > 0.9
+    np.testing.assert_allclose(news.probability.array, whole.probability.array[k, j, i], atol=1e-5)
+    surface.add(SweepEchoes(parts[0].points + 500.0, parts[0].beams, parts[0].scores, parts[0].frames))
+    assert surface.news(within=(middle - 8.0, middle + 8.0)) is None
+
+
+def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():
+    parts = echoes_of(PlaneSweep(count=4))
+    surface = Told(parts).surface
+    kept = surface._shown.cubes.size, surface._shadows.cubes.size
+    for part in parts:
+        surface.add(part)
+    surface.news()
+    assert (surface._shown.cubes.size, surface._shadows.cubes.size) == kept
