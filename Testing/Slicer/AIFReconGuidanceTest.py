@@ -74,7 +74,8 @@ class AIFReconGuidanceTest(unittest.TestCase):
         told = type(verdicts).guide
         self.addCleanup(delattr, verdicts, "guide")
 
-        def again(parameters, progress):
+        def again(parameters, progress, unseen):
+            self.assertIsNone(unseen)  # no paths were looked for
             if told not in TOLD:
                 TOLD[told] = told(verdicts, parameters, progress)
             return TOLD[told]

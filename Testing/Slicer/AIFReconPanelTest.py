@@ -101,7 +101,7 @@ class AIFReconPanelTest(unittest.TestCase):
         self.assertTrue(self.ui.boneFromCTButton.isHidden())
         ct = self.addBareCT()
         self.assertFalse(self.ui.boneFromCTButton.isHidden())
-        self.assertIn("“Bone from CT” finds it", self.ui.boneStatusLabel.text)
+        self.assertIn("“Bone from CT” finds that of the CT", self.ui.boneStatusLabel.text)
         self.ui.boneFromCTButton.click()
         bone = self.parameters.bone
         self.assertEqual(bone.GetTransformNodeID(), ct.GetTransformNodeID())
