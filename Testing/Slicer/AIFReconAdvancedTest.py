@@ -175,6 +175,7 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def test_the_tracking_report_has_the_coverage_after_a_reconstruction(self):
         self.ui.trackingMoreButton.checked = True
+        self.choose(self.ui.methodComboBox, "average")
         voxels = self.applied()
         self.assertIn(">Volume</td>", self.ui.reportLabel.text)
         self.assertIn("of the voxels measured", self.ui.reportLabel.text)

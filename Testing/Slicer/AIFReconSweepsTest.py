@@ -56,9 +56,10 @@ class AIFReconSweepsTest(unittest.TestCase):
         self.assertEqual(list(self.parameters.otherSweeps), [second])
         self.assertIn("First: 11 of 12 frames have a position", self.ui.sweepStatusLabel.text)
         self.assertIn("Second: 11 of 12 frames have a position", self.ui.sweepStatusLabel.text)
+        self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("average")
         self.ui.applyButton.click()
         volume = self.parameters.output
-        asked = ReconstructionSettings(spacing=1.0, hole_limit=0.0)
+        asked = ReconstructionSettings(method="average", spacing=1.0, hole_limit=0.0)
         expected = reconstruct([tinyScene.makeSequence(), tinyScene.makeSequence(BESIDE)], asked).intensity
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(volume), expected.array)
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)
