@@ -48,7 +48,7 @@ def compile_for(kind: str) -> None:
         return
     layout = PixelLayout((16, 64), (0.5, 0.5), (0, 64, 0, 16), np.ones((64, 16), bool), None, None)
     judge = judging.FrameJudge(ScanLines(layout, ProbeGeometry(LINEAR)), np.dtype(kind), 255.0, 1)
-    judge.judge(np.zeros((1, 64, 16), kind), slice(1), np.zeros((2, 2, 2), np.float32), np.eye(4)[None])
+    judge.judge(np.zeros((64, 16), kind), 0, np.zeros((2, 2, 2), np.float32), np.eye(4))
     mask = np.zeros((3, 3, 3), np.uint8)
     mask[1, 1, 1] = 1
     fill_holes(np.zeros(mask.shape, kind), mask, np.ones(3), 1.0)

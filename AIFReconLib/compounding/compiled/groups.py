@@ -67,8 +67,8 @@ importance : (pixels,) float32, empty where all count alike.
 Places = tuple[Integers, Integers, Integers, Integers, Integers, Singles, Singles, Singles]
 """pixel_of_sample, padded_sample_of_pixel, lit, first_lit, active, judged, behind : of `ScanLines`; certain : (lines,), ones."""
 
-Lengths = tuple[int, int, int, int, int, bool]
-"""taps, depth, crest, pace, paces : of `ScanLines`; whole : whether pixels are whole numbers, small enough for their sums to be exact."""
+Lengths = tuple[int, int, int, int, int]
+"""taps, depth, crest, pace, paces : of `ScanLines`."""
 
 Expected = tuple[Singles, Corner, Singles, Integers]
 """The CT's word. probability : (voxels,) float32, of a map of size (i, j, k); expected_at, expected_of_line : of `ScanLines`."""
@@ -76,15 +76,16 @@ Expected = tuple[Singles, Corner, Singles, Integers]
 Room = tuple[Numbers, Numbers, Singles, Singles, Singles, Singles, Integers]
 """To work in.
 
-For a copy of an image, flat; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and
+For a copy of the image, flat, finite; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and
 brightness, then onset, there, (samples, padded) float32, and both once more, flat; for the numbers of the CT's voxels at a place.
 """
 
-Fixed = tuple[Places, Expected, Lengths, tuple[np.float32, ...]]
-"""What all frames are judged by, at its end the scales of `ScanLines`."""
+Cleared = tuple[Singles, Singles, tuple[Singles, ...]]
+"""To work in, 0 at first: (lines + 2,), (depth / pace + 1, lines), and eight of (lines,), float32."""
 
-Found = tuple[Singles, NDArray[np.uint32], Singles]
-"""Of a frame: reach (n,) at the layout's pixels; begins, onset (n,), the few pixels with an onset, rising, and the onset there."""
+Results = tuple[Singles, NDArray[np.uint32], Singles]
+"""What is found.
 
-Results = tuple[Singles, NDArray[np.uint32], Singles, NDArray[np.int64]]
-"""The same of several, (frames, n), and onsets : (frames,), how many pixels have one."""
+reach : (n,), the reach at the layout's pixels; begins, onset : (n,), the numbers of the pixels with an onset, rising, and the onset there.
+They are few, and the others need no look.
+"""

@@ -91,16 +91,15 @@ class NumbaEngine(SlabEngine):
         if self._judge is None or self._judge.scan_lines is not scan_lines:
             self._judge = FrameJudge(scan_lines, images.dtype, float(self.job.maximum), BATCH_FRAMES)
         judge = self._judge
-        to_map = np.stack([bone.ijk_to_map @ matrix for matrix in matrices])
-        # Several frames at a time: between kernels threads wait for each other
-        edges = np.unique(np.linspace(0, len(images), 2 * self.threads + 1).astype(np.int64))
 
-        def judge_some(part: int) -> None:
-            some = slice(*edges[part : part + 2])
-            judge.judge(images[some], some, bone.map_probability, to_map[some])
-            pixels, voxels, entered = judge.enter(some, matrices[some], *self._ends)
+        def judge_frame(frame: int) -> None:
+            matrix = matrices[frame]
+            begins = judge.judge(images[frame], frame, bone.map_probability, bone.ijk_to_map @ matrix)
+            if not begins.size:
+                return
+            entered, voxels = judge.voxels_of(begins, matrix, *self._ends)
             probability, directions = bone.at(voxels)
-            judge.keep(some, probability, layout.beams(pixels, np.repeat(axes[some], entered, axis=0).T).cosine(directions))
+            judge.keep(frame, entered, probability, layout.beams(begins[entered], axes[frame]).cosine(directions))
 
-        in_parts(judge_some, len(edges) - 1, self.threads, progress, "Reconstructing")
+        in_parts(judge_frame, len(images), self.threads, progress, "Reconstructing")
         return judge.evidence(len(images))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...arrays import Floats, Integers, Matrix, Numbers, NumberType, Singles
 from ...machine.numba_compile import called, compiled, inlined
 from ..evidence import UNEXPECTED, Scales, ScanLines
-from .groups import Corner, Evidence, Expected, Fixed, Found, Results, Room
+from .groups import Cleared, Corner, Evidence, Expected, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 EXTRA = np.float32(UNEXPECTED)
@@ -39,26 +39,10 @@ def voxel_at(column: float, row: float, matrix: Matrix, lows: Corner, highs: Cor
 
 
 @compiled
-def number_voxels_at(
-    places: Floats, matrices: Matrix, lows: Corner, highs: Corner, results: Results, pixels: NDArray[np.uint32], voxels: Integers
-) -> int:
-    """Drop the onsets that `voxel_at` puts in no voxel, write pixels and voxels of the others, (all,), and return how many these are.
-
-    `places` (2, n) float64 are the columns and rows of the layout's pixels, `matrices` (frames, 4, 4) lead from them to voxels.
-    """
-    _, begins, onset, onsets = results
-    count = 0
-    for frame in range(onsets.size):
-        before = count
-        for n in range(onsets[frame]):
-            pixel = begins[frame, n]
-            voxel = voxel_at(places[0, pixel], places[1, pixel], matrices[frame], lows, highs)
-            if voxel >= 0:
-                begins[frame, count - before], onset[frame, count - before] = pixel, onset[frame, n]
-                pixels[count], voxels[count] = pixel, voxel
-                count += 1
-        onsets[frame] = count - before
-    return count
+def number_voxels_at(places: Floats, pixels: Integers, matrix: Matrix, lows: Corner, highs: Corner, voxels: Integers) -> None:
+    """Write to `voxels` (n,) int64 what `voxel_at` returns for `pixels` (n,), whose columns and rows are in `places` (2, all) float64."""
+    for n in range(voxels.size):
+        voxels[n] = voxel_at(places[0, pixels[n]], places[1, pixels[n]], matrix, lows, highs)
 
 
 @inlined
@@ -98,9 +82,7 @@ def smooth_across(total: Singles, per_tap: np.float32, per_line: np.float32, bri
 def write_reach(bright: Singles, per_reached: np.float32, least: np.float32, most: Singles, reach: Singles) -> None:
     """The reach, of the largest brightness from here on, which `most` is of deeper samples before."""
     for line in range(reach.size):
-        reach[line] = bright[line] if bright[line] > most[line] else most[line]
-    for line in range(reach.size):
-        most[line] = reach[line]
+        most[line] = bright[line] if bright[line] > most[line] else most[line]
         reached = most[line] * per_reached
         reached = reached if reached < ONE else ONE
         reach[line] = reached * reached + least
@@ -157,17 +139,25 @@ def any_wins(merit: Singles, best: Singles) -> bool:
     return bool(found > 0)
 
 
-@called
-def take(better: Singles, least: Singles, new: Singles, old: Singles, room: Singles) -> None:
-    """`new` instead of `old` where `better` is at least `least`.
-
-    All is read before it is asked: so compilers make vectors of it. What is chosen goes through `room`: compilers would write it over `old`
-    under a mask, which takes three times as long.
-    """
+@inlined
+def take(better: Singles, least: Singles, new: Singles, old: Singles) -> None:
+    """`new` instead of `old` where `better` is at least `least`. All is read before it is asked: so compilers make vectors of it."""
     for line in range(old.size):
         one, other, now, before = better[line], least[line], new[line], old[line]
-        room[line] = now if one >= other else before
-    copy(room, old)
+        old[line] = now if one >= other else before
+
+
+@inlined
+def keep_best(
+    sample: np.float32, merit: Singles, later: Singles, believed: Singles, best: Singles, place: Singles, shadow: Singles, trust: Singles
+) -> None:
+    """The largest merit of each line so far, its sample, the level behind it and what the CT says; of equal ones the shallowest."""
+    for line in range(merit.size):
+        worth, most, before = merit[line], best[line], place[line]
+        place[line] = sample if worth >= most else before
+    take(merit, best, later, shadow)
+    take(merit, best, believed, trust)
+    take(merit, best, merit, best)
 
 
 @called
@@ -198,29 +188,52 @@ def hand_out(
     return count
 
 
-@called
-def judge_frame(matrix: Matrix, fixed: Fixed, room: Room, cleared: Singles, found: Found) -> int:
-    """Reach and onsets of the frame that lies in `room`; returns how many of `begins` and `onset` are used.
+@compiled
+def judge(
+    places: Places,
+    ct: Expected,
+    matrix: Matrix,
+    lengths: Lengths,
+    scales: Scales,
+    whole: bool,
+    room: Room,
+    cleared: Cleared,
+    results: Results,
+) -> int:
+    """Reach and onset of one frame.
 
-    `matrix` (4, 4) leads from the image to the CT's voxels; `cleared` (11 + paces of a shadow's depth, lines + 2) float32 is 0 at first.
+    Parameters
+    ----------
+    matrix : (4, 4) float64 array
+        From the image to the CT's voxels.
+    whole : bool
+        Whether all pixels are whole numbers, small enough for their sums to be exact.
+    room : Room
+        Best the same every time, so that it is in the cache. It begins with the image.
 
+    Returns
+    -------
+    onsets : int
+        How many of `begins` and `onset` are used.
+
+    Notes
+    -----
     One pass up the samples, in rows that lie side by side in memory: an onset is known once a line has been seen whole. The CT is asked
     only where an echo would be the best of its line so far if bone were expected there. Memory comes from the caller, as to compile
     calls of numpy takes numba a second.
     """
-    places, ct, lengths, scales = fixed
     pixel_of_sample, sample_of_pixel, lit, first_lit, active, judged, behind, certain = places
-    taps, depth, crest, pace, paces, whole = lengths
+    taps, depth, crest, pace, paces = lengths
     per_tap, per_line, per_reached, least, kept, new = scales[0], scales[1], scales[2], scales[3], scales[4], scales[5]
-    reach, begins, onset = found
+    reach, begins, onset = results
     samples, count = pixel_of_sample.shape
-    half, ring = taps // 2, depth // pace + 1
+    half = taps // 2
     pixels, read, sampled_reach, bright, flat_reach, flat_bright, numbers = room
     read_lines(pixels, pixel_of_sample, lit, first_lit, read)
     # Sums along the lines, with one more before the first and after the last, so that all have neighbors
-    total, most, level, merit, believed = cleared[0], cleared[1], cleared[2], cleared[3], cleared[4, :count]
-    best, place, shadow, trust, chosen, largest = cleared[5], cleared[6], cleared[7], cleared[8], cleared[9], cleared[10:]
-    summed, asked_at = False, -1
+    total, largest, of_lines = cleared
+    most, level, merit, best, place, shadow, trust, believed = of_lines
+    summed, asked_at, ring = False, -1, largest.shape[0]
     for sample in range(samples - 1, -1, -1):
         start, stop = active[sample, 0], active[sample, 1]
         if start >= stop:
@@ -255,12 +268,7 @@ def judge_frame(matrix: Matrix, fixed: Fixed, room: Room, cleared: Singles, foun
                     ask(ct, matrix, asked_at, numbers, believed)
                 said = believed[start:stop]
                 compare(np.float32(sample), judged[start:stop], here, later, said, scales, worth)
-                # Of equal merits the shallowest stays
-                for line in range(start, stop):
-                    place[line] -= (place[line] - np.float32(sample)) * np.float32(merit[line] >= best[line])
-                take(worth, before, later, shadow[start:stop], chosen[start:stop])
-                take(worth, before, said, trust[start:stop], chosen[start:stop])
-                take(worth, before, worth, before, chosen[start:stop])
+                keep_best(np.float32(sample), worth, later, said, before, place[start:stop], shadow[start:stop], trust[start:stop])
     for line in range(count):
         if best[line] > ZERO:
             middle = int(place[line])
@@ -270,17 +278,6 @@ def judge_frame(matrix: Matrix, fixed: Fixed, room: Room, cleared: Singles, foun
                     bright[sample, line] = strength
                     sampled_reach[sample, line] *= ONE - TWO * np.float32(strength > ZERO)
     return hand_out(flat_reach, flat_bright, sample_of_pixel, reach, begins, onset)
-
-
-@compiled
-def judge(images: Numbers, matrices: Matrix, fixed: Fixed, room: Room, cleared: Singles, results: Results) -> None:
-    """`judge_frame` of each of `images` (frames, pixels), finite. `room` is best the same every time, so that it is in the cache."""
-    reach, begins, onset, onsets = results
-    for frame in range(onsets.size):
-        # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
-        copy(images[frame], room[0])
-        found = reach[frame], begins[frame], onset[frame]
-        onsets[frame] = judge_frame(matrices[frame], fixed, room, cleared[frame], found)
 
 
 class FrameJudge:
@@ -300,16 +297,17 @@ class FrameJudge:
         self._dtype, self._scales = dtype, lines.scales(maximum)
         shown = lines.lit, lines.first_lit, lines.active, lines.judged.astype(np.float32), lines.behind
         self._places = lines.pixel_of_sample, lines.padded_sample_of_pixel, *shown, np.ones(lines.shape[1], np.float32)
-        self._lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces, dtype == np.uint8
+        self._lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
         self._reach, self._onset = np.empty((2, places, lines.sample_of_pixel.size), np.float32)
         self._expected, self._cosine = np.empty((2, *self._reach.shape), np.float32)
         self._begins, self._onsets = np.empty(self._reach.shape, np.uint32), np.zeros(places, np.int64)
         self._rooms: list[Room] = []
 
-    def judge(self, images: Numbers, frames: slice, probability: Singles, images_to_map: Matrix) -> None:
-        """Judge images (frames, rows, columns) as these of those that are kept; the rest is as in `ScanLines.expected`.
+    def judge(self, image: Numbers, frame: int, probability: Singles, image_to_map: Matrix) -> NDArray[np.uint32]:
+        """Judge the image that comes as number `frame` of those that are kept.
 
-        Threads may do so at the same time.
+        Threads may do so at the same time. `probability` and `image_to_map` are those of `ScanLines.expected`. Returns the numbers of the
+        pixels that have an onset, (onsets,).
         """
         lines = self.scan_lines
         try:
@@ -317,28 +315,31 @@ class FrameJudge:
         except IndexError:
             shape = lines.shape[0], lines.padded
             reach, bright = np.empty((2, *shape), np.float32)
-            read, numbers = np.zeros(shape, self._dtype), np.empty(lines.expected_at.shape[2], np.int64)
-            room = np.empty(images[0].size, self._dtype), read, reach, bright, reach.reshape(-1), bright.reshape(-1), numbers
-        cleared = np.zeros((len(images), lines.depth // lines.pace + 11, lines.shape[1] + 2), np.float32)
+            flat, read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
+            room = flat, read, reach, bright, reach.reshape(-1), bright.reshape(-1), np.empty(lines.expected_at.shape[2], np.int64)
+        # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
+        np.copyto(room[0], image.reshape(-1))
+        count = lines.shape[1]
+        largest = np.zeros((lines.depth // lines.pace + 1, count), np.float32)
+        cleared = np.zeros(count + 2, np.float32), largest, tuple(np.zeros((8, count), np.float32))
+        results = self._reach[frame], self._begins[frame], self._onset[frame]
         k, j, i = probability.shape
         ct = probability.reshape(-1), (i, j, k), lines.expected_at, lines.expected_of_line
-        fixed = self._places, ct, self._lengths, self._scales
-        judge(images.reshape(len(images), -1), images_to_map, fixed, room, cleared, self._results(frames))
+        onsets = judge(self._places, ct, image_to_map, self._lengths, self._scales, self._dtype == np.uint8, room, cleared, results)
         self._rooms.append(room)
+        self._onsets[frame] = onsets
+        return self._begins[frame, :onsets]
 
-    def _results(self, frames: slice) -> Results:
-        return self._reach[frames], self._begins[frames], self._onset[frames], self._onsets[frames]
+    def voxels_of(self, pixels: NDArray[np.uint32], image_to_ijk: Matrix, lows: Corner, highs: Corner) -> tuple[Integers, Integers]:
+        """The voxels of some of the layout's pixels in a part of the grid: positions among the pixels, and flat numbers."""
+        voxels = np.empty(pixels.size, np.int64)
+        number_voxels_at(self.scan_lines.places, pixels, image_to_ijk, lows, highs, voxels)
+        positions = np.flatnonzero(voxels >= 0)
+        return positions, voxels[positions]
 
-    def enter(self, frames: slice, image_to_ijk: Matrix, lows: Corner, highs: Corner) -> tuple[Integers, Integers, Integers]:
-        """Drop onsets that lie outside of a part of the grid: pixels and voxels of the others, (m,), and how many each frame has."""
-        pixels, voxels = np.empty(self._onsets[frames].sum(), np.uint32), np.empty(self._onsets[frames].sum(), np.int64)
-        count = number_voxels_at(self.scan_lines.places, image_to_ijk, lows, highs, self._results(frames), pixels, voxels)
-        return pixels[:count], voxels[:count], self._onsets[frames]
-
-    def keep(self, frames: slice, expected: Singles, cosine: Singles) -> None:
-        """Keep what is known of these, (m,): the CT's word, and the cosine of incidence."""
-        held = np.arange(self._onsets[frames].max()) < self._onsets[frames, None]
-        self._expected[frames, : held.shape[1]][held], self._cosine[frames, : held.shape[1]][held] = expected, cosine
+    def keep(self, frame: int, positions: Integers, expected: Singles, cosine: Singles) -> None:
+        """Keep what is known of those of the pixels with an onset at `positions` (m,): the CT's word, and the cosine of incidence."""
+        self._expected[frame, positions], self._cosine[frame, positions] = expected, cosine
 
     def evidence(self, frames: int) -> Evidence:
         """What was found (see `judge`) and kept, (frames, n), and how many onsets, of the first frames."""

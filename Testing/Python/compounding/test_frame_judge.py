@@ -67,7 +67,7 @@ def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spac
         image = echoes(seed + frame, dtype)
         by_ct = lines.expected(probability, place)
         expected = lines.evidence(layout.values(image), 255.0, by_ct)
-        judge.judge(image[None], slice(frame, frame + 1), probability, place[None])
+        judge.judge(image, frame, probability, place)
         reach, begins, onset, _expected, _cosine, onsets = (part[frame] for part in judge.evidence(2))
         np.testing.assert_array_equal(reach, expected.reach)
         found = np.zeros_like(reach)
