@@ -52,14 +52,15 @@ def add_to(commands: Commands) -> None:
     )
     add_placed_labels_options(parser)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="PLAN.json", help="where to write the passes and their poses")
-    parser.add_argument(
+    aim = parser.add_mutually_exclusive_group()
+    aim.add_argument(
         "--target",
         default="interspinous",
         metavar="NAME",
         help="interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label, by name or number "
         "(default: %(default)s)",
     )
-    parser.add_argument(
+    aim.add_argument(
         "--unseen",
         type=Path,
         metavar="PATHS.json",

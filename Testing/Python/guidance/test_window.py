@@ -98,6 +98,8 @@ def test_the_command_aims_at_a_report_of_paths(tmp_path, capsys):
     assert main(command) == 0
     assert f"% of {NOT_SEEN}" in capsys.readouterr().out
     assert json.loads(output.read_text())["target"] == NOT_SEEN
+    assert main([*command, "--target", "all"]) == 2
+    assert "argument --target: not allowed with argument --unseen" in capsys.readouterr().err
     output.unlink()
     report.write_text("{}")
     assert main(command) == 2
