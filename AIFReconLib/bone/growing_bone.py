@@ -52,13 +52,22 @@ class GrowingBone(BoneMap):
         self._learned[:] += 1, len(echoes)
         self._surface.add(echoes)
 
+    @property
+    def _is_enough(self) -> bool:
+        frames, echoes = self._learned
+        return bool(echoes >= max(self.least_a_frame * frames, 1))
+
+    def so_far(self, progress: Progress | None = None) -> BoneMap | None:
+        """The map as it is now, where enough is known; another thread may `learn` and a third may `spread` meanwhile."""
+        return self._surface.whole(progress) if self._is_enough else None
+
     def spread(self, progress: Progress | None = None) -> bool:
         """Bring what was learned since the last time to the voxels of the reconstructor; whether there was anything.
 
         `progress` hears of steps of some 15 ms. For one thread alone; another may `learn` meanwhile.
         """
-        has_news, (frames, echoes) = self._surface.take_in(), self._learned
-        if not self._on_grid or echoes < max(self.least_a_frame * frames, 1):
+        has_news = self._surface.take_in()
+        if not self._on_grid or not self._is_enough:
             return False
         grid, placed = self._on_grid[0]
         if self._told != [placed]:

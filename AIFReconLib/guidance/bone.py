@@ -1,4 +1,4 @@
-"""The bone that a probe on the back can meet: points on the surface of placed labels, and the patient's axes."""
+"""The bone that a probe on the back can meet: points on the surface of placed labels or of echoes, and the patient's axes."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Matrix
 from ..bone.field import VOXEL, BoneField
+from ..bone.map import BoneMap
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
 from ..geometry.labels import Labels
-from ..geometry.transforms import as_matrix, transform_points
+from ..geometry.transforms import as_matrix, image_plane_axes, transform_points
 from ..geometry.volume import Volume
 
 PITCH = 1.0
@@ -29,6 +31,21 @@ steeper than this the skin ends or the bone is too deep."""
 DIRECTIONS = 61
 """Of such beams, spread evenly, by which it is told what can be reached at all."""
 
+SHOWN = 0.15
+"""Probability from which voxels on both sides lie on the surface of echoes."""
+
+APART = 2.5
+"""mm. One point for each cube of this side on that surface, and beyond it."""
+
+BEYOND, BEND, WAYS = (3.0, 6.0), 8.0, 8
+"""mm from a point of that surface at which bone may go on, the radius by which it is thought to bend away there, and in how many ways."""
+
+AGREE = 0.3
+"""Length of the mean of the normals in a cube below which they face all sorts of ways."""
+
+NEAR = 0.8
+"""Times that far: what lies nearer to other points of the surface does not go on from this one."""
+
 
 @dataclass(frozen=True, eq=False)
 class GuidedBone:
@@ -37,14 +54,20 @@ class GuidedBone:
     surface: BoneSurface  #: Only the part that some beam from the back reaches, past all other bone; in Reference
     border: Mask  #: (n,). Points that bound an interspinous gap.
     distance: Volume  #: float32, mm. Signed distance to bone, placed in Reference.
-    centers: dict[int, Floats]  #: (3,) mm. Each label's center of mass in Reference.
+    centers: dict[int, Floats]  #: (3,) mm. Each label's center of mass in Reference; none where echoes alone tell of bone.
     patient_to_reference: Matrix
-    """(4, 4), mm. Patient: to the right, to the front, to the head; its origin is the middle of the points."""
+    """(4, 4), mm. Patient: to the right, to the front, to the head; its origin is the middle of the points. Of `bone_of_echoes`: along the
+    rows of the first image, with the beams, and into it as one looks at it."""
     names: Mapping[int, str] = field(default_factory=dict)
     """What labels are called, such as those of a segmentation's segments; a label without a name goes by its number."""
 
     def __len__(self) -> int:
         return len(self.surface)
+
+    @property
+    def is_of_ct(self) -> bool:
+        """Whether a CT tells it, and with it where the patient's head is."""
+        return bool(self.centers)
 
     @property
     def starts(self) -> Floats:
@@ -158,6 +181,86 @@ def guided_bone(
     patient[:3, :3] = axes
     patient[:3, 3] = surface.points_reference.mean(axis=0)
     return GuidedBone(surface, border[reached], distance, centers, patient, dict(called))
+
+
+def bone_of_echoes(known: BoneMap, image_to_reference: Matrix) -> GuidedBone:
+    """The surface that echoes lie on, and where bone may go on beyond it: what guidance looks for where there is no CT.
+
+    Raises GeometryError when a probe on the back reaches none of it.
+
+    Parameters
+    ----------
+    known : BoneMap
+        Of `bone_from_sweep`.
+    image_to_reference : (n, 4, 4) array, pixels to mm
+        Of the frames that have shown it.
+
+    Notes
+    -----
+    From a point p of the surface, facing n, bone may go on to p + s t - s^2 / 2R n, facing n + (s / R) t, for `WAYS` directions t along
+    the surface, s in `BEYOND` and R = `BEND`, where no other point of the surface is near: bone is round, and what no echo has shown has
+    mostly turned away from the beams. Of points in one cube of `APART` the mean is taken. Labels are 1 on the surface, and 0 beyond.
+    """
+    if known.inside is None or known.slopes is None:
+        raise ValueError("Input known must tell which side of its surface is bone.")
+    inside, shown = known.inside.array > 0, known.probability.array >= SHOWN
+    sides = [scipy.ndimage.binary_dilation(shown & side) for side in (inside, ~inside)]
+    kji = np.argwhere(shown & sides[0] & sides[1])
+    place, spacing = known.probability.ijk_to_reference, known.probability.grid.spacing
+    out = -np.stack([slope[tuple(kji.T)] for slope in known.slopes], axis=1) @ (place[:3, :3] / spacing).T
+    there = _in_cubes(transform_points(place, kji[:, ::-1].astype(np.float64)), _unit(out))
+    points, normals = (np.concatenate(both) for both in zip(there, _beyond(*there), strict=True))
+    away = scipy.ndimage.distance_transform_edt(~inside, spacing[::-1]) - scipy.ndimage.distance_transform_edt(inside, spacing[::-1])
+    distance = Volume(away.astype(np.float32), place)
+    looks = _unit(_unit(image_to_reference[:, :3, 1]).mean(axis=0))
+    patient = np.eye(4)
+    patient[:3, :3] = _axes(np.stack([right := image_plane_axes(image_to_reference[0])[0], looks, np.cross(right, looks)], axis=1), looks)
+    is_known = np.arange(len(points)) < len(there[0])
+    # A plane meets so many cubes for each mm^2
+    surface = BoneSurface(points, normals, APART**2 / np.abs(normals).sum(axis=1), is_known.astype(np.int64))
+    reached = _from_outside(surface, distance, patient[:3, :3])
+    if not reached.any():
+        raise GeometryError("The echoes so far lie on no surface that a probe on the back can reach. Scan the bone longer.")
+    patient[:3, 3] = points[reached].mean(axis=0)
+    bone = GuidedBone(surface, np.zeros(len(points), dtype=bool), distance, {}, patient)
+    return bone.only(np.flatnonzero(reached))
+
+
+def _beyond(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
+    """Where bone may go on beyond these points (n, 3) of its surface, and how it faces there; see `bone_of_echoes`."""
+    known = scipy.spatial.cKDTree(points)
+    across, along = axes_across(normals)
+    found, facing = [np.empty((0, 3))], [np.empty((0, 3))]
+    for turn in 2.0 * np.pi * np.arange(WAYS) / WAYS:
+        way, goes_on = np.cos(turn) * across + np.sin(turn) * along, np.ones(len(points), dtype=bool)
+        for step in BEYOND:
+            there = points + step * way - step**2 / (2.0 * BEND) * normals
+            goes_on &= known.query(there)[0] > NEAR * step
+            found.append(there[goes_on])
+            facing.append(_unit(normals + step / BEND * way)[goes_on])
+    return _in_cubes(np.concatenate(found), np.concatenate(facing))
+
+
+def axes_across(normals: Floats) -> tuple[Floats, Floats]:
+    """Unit vectors (n, 3) at right angles to normals (n, 3) and to each other: first cross second is the normal."""
+    some = np.where(np.abs(normals[:, :1]) < 0.8, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    first = _unit(np.cross(some, normals))
+    return first, np.cross(normals, first)
+
+
+def _in_cubes(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
+    """The mean of the points (n, 3) in each cube of `APART`, and of their normals (n, 3); not where these face all sorts of ways."""
+    cubes, of = np.unique(np.floor(points / APART), axis=0, return_inverse=True)
+    count = np.bincount(of.reshape(-1), minlength=len(cubes))[:, None]
+    means = [np.stack([np.bincount(of.reshape(-1), each, len(cubes)) for each in values.T], axis=1) / count for values in (points, normals)]
+    agree = np.linalg.norm(means[1], axis=1) > AGREE
+    return means[0][agree], _unit(means[1][agree])
+
+
+def _unit(vectors: Floats) -> Floats:
+    """Vectors (..., 3) of length 1."""
+    unit: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
+    return unit
 
 
 def _axes(rotation: Floats, anterior: Floats | None) -> Floats:

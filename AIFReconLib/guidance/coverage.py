@@ -34,7 +34,7 @@ class Coverage(Described):
     met: BoneMet  #: Point by point
     all: Share
     interspinous: Share
-    by_label: dict[str, Share]  #: By the name of the label, or its number where it has none
+    by_label: dict[str, Share]  #: By the name of the label, or its number where it has none; nothing where there is no CT
     notes: tuple[str, ...] = ()  #: What was assumed
 
     def _facts(self) -> list[tuple[str, str]]:
@@ -119,6 +119,13 @@ def followed(
     return met
 
 
+def unrefuted(met: BoneMet) -> BoneMet:
+    """What was met of `bone_of_echoes`, but for the places beyond its surface that beams met below 60 degrees: no echo came from there."""
+    with np.errstate(invalid="ignore"):
+        refuted = (met.bone.surface.labels == 0) & (met.best_cosine > BELOW_60)
+    return met.only(np.flatnonzero(~refuted))
+
+
 def bone_before(
     labels: Volume, labels_to_reference: Matrix | None, looks: Floats, names: Mapping[int, str] | None = None
 ) -> tuple[GuidedBone, tuple[str, ...]]:
@@ -149,6 +156,8 @@ def back_of_labels(met: BoneMet) -> dict[str, Share]:
 
 def _of_labels(met: BoneMet, chosen: Mask) -> dict[str, Share]:
     labels = met.bone.surface.labels
+    if not met.bone.is_of_ct:
+        return {}
     return {met.bone.name_of(int(label)): share_of(met, chosen & (labels == label)) for label in np.unique(labels)}
 
 

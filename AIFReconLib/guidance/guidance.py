@@ -8,16 +8,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Bytes, Floats, Matrix
-from ..geometry.transforms import invert, transform_points
+from ..bone.echoes.surface import bone_from_sweep
+from ..geometry.transforms import as_matrix, invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order
-from .bone import GuidedBone
+from .bone import GuidedBone, bone_of_echoes
 from .candidates import DRAWS
-from .coverage import Coverage, coverage, covered, followed
+from .coverage import Coverage, coverage, covered, followed, unrefuted
 from .mesh import ColoredBone
 from .met import BoneMet
 from .next_move import Move, NextMove, directions
@@ -27,7 +28,7 @@ from .seen import AdvisedMove, Direction, GuidanceSeen, ProbeShape
 from .window import window
 
 FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
-NOT_IN_BOX = "The box to be reconstructed holds no bone of the CT. Move the box, or place the CT on the sweep."
+NOT_IN_BOX = "The box to be reconstructed holds none of the bone. Move the box, or place the CT, if there is one, on the sweep."
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,7 @@ class Advisor:
         if move is None:
             return Advice(None)
         there = move.planned.placements(1)[0]
-        way = directions(self._probe.placement(image_to_reference), there)
+        way = directions(self._probe.placement(image_to_reference), there, self._bone.is_of_ct)
         return Advice(move, way, labels_under(self._bone, there.z), self._probe.images.shape)
 
 
@@ -136,8 +137,8 @@ def holds_bone(grid: VoxelGrid, bone: GuidedBone) -> bool:
 
 def guidance_of_sweep(
     sequences: TrackedSequence | Iterable[TrackedSequence],
-    labels: Volume,
-    labels_to_reference: Matrix,
+    labels: Volume | None = None,
+    labels_to_reference: Matrix | None = None,
     recipe: Recipe | None = None,
     *,
     grid: VoxelGrid | None = None,
@@ -146,14 +147,15 @@ def guidance_of_sweep(
 ) -> Guidance:
     """What recorded sweeps have met, and the next move from where the last one ended.
 
-    Raises AIFReconError as `coverage`.
+    Raises AIFReconError as `coverage`; without labels as `bone_from_sweep`, too.
 
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference
-    labels : Volume of integers
-    labels_to_reference : (4, 4) array, mm
-        Rigid.
+    labels : Volume of integers or None
+        None: the surface that the sweeps' own echoes lie on, and where bone may go on beyond it; see `bone_of_echoes`.
+    labels_to_reference : (4, 4) array or None, mm
+        Rigid; None where the labels lie in Reference.
     recipe : Recipe or None
         As in `reconstruct`.
     grid : VoxelGrid or None
@@ -162,8 +164,15 @@ def guidance_of_sweep(
         Places that the next move leads to in place of bone, as `FreePaths.unseen` has them.
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
-    found = coverage(sequence, labels, labels_to_reference, recipe=recipe, progress=part(progress, 0.0, 0.5))
-    colored = ColoredBone.of(found.met.bone).placed_by(invert(np.asarray(labels_to_reference, dtype=np.float64)))
+    place = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
+    if labels is None:
+        known = bone_from_sweep(sequence, recipe, part(progress, 0.0, 0.4))
+        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
+        bone = bone_of_echoes(known, poses.image_to_reference[poses.require_usable(sequence.name)])
+        found = covered(unrefuted(followed(bone, sequence, recipe, progress=part(progress, 0.4, 0.5))), known.notes)
+    else:
+        found = coverage(sequence, labels, place, recipe=recipe, progress=part(progress, 0.0, 0.5))
+    colored = ColoredBone.of(found.met.bone).placed_by(invert(place))
     problem = None if has_come_near(found.met) else FAR
     if grid is not None and not holds_bone(grid, found.met.bone):
         problem = NOT_IN_BOX

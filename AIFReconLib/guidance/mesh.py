@@ -8,9 +8,10 @@ import numpy as np
 import scipy
 
 from ..arrays import Bytes, Floats, Integers, Matrix, Numbers
+from ..evaluation.surface import BoneSurface
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
-from .bone import GuidedBone
+from .bone import APART, GuidedBone, axes_across
 from .coverage import BELOW_45, BELOW_60
 from .met import BoneMet
 from .seen import BoneMesh
@@ -23,6 +24,9 @@ CELL = 2.0
 
 LIFTED = 0.7
 """mm by which bone in color lies outside of its surface: what else is drawn of the same bone stays under it."""
+
+TILE = 1.2 * APART
+"""mm. Side of what is drawn for a point of the surface of echoes."""
 
 OUT_OF_REACH, NOT_MET, GRAZED, ASLANT, SQUARELY = range(5)
 """No beam from the back gets there; none has been there; the best one came at more than 60 degrees, at 45 to 60, below 45."""
@@ -69,6 +73,16 @@ def bone_mesh(distance: Volume) -> BoneMesh:
     return BoneMesh(transform_points(distance.ijk_to_reference, ijk), triangles)
 
 
+def _tiles(surface: BoneSurface) -> BoneMesh:
+    """A square for each point, a little larger than what it stands for: four corners one after the other."""
+    across, along = axes_across(surface.normals_reference)
+    lifted = surface.points_reference + LIFTED * surface.normals_reference
+    corners = np.stack([lifted + TILE / 2 * (a * across + b * along) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)
+    first = 4 * np.arange(len(lifted))[:, None]
+    triangles = np.concatenate([first + np.array(halves) for halves in ((0, 1, 2), (0, 2, 3))])
+    return BoneMesh(corners.reshape(-1, 3), triangles)
+
+
 def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
     """What was met at the corners of a mesh, by name.
 
@@ -104,7 +118,9 @@ class ColoredBone:
 
     @classmethod
     def of(cls, bone: GuidedBone) -> ColoredBone:
-        """The whole surface of a bone, out of reach or not."""
+        """The whole surface of a bone, out of reach or not; where there is no CT, a tile for each point of it."""
+        if not bone.is_of_ct:
+            return cls(_tiles(bone.surface), np.repeat(np.arange(len(bone)), 4))
         step = max(round(CELL / bone.distance.grid.spacing.max()), 1)
         distance = bone.distance.array[::step, ::step, ::step].astype(np.float32) - np.float32(LIFTED)
         mesh = bone_mesh(Volume(distance, bone.distance.ijk_to_reference @ np.diag([step, step, step, 1.0])))

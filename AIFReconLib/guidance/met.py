@@ -193,6 +193,14 @@ class BoneMet:
         """The chance that `weighted` shows each point, (n,), 0 to 1."""
         return expected_visibility(self.support)
 
+    def only(self, points: Integers) -> BoneMet:
+        """What was met of some of the points, by their numbers."""
+        beams = self.geometry.beams
+        some = BoneMet(FrameGeometry(self.bone.only(points), beams.frame_size, beams.probe, beams.region, beams.thickness))
+        for name in ("best_cosine", "support", "frames", "shadowed", "dark"):
+            setattr(some, name, getattr(self, name)[points])
+        return some
+
     def insert(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> None:
         """Add a frame; the arguments are those of `FrameGeometry.view`."""
         self.add(self.geometry.view(image_to_reference, image, full_scale))

@@ -28,14 +28,21 @@ LABOR = 0.5
 ROUNDS = 3
 """Times as many frames as a pass needs at least, in which a pass is thought to be made: 18 for a slide of 18 mm, a second or two."""
 
-HEAD, FEET, LEFT, RIGHT = "head", "feet", "patient's left", "patient's right"
-
 SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
 """What a hand does not notice is not said."""
 
 
 TURN, UP, DOWN, TO_LEFT, TO_RIGHT, HERE = "\u21bb", "\u2191", "\u2193", "\u2190", "\u2192", "\u25cf"
-"""As on a prone patient's back, with the head up."""
+"""As on a prone patient's back, with the head up; where nobody knows the head, as on the screen, and up is into the image."""
+
+PATIENT, IMAGE = (
+    ((TO_RIGHT, f"{to} right{of}"), (TO_LEFT, f"{to} left{of}"), (UP, up), (DOWN, down))
+    for to, of, up, down in (
+        ("toward the patient's", "", "toward the head", "toward the feet"),
+        ("to the", " of the image", "into the image", "out of the image"),
+    )
+)
+"""The ways of x and z up and down, of the patient and of an image that is looked at on a screen: an arrow, and words."""
 
 TURNED_DEG = 45.0
 """Between a transverse and a sagittal image."""
@@ -104,35 +111,38 @@ class NextMove:
         return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned, ROUNDS * planned.least)
 
     def _words(self, now: Placement, there: Placement, adds: float) -> str:
-        steps = listed(step.words for step in directions(now, there))
+        steps = listed(step.words for step in directions(now, there, self._bone.is_of_ct))
         return f"{steps} over {name_of_place(self._bone, there.z)}, adds {adds:.1f} cm2"
 
 
-def directions(now: Placement, there: Placement) -> tuple[Direction, ...]:
-    """Turn, slide, then tilt, told by where the beam then goes, not by the handle; where nothing of it is left, to sweep on."""
-    steps = []
-    if np.cos(np.radians(there.turn_deg - now.turn_deg)) < 0:
-        # The same plane, held the other way round
+def directions(now: Placement, there: Placement, knows_head: bool = True) -> tuple[Direction, ...]:
+    """Turn, slide, then tilt, told by where the beam then goes, not by the handle; where nothing of it is left, to sweep on.
+
+    Where nobody knows the head, ways are those of the image that is there after the turn.
+    """
+    steps, ways = [], PATIENT
+    turn = (there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0
+    is_other_way_round = np.cos(np.radians(there.turn_deg - now.turn_deg - turn)) < 0
+    is_sagittal = abs(there.turn_deg) > TURNED_DEG
+    if not knows_head:
+        right, left, into, out = IMAGE if not is_other_way_round else (IMAGE[1], IMAGE[0], IMAGE[3], IMAGE[2])
+        ways = (out, into, right, left) if is_sagittal else (right, left, into, out)
+    if is_other_way_round:
         now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
-    if abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0) > TURNED_DEG:
-        plane = "sagittal" if abs(there.turn_deg) > TURNED_DEG else "transverse"
-        steps.append(Direction(TURN, f"turn the probe to {plane}"))
+    if abs(turn) > TURNED_DEG:
+        clockwise = f"{abs(turn):.0f}° {'counterclockwise' if turn > 0 else 'clockwise'}, seen from above"
+        steps.append(Direction(TURN, f"turn the probe {('to sagittal' if is_sagittal else 'to transverse') if knows_head else clockwise}"))
         now = Placement(now.x, now.z, there.turn_deg)
-    for (arrow, way), mm in (
-        ((UP, HEAD), there.z - now.z),
-        ((DOWN, FEET), now.z - there.z),
-        ((TO_RIGHT, RIGHT), there.x - now.x),
-        ((TO_LEFT, LEFT), now.x - there.x),
-    ):
+    for way, mm in zip(ways, (there.x - now.x, now.x - there.x, there.z - now.z, now.z - there.z), strict=True):
         if mm >= SMALLEST_MM:
-            steps.append(Direction(arrow, f"slide {mm:.0f} mm toward the {way}"))
-    along, sideways = ((UP, HEAD), (DOWN, FEET)), ((TO_RIGHT, RIGHT), (TO_LEFT, LEFT))
+            steps.append(Direction(way[0], f"slide {mm:.0f} mm {way[1]}"))
+    right, left, up, down = ways
     # The normal of a sagittal image points to the left
-    in_plane, across = (along, sideways[::-1]) if abs(there.turn_deg) > TURNED_DEG else (sideways, along)
-    for ways, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
+    in_plane, across = ((up, down), (left, right)) if is_sagittal else ((right, left), (up, down))
+    for sides, degrees in ((in_plane, there.in_plane_deg - now.in_plane_deg), (across, there.across_deg - now.across_deg)):
         if abs(degrees) >= SMALLEST_DEG:
-            arrow, way = ways[degrees < 0]
-            steps.append(Direction(arrow, f"aim the beam {abs(degrees):.0f}° more toward the {way}"))
+            arrow, words = sides[int(degrees < 0)]
+            steps.append(Direction(arrow, f"aim the beam {abs(degrees):.0f}° more {words}"))
     return tuple(steps) or (Direction(HERE, "keep sweeping here"),)
 
 

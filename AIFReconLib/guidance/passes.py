@@ -150,7 +150,9 @@ def wearable_places(bone: GuidedBone, target: Floats) -> list[tuple[float, float
 
 
 def labels_under(bone: GuidedBone, z: float) -> tuple[int, ...]:
-    """The label, or the two from head to feet, that a place along the spine (mm to the head) lies over."""
+    """The label, or the two from head to feet, that a place along the spine (mm to the head) lies over; none where there is no CT."""
+    if not bone.is_of_ct:
+        return ()
     levels = {label: float(_patient(bone, center[None])[0][2]) for label, center in bone.centers.items()}
     nearest, *others = sorted(levels, key=lambda label: abs(levels[label] - z))
     if others:
@@ -162,7 +164,9 @@ def labels_under(bone: GuidedBone, z: float) -> tuple[int, ...]:
 
 
 def name_of_place(bone: GuidedBone, z: float) -> str:
-    """What it lies over, in words: ``L3``, ``L3 and L4``, ``labels 2 and 3``."""
+    """What it lies over, in words: ``L3``, ``L3 and L4``, ``labels 2 and 3``; ``the bone`` where there is no CT."""
+    if not bone.is_of_ct:
+        return "the bone"
     upper, lower = (*(under := labels_under(bone, z)), under[-1])[:2]
     if upper == lower:
         return f"{bone.name_of(upper)}" if bone.names.get(upper) else f"label {upper}"

@@ -131,8 +131,8 @@ def _more(found: Calibration) -> list[str]:
 
 def guidance_in_sweep(
     sequence: TrackedSequence,
-    labels: Volume,
-    labels_to_reference: Matrix,
+    labels: Volume | None,
+    labels_to_reference: Matrix | None,
     recipe: Recipe,
     grid: VoxelGrid | None = None,
     unseen: Floats | None = None,

@@ -181,9 +181,11 @@ class Scan:
         self._spans = [(self._recorded(), self._spans[-1][1] and self._recorded())]
 
     def guide(self, wanted: bool) -> None:
-        """Tell from now on what is met of the labels, and where to look next, or do so no longer."""
+        """Tell from now on what is met of the labels, else of the bone that frames show, and where to look next; or do so no longer."""
         if wanted and self._guidance is None and self._labels is not None and self._place is not None:
             self._guidance = GuidanceWatch(self.session, self._labels, self._place)
+        elif wanted and self._guidance is None and self._labels is None and self._growing is not None:
+            self._guidance = GuidanceWatch(self.session, self._growing)
         elif not wanted and self._guidance is not None:
             ended, self._guidance = self._guidance, None
             ended.stop(wait=False)

@@ -49,7 +49,7 @@ class ScanRequest:
     record : Path or None
         Where every frame is recorded.
     guidance : bool
-        Tell what is met of the labels, and where to look next.
+        Tell what is met of the labels, else of the bone that frames show, and where to look next.
     takes_up : bool
         Go on with the recording that was not finished: its frames come first, those of `spans` into the volume.
     search_path : tuple of str

@@ -23,7 +23,7 @@ QUICK = """
 from AIFReconLib.guidance import passes
 from AIFReconLib.live.session import guidance_watch
 passes.SAGITTAL_TILTS_DEG, passes.SAGITTAL_ACROSS_DEG, passes.TRANSVERSE_TILTS_DEG = (-38.0, 38.0), (0.0,), (0.0,)
-guidance_watch.SKIN_AFTER, guidance_watch.FAR_AFTER = 3, 10
+guidance_watch.SKIN_AFTER, guidance_watch.FAR_AFTER, guidance_watch.RENEW_EVERY = 3, 10, 0.5
 """
 """Has a worker look at few candidates, after few frames."""
 
@@ -220,6 +220,20 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.model().GetRASBounds(after)
         np.testing.assert_allclose(after - before, [0, 0, 0, 0, 50, 50], atol=1e-3)
 
+    def test_without_a_ct_the_echoes_tell_what_was_hit_and_where_to_go(self):
+        self.parameters.bone = None
+        self.setBox()
+        self.assertTrue(self.colored(), self.ui.guidanceLabel.text)
+        self.assertIn(1, self.levels())  # where bone may go on
+        self.assertIsNone(self.model().GetParentTransformNode())
+        self.assertIn("All bone", self.ui.guidanceTableLabel.text)
+        self.assertNotRegex(self.ui.guidanceTableLabel.text, "Label|interspinous")
+        self.assertRegex(self.ui.guidanceLabel.text, "over the bone; shows [0-9.]+ cm\u00b2 more bone$")
+        self.assertNotRegex(self.ui.guidanceLabel.text, "head|feet|patient")
+        self.assertTrue(self.widget.logic.verdicts.of(self.parameters))
+        self.setBox(False)
+        self.assertTrue(waitFor(lambda: not self.own()), self.own())
+
     # ---- sentences instead of colors
 
     def test_a_ct_that_is_not_placed_is_a_sentence(self):
@@ -234,6 +248,15 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.start()
         self.playUntil(lambda: self.colored() and self.live._advised and self.ui.guidanceMoveLabel.text == self.live._advised)
         self.assertIn("%", self.ui.guidanceTableLabel.text)
+        self.assertIsNotNone(self.model("Advised probe"))
+
+    def test_a_scan_without_a_ct_colors_the_bone_of_its_echoes_and_says_the_next_move(self):
+        from AIFReconScene.inputs.boneSource import BoneSource
+
+        self.parameters.bone, self.parameters.boneSource = None, BoneSource.ECHOES
+        self.start()
+        self.playUntil(lambda: self.colored() and self.live._advised)
+        self.assertNotRegex(self.live._advised, "head|feet|patient")
         self.assertIsNotNone(self.model("Advised probe"))
 
     def test_what_a_scan_has_met_is_still_seen_when_it_is_over(self):

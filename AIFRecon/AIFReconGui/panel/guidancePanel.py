@@ -40,7 +40,8 @@ class GuidancePanel(PanelPart):
     def update(self) -> None:
         """Follow the box and what is chosen."""
         parameters, scanning = self._parameterNode, self._live.isRunning
-        missing = self._live.whyNotNow() or readiness.whyNotRegister(parameters, self._logic.sweepSummary(parameters))
+        whyNot = readiness.whyNoImages if parameters.bone is None else readiness.whyNotRegister
+        missing = self._live.whyNotNow() or whyNot(parameters, self._logic.sweepSummary(parameters))
         button = self._ui.guidanceSweepButton
         button.enabled = parameters.guidance and not missing
         button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")
@@ -123,9 +124,10 @@ class GuidancePanel(PanelPart):
         """Show a `GuidanceSeen` of this node."""
         self._shown = seen
         bone = bone if bone is not None and bone.GetScene() is not None else None
-        names = {} if bone is None else boneNames(bone, self._segments())
+        chosen = None if self._parameterNode is None else list(self._parameterNode.boneSegments)
+        names = {} if bone is None else boneNames(bone, chosen)
         with slicer.util.RenderBlocker():
-            if bone is None or seen.mesh is None:
+            if seen.mesh is None:
                 self._colors.clear()
             else:
                 self._colors.show(bone, seen.mesh, seen.levels)
@@ -153,9 +155,6 @@ class GuidancePanel(PanelPart):
             self._isTurned = True
             threeDViews.lookAlong(patientToWorld[:3, 1], patientToWorld[:3, 2], self._colors.node)
 
-    def _segments(self):
-        return list(self._parameterNode.boneSegments) if self._parameterNode is not None else None
-
     def _showMove(self, seen, names) -> None:
         move = seen.move
         if move is None:
@@ -174,7 +173,7 @@ class GuidancePanel(PanelPart):
         if self._about is not None and not self._about[0]:
             listed = move.directions
             words = words if self._logic.paths.unseen is None else _("over {where}; looks where paths were not seen")
-        adds = words.format(where=inNames(move.over, names), adds=move.adds_cm2)
+        adds = words.format(where=inNames(move.over, names) or _("the bone"), adds=move.adds_cm2)
         self._say("\n".join([*(f"{step.arrow}  {step.words}" for step in listed), adds]))
 
     def _clearMove(self) -> None:

@@ -55,7 +55,7 @@ class LivePanel(PanelPart):
         ui.liveFindButton.connect("clicked(bool)", self.onFind)
         ui.liveMoreButton.connect("toggled(bool)", ui.liveDetails.setVisible)
         ui.guidanceMoveLabel.styleSheet = styleOf(GRAY, LARGE)
-        ui.guidanceMoveLabel.toolTip = _("Arrows are for a patient seen from behind, with the head up; left and right are the patient's.")
+        ui.guidanceMoveLabel.toolTip = _("Arrows: the patient seen from behind, the head up; without a CT the image, up into it.")
         ui.liveStateLabel.toolTip = _("Whether the tracker sees the probe, and Reference, the marker on the patient")
         self._showState(_("not started"), GRAY)
 

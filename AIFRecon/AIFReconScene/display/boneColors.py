@@ -21,7 +21,7 @@ HIDDEN = Borrowed("Visibility3D", False, "AIFRecon.HiddenIn3D")
 
 
 class BoneColors:
-    """One model node in the bone's own coordinates, under the bone's transform: it goes where the CT goes.
+    """One model node in the bone's own coordinates, under the bone's transform: it goes where the CT goes. Without a CT, in the world.
 
     Notes
     -----
@@ -40,7 +40,7 @@ class BoneColors:
         return self._own.get("bone")
 
     def show(self, bone, mesh, levels: np.ndarray) -> None:
-        """Draw a `BoneMesh` of a node of bone, with the level of each corner (n,)."""
+        """Draw a `BoneMesh` of a node of bone, or of none, with the level of each corner (n,)."""
         node = self.node
         if node is None:
             node = self._made(_surface(mesh, levels))
@@ -52,8 +52,9 @@ class BoneColors:
             array.Modified()
             node.GetPolyData().Modified()
         self._mesh, self._levels = mesh, levels
-        if node.GetTransformNodeID() != bone.GetTransformNodeID():
-            node.SetAndObserveTransformNodeID(bone.GetTransformNodeID())
+        transform = None if bone is None else bone.GetTransformNodeID()
+        if node.GetTransformNodeID() != transform:
+            node.SetAndObserveTransformNodeID(transform)
         # Once: what the user shows again stays
         HIDDEN.follow(displayOf(bone))
 

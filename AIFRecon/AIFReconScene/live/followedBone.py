@@ -14,7 +14,7 @@ from ..registration.ctRegistration import rigidPlace
 SETTLED = 1.0
 """s for which labels must stay as they are before they are read anew: while somebody draws, they would be read in vain."""
 
-NO_BONE = "Select the bone of the CT, a segmentation or a labelmap: without it nobody can tell which bone was hit."
+NO_BONE = "Select the bone of the CT, or let the echoes tell it (“Bone told by”): without it nobody can tell which bone was hit."
 
 
 class FollowedBone:

@@ -142,7 +142,7 @@ class LiveReconstruction:
             return True
         if self.guidance is not None and seen.guidance is not None:
             self.guidance.state, self._surface = seen.guidance.after(self.guidance.state), seen.guidance.surface
-        if self.guidance is not None and self._bone.problem is not None:
+        if self.guidance is not None and self._bone.problem is not None and not (self._request.bone_from and self._request.labels is None):
             self.guidance.state = GuidanceSeen(problem=self._bone.problem)
         if seen.frame is not None:
             self._toShow.append(self._showFrame)
@@ -323,6 +323,6 @@ def _requestOf(parameters, bone: FollowedBone, record) -> ScanRequest:
         model=fileFrom(parameters.boneModelPath) if fromFrames == MODEL else None,
         image_device=parameters.liveImageDevice.strip() or None,
         record=record,
-        guidance=parameters.guidance and bone.labels is not None,
+        guidance=parameters.guidance and (bone.labels is not None or fromFrames is not None),
         search_path=tuple(sys.path),
     )

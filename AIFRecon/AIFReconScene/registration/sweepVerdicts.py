@@ -110,8 +110,8 @@ class SweepVerdicts:
         inputs = Inputs.fromParameters(parameters)
         for sweep in inputs.sweeps:
             checkRecorded(sweep)
-        place, labels = rigidPlace(inputs.bone), inputs.labels(part(progress, 0.0, 0.1))
-        asked = inputs.sequence(), labels, place, inputs.recipe, inputs.grid(inputs.recipe), unseen
+        bone = (None, None) if parameters.bone is None else (inputs.labels(part(progress, 0.0, 0.1)), rigidPlace(inputs.bone))
+        asked = inputs.sequence(), *bone, inputs.recipe, inputs.grid(inputs.recipe), unseen
         seen, back = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
         if back:
             names, move = boneNames(parameters.bone, list(parameters.boneSegments)), seen.move

@@ -10,6 +10,7 @@ images", SIGGRAPH: what a line of sight says of the space before and behind a po
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -147,7 +148,8 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
 class EchoSurface:
     """The surface that echoes lie on, which may come one after the other. What is kept of them are sums in cubes of 1 mm.
 
-    Echoes may be added by one thread while another asks for `news`: those that are added meanwhile come with the next.
+    Echoes may be added by one thread while another asks for `news`: those that are added meanwhile come with the next. A third may ask for
+    the `whole`.
 
     Notes
     -----
@@ -164,6 +166,7 @@ class EchoSurface:
 
     def __init__(self) -> None:
         self._new: deque[SweepEchoes] = deque()
+        self._adding = threading.Lock()
         self._shown, self._shadows = CubeSums(13), CubeSums(1)
         self._changed: list[Integers] = []
         self._apart: tuple[Integers, Floats] = np.empty((0, 3), np.int64), np.empty(0)
@@ -180,10 +183,19 @@ class EchoSurface:
         for first in range(0, len(new), AT_ONCE):
             some = new[np.arange(first, min(first + AT_ONCE, len(new)))]
             cubes, behind = cubes_of(some.points), cubes_of((some.points + depths[:, None, None] * some.beams).reshape(-1, 3))
-            self._shown.add(cubes, _moments(some))
-            self._shadows.add(behind, np.tile(some.scores.astype(np.float64), len(depths))[None])
+            with self._adding:
+                self._shown.add(cubes, _moments(some))
+                self._shadows.add(behind, np.tile(some.scores.astype(np.float64), len(depths))[None])
             self._changed += [end(of, axis=0) for of in (cubes, behind) for end in (np.min, np.max)]
         return bool(self._changed)
+
+    def whole(self, progress: Progress | None = None) -> BoneMap | None:
+        """The map of all that was taken in, for another than who asks for `news`."""
+        other = EchoSurface()
+        with self._adding:
+            other._shown, other._shadows = self._shown.copy(), self._shadows.copy()
+        other.renew()
+        return other.news(progress)
 
     def renew(self) -> None:
         """The next `news` are of all that is known."""

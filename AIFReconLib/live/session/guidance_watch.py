@@ -5,18 +5,21 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
 
 from ...arrays import Matrix, Numbers
+from ...bone.growing_bone import GrowingBone
 from ...errors import OperationCanceled
 from ...geometry.volume import Volume, VoxelGrid
-from ...guidance.bone import GuidedBone, guided_bone
-from ...guidance.coverage import is_awry
+from ...guidance.bone import GuidedBone, bone_of_echoes, guided_bone
+from ...guidance.coverage import is_awry, unrefuted
 from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
 from ...guidance.mesh import ColoredBone
 from ...guidance.met import BoneMet, FrameGeometry
+from ...progress import Progress, report
 from ...resolve import Imaging
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
@@ -40,6 +43,11 @@ AT_ONCE = 5
 FAR_AFTER = 60
 """Frames after which bone that none has come near to is probably not where the CT has it."""
 
+RENEW_EVERY = 5.0
+"""s between two looks at the surface of echoes, where there is no CT, at least: who follows a move has some seconds for it."""
+
+NOTHING_YET = "No bone is known yet. Scan the bone."
+
 
 class GuidanceWatch(Watch):
     """Looks at the frames of a session, at every one if there is time for it.
@@ -47,8 +55,9 @@ class GuidanceWatch(Watch):
     Parameters
     ----------
     session : LiveSession
-    labels : Volume of integers
-    labels_to_reference : (4, 4) array, mm
+    labels : Volume of integers, or GrowingBone
+        Where the frames alone tell of bone, what they have told.
+    labels_to_reference : (4, 4) array or None, mm
         Rigid.
 
     Attributes
@@ -62,13 +71,16 @@ class GuidanceWatch(Watch):
     -----
     A frame takes some 2 ms; those that come meanwhile are not looked at. Candidate passes are looked at for every place of the CT, in
     pieces while no frame is inserted: advice is there when all were looked at once, and becomes better when they were looked at again.
+    Bone that grows is told anew every some seconds, from all poses so far, and what was told before stays until that is done.
     """
 
-    def __init__(self, session: LiveSession, labels: Volume, labels_to_reference: Matrix):
+    def __init__(self, session: LiveSession, labels: Volume | GrowingBone, labels_to_reference: Matrix | None = None):
         super().__init__(session, "aifrecon guidance")
         self.prepared = threading.Event()
         self.state = Guidance()
-        self._labels, self._labels_to_reference = labels, np.asarray(labels_to_reference, dtype=np.float64)
+        self._labels_to_reference = np.eye(4) if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64)
+        self._growing = labels if isinstance(labels, GrowingBone) else None
+        self._labels: Volume | None = None
         self._bone_of_ct: GuidedBone | None = None
         self._colored: ColoredBone | None = None
         self._bone: GuidedBone | None = None
@@ -76,13 +88,18 @@ class GuidanceWatch(Watch):
         self._advisor: Advisor | None = None
         self._poses: list[Matrix] = []
         self._again: list[Matrix] = []
+        self._since: list[Matrix] = []
         self._grid: VoxelGrid | None = None
         self._boxed: GuidedBone | None = None
         self._is_in_box = True
         self._brightest = 1.0
         self._is_preparing = False
         self._told, self._advised = 0.0, 0.0
-        self._ask("labels", partial(self._take_labels, labels))
+        self._renewed = 0.0
+        if isinstance(labels, GrowingBone):
+            self._tell_problem(NOTHING_YET)
+        else:
+            self._ask("labels", partial(self._take_labels, labels))
         self._thread.start()
 
     def place(self, labels_to_reference: Matrix, labels: Volume | None = None) -> None:
@@ -96,14 +113,15 @@ class GuidanceWatch(Watch):
         self.prepared.set()
 
     def _take_labels(self, labels: Volume) -> None:
-        self._labels, self._bone_of_ct = labels, None
+        self._labels, self._bone_of_ct, self._growing = labels, None, None
         self._begin()
         self._show(guided_bone(labels))
         self._begin()
 
     def _move(self, labels_to_reference: Matrix) -> None:
         self._labels_to_reference = labels_to_reference
-        self._begin()
+        if self._growing is None:
+            self._begin()
 
     def _begin(self) -> None:
         """Nothing is met yet of the bone where it lies now."""
@@ -119,8 +137,14 @@ class GuidanceWatch(Watch):
 
     def _look(self, frame: LiveFrame | None) -> None:
         imaging = None if frame is None else self._session.imaging()
-        if frame is not None and imaging is not None and self._bone is not None:
-            self._add(self._bone, imaging, *frame.placed())
+        if frame is not None and imaging is not None:
+            image, pose = frame.placed()
+            if self._bone is not None:
+                self._add(self._bone, imaging, image, pose)
+            elif self._growing is not None:
+                self._remember(pose)
+            if self._growing is not None and not self._is_preparing and time.monotonic() - self._renewed >= RENEW_EVERY:
+                self._renew(self._growing, imaging, (image.shape[1], image.shape[0]))
         if self._met is None:
             return
         for pose in self._again[:AT_ONCE]:
@@ -141,12 +165,17 @@ class GuidanceWatch(Watch):
             return
         self._brightest = 255.0 if image.dtype == np.uint8 else max(self._brightest, float(image.max()))
         self._met.insert(pose, image, self._brightest)
+        self._remember(pose)
+
+    def _remember(self, pose: Matrix) -> None:
         self._poses = [*self._poses, pose][-MOST_POSES:]
+        if self._growing is not None:
+            self._since.append(pose)
 
     def _turn(self, bone: GuidedBone, pose: Matrix) -> None:
         """Where the labels' axes are not the patient's, the first frame says where the front is."""
         looks = pose[:3, 1] / np.linalg.norm(pose[:3, 1])
-        if is_awry(bone.patient_to_reference[:3, 1], looks):
+        if self._labels is not None and is_awry(bone.patient_to_reference[:3, 1], looks):
             self._show(guided_bone(self._labels, None, self._labels_to_reference[:3, :3].T @ looks))
             self._begin()
 
@@ -179,19 +208,41 @@ class GuidanceWatch(Watch):
         return FAR if far else None
 
     def _prepare(self, met: BoneMet) -> None:
-        """Look at candidate passes, a few at a time, and at frames meanwhile."""
+        """Look at candidate passes."""
+        with self._beside(lambda: self._met is met) as between:
+            self._advisor = advisor = Advisor(met, np.array(self._poses), between, draws=1)
+            while advisor.look_again(between):
+                pass
+
+    def _renew(self, growing: GrowingBone, imaging: Imaging, frame_size: tuple[int, int]) -> None:
+        """Tell what echoes have shown of bone until now, and what all poses so far met of it."""
+        with self._beside(lambda: True) as between:
+            poses, self._since = self._poses, []
+            known = growing.so_far(between) if len(poses) >= SKIN_AFTER else None
+            if known is not None:
+                met = BoneMet(FrameGeometry(bone_of_echoes(known, np.array(poses)), frame_size, imaging.known_probe(), imaging.region))
+                for number, pose in enumerate(poses):
+                    report(between, number / len(poses), "Following the beams")
+                    met.insert(pose)
+                met = unrefuted(met)
+                advisor = Advisor(met, np.array(poses), between, draws=1)
+                self._colored, self._bone, self._met, self._advisor = ColoredBone.of(met.bone), met.bone, met, advisor
+                self._again = self._since
+        self._renewed = time.monotonic()
+
+    @contextlib.contextmanager
+    def _beside(self, goes_on: Callable[[], bool]) -> Iterator[Progress]:
+        """What to call between pieces of work that lasts for seconds: frames are looked at meanwhile."""
 
         def between(_fraction: float, _what: str) -> bool:
             self._make_way()
             self._attempt()
-            return self._make_way() and self._met is met
+            return self._make_way() and goes_on()
 
         self._is_preparing = True
         try:
             with contextlib.suppress(OperationCanceled):
-                self._advisor = advisor = Advisor(met, np.array(self._poses), between, draws=1)
-                while advisor.look_again(between):
-                    pass
+                yield between
         finally:
             self._is_preparing = False
 

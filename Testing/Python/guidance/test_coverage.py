@@ -29,7 +29,7 @@ def known():
             return 5
 
     names = {1: "L3", 2: "2"}
-    bone = Bone(surface=surface, border=np.array([False, False, True, True, False]), name_of=names.get)
+    bone = Bone(surface=surface, border=np.array([False, False, True, True, False]), name_of=names.get, is_of_ct=True)
     return SimpleNamespace(bone=bone, best_cosine=best, expected=np.array([0.0, 0.4, 0.8, 1.0, 0.0]))
 
 

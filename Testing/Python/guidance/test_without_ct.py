@@ -1,0 +1,385 @@
+"""Guidance where no CT tells of bone: the surface of echoes, where it may go on, and words for an image, since nobody knows the head."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from sweeps import rigid, two_vertebrae
+from waiting import until
+
+from AIFReconLib.bone.echoes.found import SweepEchoes
+from AIFReconLib.bone.echoes.surface import surface_of
+from AIFReconLib.bone.growing_bone import GrowingBone
+from AIFReconLib.errors import GeometryError
+from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.guidance.bone import GuidedBone, bone_of_echoes
+from AIFReconLib.guidance.candidates import geometry_of
+from AIFReconLib.guidance.coverage import covered, unrefuted
+from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
+from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
+from AIFReconLib.guidance.met import BoneMet, FrameGeometry
+from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
+from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
+from AIFReconLib.live.session import guidance_watch
+from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.resolve import Imaging, imaging_fields
+from AIFReconLib.sweep.frames import TrackedSequence
+
+IMAGES = ProbeImages.simulated()
+RADIUS, HALF_LENGTH, SHOWN_DEG = 12.0, 20.0, 40.0
+"""mm, mm, and degrees to either side of its top: a shaft along z, as far as echoes show it; its axis goes through the origin."""
+
+PLACES = [np.eye(4), rigid((20.0, -35.0, 50.0), (12.0, -40.0, 75.0))]
+
+
+def shaft(place=PLACES[0], tilts_deg=(-15.0, 0.0, 15.0)) -> SweepEchoes:
+    """Echoes of the shaft where beams along +y, turned about z, meet it."""
+    along, around = (axis.ravel() for axis in np.meshgrid(np.arange(-HALF_LENGTH, HALF_LENGTH + 0.1, 0.7), np.arange(-40.0, 40.1, 3.0)))
+    angle = np.radians(around)
+    points = np.stack([RADIUS * np.sin(angle), -RADIUS * np.cos(angle), along], axis=1)
+    ways = [(np.sin(np.radians(tilt)), np.cos(np.radians(tilt)), 0.0) for tilt in tilts_deg]
+    parts = [
+        SweepEchoes(
+            transform_points(place, points),
+            np.tile(way, (len(points), 1)) @ place[:3, :3].T,
+            np.full(len(points), 0.6, np.float32),
+            np.full(len(points), number),
+        )
+        for number, way in enumerate(ways)
+    ]
+    return SweepEchoes.joined(parts)
+
+
+def above(place=PLACES[0], x=0.0, z=0.0, turn_deg=0.0) -> np.ndarray:
+    """image_to_reference of an image that looks along +y at the shaft, (4, 4)."""
+    pose = np.eye(4)
+    turn = rigid((0.0, turn_deg, 0.0))[:3, :3]
+    pose[:3, :3] = turn @ np.diag([*IMAGES.spacing, 0.2])
+    column, row = IMAGES.face_px
+    pose[:3, 3] = np.array([x, -45.0, z]) - pose[:3, :2] @ (column, row)
+    return place @ pose
+
+
+@pytest.fixture(scope="module", params=PLACES, ids=["upright", "oblique"])
+def place(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def bone(place) -> GuidedBone:
+    return bone_of_echoes(surface_of(shaft(place)), np.stack([above(place, z=z) for z in (-5.0, 0.0, 5.0)]))
+
+
+def in_shaft(bone, place) -> tuple[np.ndarray, np.ndarray]:
+    """Points and normals where the shaft lies along z."""
+    back = np.linalg.inv(place)
+    return transform_points(back, bone.surface.points_reference), bone.surface.normals_reference @ back[:3, :3].T
+
+
+def test_the_surface_lies_where_the_echoes_do_and_faces_the_beams(bone, place):
+    points, normals = in_shaft(bone, place)
+    known = bone.surface.labels == 1
+    radius = np.hypot(points[known, 0], points[known, 1])
+    assert np.median(np.abs(radius - RADIUS)) < 0.6
+    assert np.abs(radius - RADIUS).max() < 1.8  # beyond the last echo it goes straight on
+    out = points[known, :2] / radius[:, None]
+    assert np.median((normals[known, :2] * out).sum(axis=1)) > 0.98
+    # It ends 3 mm beyond the last echo
+    expected = (2 * HALF_LENGTH + 6) * (RADIUS * np.radians(2 * SHOWN_DEG) + 6)
+    assert bone.surface.areas[known].sum() == pytest.approx(expected, rel=0.25)
+
+
+def test_bone_may_go_on_beyond_its_ends_and_around_its_sides(bone, place):
+    points, normals = in_shaft(bone, place)
+    beyond = bone.surface.labels == 0
+    angle = np.degrees(np.arctan2(points[:, 0], -points[:, 1]))
+    ahead = np.abs(points[:, 2]) - HALF_LENGTH
+    sideways = np.abs(angle) - SHOWN_DEG
+    assert (np.maximum(ahead, sideways * np.radians(1) * RADIUS)[beyond] > 0.5).all()
+    for side in (points[:, 2] > HALF_LENGTH + 1, points[:, 2] < -HALF_LENGTH - 1, angle > SHOWN_DEG + 5, angle < -SHOWN_DEG - 5):
+        assert (beyond & side).sum() > 10
+    # Around the sides it goes on as the shaft does, for this is about as round as bone is thought to be
+    flanks = beyond & (ahead < -5)
+    assert np.abs(np.hypot(points[flanks, 0], points[flanks, 1]) - RADIUS).max() < 3.0
+    assert (np.sign(normals[flanks, 0]) == np.sign(angle[flanks])).all()
+
+
+def test_its_axes_are_those_of_the_first_image(bone, place):
+    expected = place[:3, :3]
+    np.testing.assert_allclose(bone.patient_to_reference[:3, :3], expected, atol=1e-9)
+    assert not bone.is_of_ct
+    assert bone.aim == "posterior"
+
+
+def met_by(bone, poses) -> BoneMet:
+    met = BoneMet(geometry_of(bone, ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), bone.patient_to_reference)))
+    for pose in poses:
+        met.insert(pose)
+    return met
+
+
+def test_places_that_beams_have_met_without_an_echo_are_no_bone(bone, place):
+    over_the_end = [above(place, z=HALF_LENGTH + dz) for dz in (1.0, 3.0, 5.0, 7.0)]
+    met = met_by(bone, over_the_end)
+    left = unrefuted(met)
+
+    def beyond_the_end(of: BoneMet) -> int:
+        points, _ = in_shaft(of.bone, place)
+        return int(((of.bone.surface.labels == 0) & (points[:, 2] > HALF_LENGTH + 1)).sum())
+
+    assert beyond_the_end(left) < 0.5 * beyond_the_end(met)
+    known = met.bone.surface.labels == 1
+    np.testing.assert_array_equal(left.best_cosine[left.bone.surface.labels == 1], met.best_cosine[known])
+    np.testing.assert_array_equal(left.support[left.bone.surface.labels == 1], met.support[known])
+    np.testing.assert_allclose(met_by(left.bone, over_the_end).support, left.support)
+
+
+def test_what_was_seen_is_colored_and_what_may_go_on_is_gray(bone, place):
+    met = met_by(bone, [above(place, z=z) for z in np.arange(-18.0, 19.0, 3.0)])
+    colored = ColoredBone.of(bone)
+    levels = colored.levels(met.best_cosine).reshape(-1, 4)
+    assert (levels == levels[:, :1]).all()  # a tile has one color
+    points, _ = in_shaft(bone, place)
+    ends = (bone.surface.labels == 0) & (np.abs(points[:, 2]) > HALF_LENGTH + 4)
+    top = (bone.surface.labels == 1) & (np.abs(points[:, 0]) < 4) & (np.abs(points[:, 2]) < 15)
+    assert (levels[ends] == NOT_MET).all()
+    assert np.isin(levels[top], (SQUARELY, ASLANT)).all()
+    mesh = colored.mesh
+    corners = mesh.points_reference[mesh.triangles]
+    facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.concatenate([bone.surface.normals_reference] * 2)
+    assert ((facing * normals).sum(axis=1) > 0).all()  # seen from outside
+    assert np.linalg.norm(facing, axis=1).sum() / 2 == pytest.approx(len(bone) * TILE**2)
+
+
+def test_the_next_move_leads_to_where_bone_may_go_on(bone, place):
+    """Seen from above all along but for one end: that is where to go."""
+    poses = np.stack([above(place, z=z) for z in np.linspace(-24.0, 8.0, 40)])
+    met = unrefuted(met_by(bone, poses))
+    advice = Advisor(met, poses).advise(met, poses[-1])
+    assert advice.move is not None
+    assert advice.over == ()
+    there = np.linalg.inv(place) @ advice.move.image_to_reference
+    points = transform_points(there, np.array([[*IMAGES.face_px, 0.0]]))
+    assert points[0, 2] > 0.0
+    assert "over the bone, adds" in advice.move.words
+    assert not any(word in advice.move.words for word in ("head", "feet", "patient", "sagittal", "transverse"))
+    assert covered(met).by_label == {}
+
+
+def test_no_surface_is_a_sentence():
+    known = surface_of(shaft())
+    known.probability.array[:] = 0.0
+    with pytest.raises(GeometryError, match="Scan the bone longer"):
+        bone_of_echoes(known, np.stack([above()]))
+
+
+# The words
+
+
+def moved(steps, pose) -> tuple[np.ndarray, np.ndarray]:
+    """Where an image is, by its words, after a turn and slides: its axes (right, into), and how far it went in Reference."""
+    right, into = (pose[:3, axis] / np.linalg.norm(pose[:3, axis]) for axis in (0, 2))
+    gone = np.zeros(3)
+    for step in steps:
+        words = str(step.words).split()
+        if step.arrow == TURN:
+            degrees = float(words[3].rstrip("°")) * (1 if words[4] == "counterclockwise," else -1)
+            turn = np.radians(degrees)
+            right, into = np.cos(turn) * right + np.sin(turn) * into, np.cos(turn) * into - np.sin(turn) * right
+        elif words[0] == "slide":
+            way = {"right": right, "left": -right, "into": into, "out": -into}[words[5] if words[3] == "to" else words[3]]
+            gone = gone + float(words[1]) * way
+    return np.stack([right, into]), gone
+
+
+@pytest.mark.parametrize("now_deg", [0.0, 90.0, 180.0, -90.0, 100.0, -20.0])
+@pytest.mark.parametrize("there_deg", [0.0, 90.0])
+@pytest.mark.parametrize("way", [(10.0, 0.0), (-10.0, 0.0), (0.0, 10.0), (0.0, -10.0), (12.0, -7.0)])
+def test_a_hand_that_follows_the_words_for_an_image_gets_there(now_deg, there_deg, way):
+    """Both holds of a probe show one plane: what counts is where the image's plane is after turn and slides."""
+    probe = ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), np.eye(4))
+    now, there = Placement(3.0, -2.0, now_deg), Placement(3.0 + way[0], -2.0 + way[1], there_deg)
+    axes, gone = moved(directions(now, there, knows_head=False), probe.pose(now))
+    expected = probe.pose(there)
+    np.testing.assert_allclose(gone, (way[0], 0.0, way[1]), atol=0.6 + 12 * np.radians(20.0) * (abs(now_deg) in (20.0, 100.0)))
+    right = expected[:3, 0] / np.linalg.norm(expected[:3, 0])
+    assert abs(axes[0] @ right) > np.cos(np.radians(21.0))
+
+
+@pytest.mark.parametrize("now_deg", [0.0, 90.0, 180.0, -90.0])
+@pytest.mark.parametrize("tilt", [(20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0)])
+@pytest.mark.parametrize("there_deg", [0.0, 90.0])
+def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_deg, tilt):
+    probe = ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), np.eye(4))
+    now, there = Placement(0.0, 0.0, now_deg), Placement(0.0, 0.0, there_deg, *tilt)
+    *turns, last = directions(now, there, knows_head=False)
+    (right, into), _ = moved(turns, probe.pose(now))
+    beam = probe.pose(there)[:3, 1] / IMAGES.spacing[1]
+    expected = {"right": right, "left": -right, "into": into, "out": -into}
+    told = next(name for name in expected if name in str(last.words))
+    assert beam @ expected[told] > 0.3
+    assert last.arrow == {words: arrow for arrow, words in IMAGE}[str(last.words).split(" more ")[1]]
+
+
+def test_where_nothing_is_left_to_be_done_one_sweeps_on():
+    (step,) = directions(Placement(0.0, 0.0, 180.0), Placement(0.0, 0.0), knows_head=False)
+    assert step.arrow == HERE
+    assert {arrow for arrow, _ in IMAGE} >= {TO_LEFT, TO_RIGHT, UP}
+
+
+# A sweep, and a scan
+
+
+def echo_image() -> np.ndarray:
+    """Gray tissue, a bright line at 30 mm, and darkness behind it."""
+    columns, rows = IMAGES.frame_size
+    image = np.full((rows, columns), 40.0)
+    row = IMAGES.face_px[1]
+    depth = (np.arange(rows) - row) * IMAGES.spacing[1]
+    line = np.abs(depth - 33.0) < 0.6
+    image[line] = 220.0
+    image[depth > 33.6] = 2.0
+    return image.astype(np.uint8)
+
+
+@pytest.fixture(scope="module")
+def sweep() -> TrackedSequence:
+    """A plate that beams from three sides have met."""
+    poses = np.stack([above(x=x, z=z) for x in (-3.0, 0.0, 3.0) for z in np.arange(-9.0, 10.0, 1.5)])
+    return TrackedSequence.from_arrays(np.stack([echo_image()] * len(poses)), poses, np.arange(len(poses)) * 0.1)
+
+
+RECIPE = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))
+
+
+def test_guidance_of_a_sweep_without_labels(sweep):
+    found = guidance_of_sweep(sweep, recipe=RECIPE)
+    assert found.problem is None
+    known = found.coverage.met.bone.surface
+    on_plate = np.abs(known.points_reference[known.labels == 1][:, 1] - (-45.0 + 33.0))
+    assert np.median(on_plate) < 1.2
+    seen = found.seen()
+    assert seen.by_label == {}
+    assert seen.interspinous.reachable_cm2 == 0
+    assert 0 < seen.all.met < 1
+    assert seen.is_advised
+    assert len(seen.levels) == len(seen.mesh.points_reference)
+
+
+def test_a_sweep_without_bone_is_a_sentence():
+    poses = np.stack([above(z=z) for z in np.arange(-9.0, 10.0, 1.5)])
+    images = np.full((len(poses), *IMAGES.frame_size[::-1]), 40, np.uint8)
+    empty = TrackedSequence.from_arrays(images, poses, np.arange(len(poses)) * 0.1)
+    with pytest.raises(GeometryError, match="too few to tell bone by"):
+        guidance_of_sweep(empty, recipe=RECIPE)
+
+
+LIT = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
+
+
+class Session:
+    """What a watch asks of a session."""
+
+    latest = grid = None
+
+    def imaging(self):
+        return Imaging(IMAGES.region, IMAGES.geometry)
+
+    def wait_for_rest(self, timeout):
+        time.sleep(0.001)
+        return 1.0
+
+
+@pytest.fixture
+def watching(monkeypatch):
+    """A watch of bone that grows, which tells everything at once."""
+    for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER", "RENEW_EVERY"):
+        monkeypatch.setattr(guidance_watch, name, 0)
+    session, growing = Session(), GrowingBone()
+    watch = GuidanceWatch(session, growing)
+    yield session, growing, watch
+    watch.stop()
+
+
+def show(session, watch, numbers) -> None:
+    for number in numbers:
+        session.latest = LiveFrame(LIT, above(z=number - 10.0), timestamp=0.1 * number, number=number)
+        assert until(lambda: watch.looked_at == session.latest.number)
+
+
+def known_area(state) -> float:
+    surface = state.coverage.met.bone.surface
+    return float(surface.areas[surface.labels == 1].sum())
+
+
+def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
+    session, growing, watch = watching
+    assert watch.prepared.is_set()
+    show(session, watch, range(3))
+    assert watch.state.problem == NOTHING_YET
+    half = shaft()
+    growing.learn(half[half.points[:, 2] < 0])
+    growing.spread()
+    show(session, watch, range(3, 12))
+    assert until(lambda: watch.state.coverage is not None)
+    first = watch.state
+    growing.learn(half[half.points[:, 2] >= 0])
+    growing.spread()
+
+    def grown() -> bool:
+        show(session, watch, [session.latest.number + 1])
+        return known_area(watch.state) > 1.5 * known_area(first)
+
+    assert until(grown)
+    assert watch.state.colored.mesh.number != first.colored.mesh.number
+    assert until(lambda: watch.state.advice is not None)
+    levels = watch.state.levels
+    assert {SQUARELY, NOT_MET} <= set(levels)
+
+
+def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
+    """Also those that came while the surface was told anew."""
+    session, growing, watch = watching
+    growing.learn(shaft())
+    growing.spread()
+    show(session, watch, range(18))
+    assert until(lambda: watch._met is not None)
+    monkeypatch.setattr(guidance_watch, "RENEW_EVERY", 1e6)
+
+    def same() -> bool:
+        show(session, watch, [session.latest.number + 1])
+        met, poses = watch._met, list(watch._poses)
+        if watch._again or watch._is_preparing:
+            return False
+        expected = BoneMet(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
+        for pose in poses:
+            expected.insert(pose)
+        return bool(np.array_equal(expected.frames, met.frames))
+
+    assert until(same)
+
+
+def test_a_ct_that_is_chosen_in_mid_scan_takes_over(watching):
+    session, growing, watch = watching
+    growing.learn(shaft())
+    growing.spread()
+    show(session, watch, range(5))
+    assert until(lambda: watch._bone is not None)
+    labels: Volume = two_vertebrae()
+    watch.place(np.eye(4), labels)
+    assert until(lambda: watch._bone is not None and watch._bone.is_of_ct)
+    show(session, watch, range(6, 9))
+    assert until(lambda: watch.state.coverage is not None and watch.state.coverage.by_label)
+
+
+def test_no_thread_is_left(watching):
+    *_, watch = watching
+    watch.stop()
+    assert "aifrecon guidance" not in [thread.name for thread in threading.enumerate()]
