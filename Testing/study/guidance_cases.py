@@ -13,6 +13,7 @@ from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import GuidedBone, guided_bone
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered
+from AIFReconLib.guidance.guidance import guidance_of_sweep
 from AIFReconLib.guidance.met import BoneMet
 from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import HAND, Pass, freehand_passes
@@ -28,6 +29,9 @@ from AIFReconLib.sweep.edits import select_frames
 from .method_cases import HOLE_LIMIT, SPACING, Back, Scan, map_in_place, scan_of, simulated_scan
 
 FEW, MANY = 120, 360
+
+SCOUTED = 15
+"""Frames that a scan without a CT begins with."""
 
 EXHAUSTIVE = 2
 """Patients that are scanned by all candidate passes too, for what the best plan could show."""
@@ -64,7 +68,8 @@ def patient_rows(seed: int) -> list[Row]:
     for frames in (FEW, MANY):
         plan = plan_scan(case.bone, case.probe, "interspinous", frames)
         rows.append(case.planned("plan, with errors", plan, case.missed(plan)))
-    rows += case.followed(MANY, FEW)
+    rows += case.followed("next, with errors", case.follow(MANY), FEW)
+    rows += case.followed("next, no CT, with errors", case.follow_echoes(MANY), FEW)
     worn = plan_scan(case.bone, case.probe, "interspinous", MANY, WEARABLE)
     rows.append(case.planned("wearable, exact", worn, np.concatenate([one.image_to_reference for one in worn.passes])))
     if seed < EXHAUSTIVE:
@@ -85,7 +90,7 @@ class ScannedCase:
         scout = single_angle_sweep(self.phantom, 30).transducer_to_reference @ self._array.image_to_transducer
         skin = Skin.through(transform_points(invert(self.bone.patient_to_reference), images.faces(scout)))
         self.probe = ProbeOnBack(images, skin, self.bone.patient_to_reference)
-        self._start = scout[len(scout) // 2]
+        self._scout, self._start = scout, scout[len(scout) // 2]
 
     @cached_property
     def _map(self) -> BoneMap:
@@ -105,13 +110,12 @@ class ScannedCase:
         row = self.row(scan, poses, len(plan.passes))
         return replace(row, predicted=plan.predicted_visibility, predicted_of_reachable=plan.predicted_of_reachable)
 
-    def followed(self, frames: int, few: int) -> list[Row]:
+    def followed(self, name: str, done: tuple[np.ndarray, list[int]], few: int) -> list[Row]:
         """A scan by `next`: of its first frames, and whole."""
-        poses, begins = self.follow(frames)
+        poses, begins = done
         scan = self._scan(poses)
         first = scan_of(select_frames(scan.sequence, 0, few - 1), self.phantom, self._array)
         begun = sum(begin < few for begin in begins)
-        name = "next, with errors"
         return [self._measured(name, first, poses[:few], begun), self._measured(name, scan, poses, len(begins))]
 
     def follow(self, frames: int) -> tuple[np.ndarray, list[int]]:
@@ -131,6 +135,24 @@ class ScannedCase:
                 met.insert(pose)
                 taken.append(pose)
         return np.array(taken), begins
+
+    def follow_echoes(self, frames: int) -> tuple[np.ndarray, list[int]]:
+        """The same of an operator without a CT, who begins with a pass along the midline."""
+        taken, begins, sweeps = self._scout[:: len(self._scout) // SCOUTED], [0], []
+        new = taken
+        while len(taken) < frames:
+            sweeps.append(self._scan(new).sequence)
+            found = guidance_of_sweep(sweeps)
+            if found.coverage is None or found.advice is None or found.advice.move is None:
+                break
+            move, there = found.advice.move, found.coverage.met.bone.patient_to_reference
+            skin = Skin.through(transform_points(invert(there), self.probe.images.faces(taken)))
+            rng = np.random.default_rng([self.seed, 70, 1000 + len(taken)])
+            made = HAND.follow(move.planned.placements(move.frames), rng)
+            begins.append(len(taken))
+            new = ProbeOnBack(self.probe.images, skin, there).poses(made)[: frames - len(taken)]
+            taken = np.concatenate([taken, new])
+        return taken, begins
 
     def path(self, poses: np.ndarray) -> ProbePath:
         """The way of the probe of frames whose image_to_reference is given."""
