@@ -25,7 +25,7 @@ from .next_move import Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
 from .seen import AdvisedMove, Direction, GuidanceSeen, ProbeShape
-from .window import window
+from .window import NOT_SEEN, window
 
 FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
 NOT_IN_BOX = "The box to be reconstructed holds none of the bone. Move the box, or place the CT, if there is one, on the sweep."
@@ -84,13 +84,15 @@ class Advice:
     directions: tuple[Direction, ...] = ()  #: The way there from where the probe is
     over: tuple[int, ...] = ()  #: The label, or the two labels, that the probe will stand over
     probe: ProbeShape | None = None  #: Of the probe that is to go there
+    is_of_bone: bool = True  #: Else it leads to places that were not seen
 
     @property
     def seen(self) -> AdvisedMove | None:
         """What is shown of it; None where there is no move."""
         if self.move is None or self.probe is None:
             return None
-        return AdvisedMove(self.move.image_to_reference, self.directions, self.over, self.move.adds_cm2, self.probe)
+        adds = self.move.adds_cm2 if self.is_of_bone else None
+        return AdvisedMove(self.move.image_to_reference, self.directions, self.over, adds, self.probe)
 
 
 class Advisor:
@@ -121,7 +123,7 @@ class Advisor:
             return Advice(None)
         there = move.planned.placements(1)[0]
         way = directions(self._probe.placement(image_to_reference), there, self._bone.is_of_ct)
-        return Advice(move, way, labels_under(self._bone, there.z), self._probe.images.shape)
+        return Advice(move, way, labels_under(self._bone, there.z), self._probe.images.shape, NOT_SEEN not in self._bone.names.values())
 
 
 def has_come_near(met: BoneMet) -> bool:

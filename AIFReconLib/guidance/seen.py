@@ -59,7 +59,7 @@ class AdvisedMove:
     image_to_reference: Matrix  #: (4, 4)
     directions: tuple[Direction, ...]  #: One at least
     over: tuple[int, ...]  #: The label, or the two labels, that the probe will stand over
-    adds_cm2: float  #: Area that it is expected to show
+    adds_cm2: float | None  #: Area of bone that it is expected to show; None where it leads to places that were not seen
     probe: ProbeShape
 
 

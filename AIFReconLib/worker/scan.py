@@ -183,9 +183,9 @@ class Scan:
     def guide(self, wanted: bool) -> None:
         """Tell from now on what is met of the labels, else of the bone that frames show, and where to look next; or do so no longer."""
         if wanted and self._guidance is None and self._labels is not None and self._place is not None:
-            self._guidance = GuidanceWatch(self.session, self._labels, self._place)
+            self._guidance = GuidanceWatch(self.session, self._labels, self._place, self._request.unseen)
         elif wanted and self._guidance is None and self._labels is None and self._growing is not None:
-            self._guidance = GuidanceWatch(self.session, self._growing)
+            self._guidance = GuidanceWatch(self.session, self._growing, unseen=self._request.unseen)
         elif not wanted and self._guidance is not None:
             ended, self._guidance = self._guidance, None
             ended.stop(wait=False)

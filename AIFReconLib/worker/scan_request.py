@@ -50,6 +50,8 @@ class ScanRequest:
         Where every frame is recorded.
     guidance : bool
         Tell what is met of the labels, else of the bone that frames show, and where to look next.
+    unseen : (n, 3) array or None, mm
+        Places that it leads to in place of bone; see `FreePaths.unseen`.
     takes_up : bool
         Go on with the recording that was not finished: its frames come first, those of `spans` into the volume.
     search_path : tuple of str
@@ -69,6 +71,7 @@ class ScanRequest:
     image_device: str | None = None
     record: Path | None = None
     guidance: bool = False
+    unseen: Floats | None = None
     takes_up: bool = False
     spans: Spans = ALL
     search_path: tuple[str, ...] = ()

@@ -259,6 +259,12 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.assertNotRegex(self.live._advised, "head|feet|patient")
         self.assertIsNotNone(self.model("Advised probe"))
 
+    def test_a_scan_after_paths_were_found_leads_to_what_they_did_not_see(self):
+        self.widget.logic.paths.unseen = np.array([[0.0, 20.0, 0.0], [3.0, 20.0, 0.0], [0.0, 20.0, 3.0], [0.0, 23.0, 3.0]])
+        self.start()
+        self.playUntil(lambda: self.colored() and "looks where paths were not seen" in self.ui.guidanceLabel.text)
+        self.assertIn("%", self.ui.guidanceTableLabel.text)
+
     def test_what_a_scan_has_met_is_still_seen_when_it_is_over(self):
         self.start()
         self.playUntil(self.colored)

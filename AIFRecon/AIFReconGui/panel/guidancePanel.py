@@ -169,10 +169,9 @@ class GuidancePanel(PanelPart):
         first, *then = move.directions
         self._large(first.arrow, first.words)
         # Beside a scan the first step stands in large letters; of what was recorded the list is all there is
-        listed, words = then, _("over {where}; shows {adds:.1f} cm² more bone")
-        if self._about is not None and not self._about[0]:
-            listed = move.directions
-            words = words if self._logic.paths.unseen is None else _("over {where}; looks where paths were not seen")
+        listed = move.directions if self._about is not None and not self._about[0] else then
+        isOfBone = move.adds_cm2 is not None
+        words = _("over {where}; shows {adds:.1f} cm² more bone") if isOfBone else _("over {where}; looks where paths were not seen")
         adds = words.format(where=inNames(move.over, names) or _("the bone"), adds=move.adds_cm2)
         self._say("\n".join([*(f"{step.arrow}  {step.words}" for step in listed), adds]))
 

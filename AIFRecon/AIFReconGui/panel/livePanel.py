@@ -195,7 +195,7 @@ class LivePanel(PanelPart):
 
         self._record, self._shownID, self._words = recordingPath(parameters), None, None
         self._sized = self._counted = 0.0
-        self._live = LiveReconstruction(parameters, progress, self._record)
+        self._live = LiveReconstruction(parameters, progress, self._record, self._paths.unseen)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
         settings.setValue("AIFRecon/LivePort", parameters.livePort)

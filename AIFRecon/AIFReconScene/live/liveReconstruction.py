@@ -48,23 +48,24 @@ class Guided:
 class LiveReconstruction:
     """One scan: the volume that it fills and the frame that is seen now.
 
-    `progress` hears of what is made before the first frame is received, and every frame is recorded to the path `record`. An AIFReconError
-    says what is missing or wrong; nothing is left running then, and the scene is as before. `seen` is the last look at it, a `Seen`; `lost`
-    says why the process that scans has died, while another takes up where it was, and is empty else.
+    `progress` hears of what is made before the first frame is received, every frame is recorded to the path `record`, and guidance leads to
+    bone, or to `unseen` places, (n, 3) in RAS. An AIFReconError says what is missing or wrong; nothing is left running then, and the scene
+    is as before. `seen` is the last look at it, a `Seen`; `lost` says why the process that scans has died, while another takes up where it
+    was, and is empty else.
 
     Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
     to a new volume: what was reconstructed before is not lost by pressing Start. But for `stop` and `followBone`, everything here returns
     at once.
     """
 
-    def __init__(self, parameters, progress=None, record=None):
+    def __init__(self, parameters, progress=None, record=None, unseen=None):
         self._parameters, self._name, self._window = parameters, "Live", None
         self.wasCanceled, self.guidance, self.lost, self._displayProblems = False, None, "", {}
         self._views = LiveViews(parameters.ctVolume, parameters.opacity)
         empty = parameters.output is not None and parameters.output.GetImageData() is None
         self._outputs = {"intensity": parameters.output} if empty else {}
         self._bone = FollowedBone(parameters, part(progress, 0.0, 0.1))
-        self._request = _requestOf(parameters, self._bone, record)
+        self._request = replace(_requestOf(parameters, self._bone, record), unseen=unseen)
         self._unsent, self._deaths = collections.deque(maxlen=MOST_UNSENT), []
         self._asked = self._again = self._followed = None
         self._toShow = collections.deque()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -10,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from ...arrays import Matrix, Numbers
+from ...arrays import Floats, Matrix, Numbers
 from ...bone.growing_bone import GrowingBone
 from ...errors import OperationCanceled
 from ...geometry.volume import Volume, VoxelGrid
@@ -19,6 +20,7 @@ from ...guidance.coverage import is_awry, unrefuted
 from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
 from ...guidance.mesh import ColoredBone
 from ...guidance.met import BoneMet, FrameGeometry
+from ...guidance.window import window
 from ...progress import Progress, report
 from ...resolve import Imaging
 from ..pairing.synchronizer import LiveFrame
@@ -59,6 +61,8 @@ class GuidanceWatch(Watch):
         Where the frames alone tell of bone, what they have told.
     labels_to_reference : (4, 4) array or None, mm
         Rigid.
+    unseen : (n, 3) array, mm in Reference, or None
+        Places that the next move leads to in place of bone, as `FreePaths.unseen` has them.
 
     Attributes
     ----------
@@ -74,7 +78,9 @@ class GuidanceWatch(Watch):
     Bone that grows is told anew every some seconds, from all poses so far, and what was told before stays until that is done.
     """
 
-    def __init__(self, session: LiveSession, labels: Volume | GrowingBone, labels_to_reference: Matrix | None = None):
+    def __init__(
+        self, session: LiveSession, labels: Volume | GrowingBone, labels_to_reference: Matrix | None = None, unseen: Floats | None = None
+    ):
         super().__init__(session, "aifrecon guidance")
         self.prepared = threading.Event()
         self.state = Guidance()
@@ -84,7 +90,8 @@ class GuidanceWatch(Watch):
         self._bone_of_ct: GuidedBone | None = None
         self._colored: ColoredBone | None = None
         self._bone: GuidedBone | None = None
-        self._met: BoneMet | None = None
+        self._unseen = unseen
+        self._mets: list[BoneMet] = []
         self._advisor: Advisor | None = None
         self._poses: list[Matrix] = []
         self._again: list[Matrix] = []
@@ -125,7 +132,7 @@ class GuidanceWatch(Watch):
 
     def _begin(self) -> None:
         """Nothing is met yet of the bone where it lies now."""
-        self._met = self._advisor = None
+        self._mets, self._advisor = [], None
         self._advised = 0.0
         self._bone = None if self._bone_of_ct is None else self._bone_of_ct.placed_by(self._labels_to_reference)
         if self._bone is not None:
@@ -145,27 +152,38 @@ class GuidanceWatch(Watch):
                 self._remember(pose)
             if self._growing is not None and not self._is_preparing and time.monotonic() - self._renewed >= RENEW_EVERY:
                 self._renew(self._growing, imaging, (image.shape[1], image.shape[0]))
-        if self._met is None:
+        if not self._mets:
             return
-        for pose in self._again[:AT_ONCE]:
-            self._met.insert(pose)
+        for pose, met in itertools.product(self._again[:AT_ONCE], self._mets):
+            met.insert(pose)
         self._again = self._again[AT_ONCE:]
-        self._tell(self._met)
+        self._tell(self._mets[0], self._mets[-1])
         if self._advisor is None and not self._is_preparing and len(self._poses) >= SKIN_AFTER:
-            self._prepare(self._met)
+            self._prepare(self._mets[-1])
 
     def _add(self, bone: GuidedBone, imaging: Imaging, image: Numbers, pose: Matrix) -> None:
         """Add a frame; the first says how large images are, and which way the probe looks."""
         rows, columns = image.shape
-        if self._met is None:
+        if not self._mets:
             self._turn(bone, pose)
-            self._met = BoneMet(FrameGeometry(self._bone or bone, (columns, rows), imaging.known_probe(), imaging.region))
+            self._mets = self._none_met(self._bone or bone, imaging, (columns, rows))
             self._again = list(self._poses)
-        if self._met.geometry.beams.frame_size != (columns, rows):
+        if self._mets[0].geometry.beams.frame_size != (columns, rows):
             return
         self._brightest = 255.0 if image.dtype == np.uint8 else max(self._brightest, float(image.max()))
-        self._met.insert(pose, image, self._brightest)
+        for met in self._mets:
+            met.insert(pose, image, self._brightest)
         self._remember(pose)
+
+    def _none_met(self, bone: GuidedBone, imaging: Imaging, frame_size: tuple[int, int]) -> list[BoneMet]:
+        """What frames are added to: bone first, and last what moves are to lead to, which may be places that were not seen."""
+        looked_at = [bone] if self._unseen is None else [bone, window(bone, self._unseen)]
+        return [BoneMet(FrameGeometry(one, frame_size, imaging.known_probe(), imaging.region)) for one in looked_at]
+
+    @property
+    def _met(self) -> BoneMet | None:
+        """What was met of bone."""
+        return self._mets[0] if self._mets else None
 
     def _remember(self, pose: Matrix) -> None:
         self._poses = [*self._poses, pose][-MOST_POSES:]
@@ -179,7 +197,7 @@ class GuidanceWatch(Watch):
             self._show(guided_bone(self._labels, None, self._labels_to_reference[:3, :3].T @ looks))
             self._begin()
 
-    def _tell(self, met: BoneMet) -> None:
+    def _tell(self, met: BoneMet, aim: BoneMet) -> None:
         now, colored = time.monotonic(), self._colored
         if now - self._told < TELL_EVERY or colored is None or not self._poses:
             return
@@ -192,7 +210,7 @@ class GuidanceWatch(Watch):
         pose, advice = self._poses[-1], None
         if self._advisor is not None:
             if now - self._advised >= ADVISE_EVERY:
-                advice, self._advised = self._advisor.advise(met, pose, self._go_on), now
+                advice, self._advised = self._advisor.advise(aim, pose, self._go_on), now
             else:
                 advice = self._advisor.to(None if self.state.advice is None else self.state.advice.move, pose)
         self.state = Guidance.of(colored, met, advice)
@@ -207,10 +225,10 @@ class GuidanceWatch(Watch):
         far = len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met)
         return FAR if far else None
 
-    def _prepare(self, met: BoneMet) -> None:
+    def _prepare(self, aim: BoneMet) -> None:
         """Look at candidate passes."""
-        with self._beside(lambda: self._met is met) as between:
-            self._advisor = advisor = Advisor(met, np.array(self._poses), between, draws=1)
+        with self._beside(lambda: aim in self._mets) as between:
+            self._advisor = advisor = Advisor(aim, np.array(self._poses), between, draws=1)
             while advisor.look_again(between):
                 pass
 
@@ -220,14 +238,14 @@ class GuidanceWatch(Watch):
             poses, self._since = self._poses, []
             known = growing.so_far(between) if len(poses) >= SKIN_AFTER else None
             if known is not None:
-                met = BoneMet(FrameGeometry(bone_of_echoes(known, np.array(poses)), frame_size, imaging.known_probe(), imaging.region))
+                mets = self._none_met(bone_of_echoes(known, np.array(poses)), imaging, frame_size)
                 for number, pose in enumerate(poses):
                     report(between, number / len(poses), "Following the beams")
-                    met.insert(pose)
-                met = unrefuted(met)
-                advisor = Advisor(met, np.array(poses), between, draws=1)
-                self._colored, self._bone, self._met, self._advisor = ColoredBone.of(met.bone), met.bone, met, advisor
-                self._again = self._since
+                    for met in mets:
+                        met.insert(pose)
+                mets[0] = unrefuted(mets[0])
+                advisor, bone = Advisor(mets[-1], np.array(poses), between, draws=1), mets[0].bone
+                self._colored, self._bone, self._mets, self._advisor, self._again = ColoredBone.of(bone), bone, mets, advisor, self._since
         self._renewed = time.monotonic()
 
     @contextlib.contextmanager

@@ -55,9 +55,9 @@ def watching(monkeypatch):
         monkeypatch.setattr(guidance_watch, name, 0)
     watches = []
 
-    def watch():
+    def watch(**more):
         session = Session()
-        watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4)))
+        watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4), **more))
         return session, watches[-1]
 
     yield watch
@@ -112,6 +112,23 @@ def test_a_next_move_comes(watching, frames):
     assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
     assert watch.state.advice.directions
     assert set(watch.state.advice.over) <= {1, 2}
+
+
+def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
+    """And bone is told as before."""
+    session, watch = watching(unseen=np.array([(6.0, -5.0, 0.0), (6.0, -2.0, 0.0), (9.0, -5.0, 0.0)]))
+    show(session, watch, frames)
+    assert until(lambda: watch._advisor is not None)
+    session.latest = replace(frames[0], number=9)
+    assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
+    assert not watch.state.advice.is_of_bone
+    assert watch.state.seen().move.adds_cm2 is None
+    expected = of([*frames, frames[0]]).best_cosine
+    assert until(lambda: np.array_equal(watch.state.best_cosine, expected, equal_nan=True))
+    watch.place(MOVED)
+    assert until(lambda: watch._met is None)
+    session.latest = replace(frames[0], number=10)
+    assert until(lambda: len(watch._mets) == 2 and watch._mets[1].frames.any() and not watch._again)
 
 
 def test_a_next_move_comes_before_passes_were_looked_at_again(watching, frames, monkeypatch):

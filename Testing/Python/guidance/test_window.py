@@ -70,6 +70,7 @@ def test_the_next_move_of_a_sweep_leads_there(bone, probe):
     found = guidance_of_sweep(sweep, two_vertebrae(), to_reference, recipe, unseen=places)
     plain = guidance_of_sweep(sweep, two_vertebrae(), to_reference, recipe)
     np.testing.assert_array_equal(found.levels, plain.levels)  # colors are of bone in any case
+    assert (found.seen().move.adds_cm2, plain.seen().move.adds_cm2 > 0) == (None, True)
     move = found.advice.move
     _, points, _ = geometry_of(window(bone, places), probe).support(move.planned.poses(probe))
     assert len(np.unique(points)) > 0.3 * len(places)

@@ -353,8 +353,9 @@ def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
     assert until(lambda: watch._met is not None)
     monkeypatch.setattr(guidance_watch, "RENEW_EVERY", 1e6)
 
+    show(session, watch, range(18, 20))
+
     def same() -> bool:
-        show(session, watch, [session.latest.number + 1])
         met, poses = watch._met, list(watch._poses)
         if watch._again or watch._is_preparing:
             return False
