@@ -129,7 +129,7 @@ def run(arguments: argparse.Namespace) -> None:
             paths_figure(arguments.preview, volume, found)
         _write(arguments, found)
     notes = [*(labels.notes if labels is not None else ()), *(f"wrote {path}" for path in outputs if path)]
-    print("\n".join([*found.text(), *(f"  {in_options(note)}" for note in notes)]))
+    print("\n".join([*found.text(in_options), *(f"  {in_options(note)}" for note in notes)]))
 
 
 def _target(words: list[str]) -> str | list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +17,10 @@ from ..evaluation.visibility import SweepBeams
 from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix
 from ..geometry.volume import Volume
-from ..message import Described, columns
+from ..message import Described, Sentence, advised, columns
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
+from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .states import FREE, NOT_SEEN, STATES, states_of
 from .surroundings import PlacedField, ShownVolume, Surroundings, in_cubes
@@ -68,8 +69,8 @@ class FreePaths(Described):
         clearance, seen = self.surroundings.along(*ends)
         return float(clearance[0]), float(seen[0])
 
-    def text(self) -> list[str]:
-        """The windows as a table, with what must be known of it."""
+    def text(self, in_words: Callable[[str], str] = advised) -> list[str]:
+        """The windows as a table, with what must be known of it, remedies in the words of a terminal or another door."""
         rows = [("window", "clearance", "depth", "seen", "width", "entry (RAS, mm)")]
         rows += [
             (
@@ -85,7 +86,7 @@ class FreePaths(Described):
         counts = ", ".join(f"{int((self.states == n).sum())} {name}" for n, name in reversed(list(enumerate(STATES))))
         found = sum(one.is_free for one in self.windows)
         head = f"{found} free window{'s' * (found != 1)} among {self.lines} lines from {len(self.entries)} points of the skin: {counts}"
-        return [head, *(columns(rows).split("\n") if self.windows else []), *(f"  {note}" for note in self.notes)]
+        return [head, *(columns(rows).split("\n") if self.windows else []), *(f"  {in_words(note)}" for note in self.notes)]
 
     def to_dict(self) -> dict[str, object]:
         """All but the map, for JSON."""
@@ -239,8 +240,11 @@ def _notes(shown: ShownVolume, agrees: bool | None, states: Bytes, margin: float
         notes.append(
             "CT and volume agree: bone is what either shows."
             if agrees
-            else "WARNING: the CT does not lie on the volume's bone, and the level may be a wrong one. Only the volume's bone counts: no "
-            "lower bound is promised."
+            else Sentence(
+                "WARNING: the CT does not lie on the volume's bone, and the level may be a wrong one. Only the volume's bone counts: no "
+                "lower bound is promised.",
+                Remedy.REGISTER,
+            )
         )
     if not (states == FREE).any() and (states == NOT_SEEN).any():
         notes.append("Nothing seen is free; lines that were not seen may be. Scan there.")

@@ -25,6 +25,7 @@ from AIFReconLib.paths.shown import markups, paths_figure, write_skin_map
 from AIFReconLib.paths.states import BLOCKED, FREE, NOT_SEEN, TIGHT, states_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.terminal.remedies import in_options
 
 BODY_TO_REFERENCE = np.eye(4)
 BODY_TO_REFERENCE[:3, :3] = Rotation.from_euler("xyz", (25, -40, 70), degrees=True).as_matrix()
@@ -193,6 +194,7 @@ def test_bone_of_a_ct_counts_where_it_agrees_and_is_said_not_to_where_it_does_no
     wrong = free_paths(volume, TARGET, skin, labels, off)
     assert wrong.ct_agrees is False
     assert any(note.startswith("WARNING: the CT does not lie on the volume's bone") for note in wrong.notes)
+    assert any(line.endswith("no lower bound is promised. See aifrecon register.") for line in wrong.text(in_options))
     assert wrong.along(reference(9, 0, 0), reference(9, 40, 0))[0] > 0
 
 
