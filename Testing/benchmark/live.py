@@ -134,7 +134,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         if arguments.agreement:
             watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4)))
         if arguments.guidance:
-            guidance = GuidanceWatch(session, make_lumbar_phantom().labels, np.eye(4))
+            guidance = GuidanceWatch(session, growing if seen else make_lumbar_phantom().labels, np.eye(4))
             guidance.prepared.wait()
             watches.append(guidance)
         asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging)) if seen else None
