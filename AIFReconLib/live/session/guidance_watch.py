@@ -180,11 +180,6 @@ class GuidanceWatch(Watch):
         looked_at = [bone] if self._unseen is None else [bone, window(bone, self._unseen)]
         return [BoneMet(FrameGeometry(one, frame_size, imaging.known_probe(), imaging.region)) for one in looked_at]
 
-    @property
-    def _met(self) -> BoneMet | None:
-        """What was met of bone."""
-        return self._mets[0] if self._mets else None
-
     def _remember(self, pose: Matrix) -> None:
         self._poses = [*self._poses, pose][-MOST_POSES:]
         if self._growing is not None:
@@ -234,7 +229,7 @@ class GuidanceWatch(Watch):
 
     def _renew(self, growing: GrowingBone, imaging: Imaging, frame_size: tuple[int, int]) -> None:
         """Tell what echoes have shown of bone until now, and what all poses so far met of it."""
-        with self._beside(lambda: True) as between:
+        with self._beside(lambda: self._growing is growing) as between:
             poses, self._since = self._poses, []
             known = growing.so_far(between) if len(poses) >= SKIN_AFTER else None
             if known is not None:

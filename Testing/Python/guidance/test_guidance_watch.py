@@ -92,7 +92,7 @@ def test_a_ct_that_is_placed_anew_is_told_from_the_poses_so_far(watching, frames
     session, watch = watching()
     show(session, watch, frames[:-1])
     watch.place(MOVED)
-    assert until(lambda: watch._met is None)
+    assert until(lambda: not watch._mets)
     session.latest = frames[-1]
     expected = of(frames, MOVED).best_cosine
 
@@ -126,7 +126,7 @@ def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
     expected = of([*frames, frames[0]]).best_cosine
     assert until(lambda: np.array_equal(watch.state.best_cosine, expected, equal_nan=True))
     watch.place(MOVED)
-    assert until(lambda: watch._met is None)
+    assert until(lambda: not watch._mets)
     session.latest = replace(frames[0], number=10)
     assert until(lambda: len(watch._mets) == 2 and watch._mets[1].frames.any() and not watch._again)
 

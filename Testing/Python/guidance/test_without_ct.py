@@ -350,13 +350,13 @@ def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
     growing.learn(shaft())
     growing.spread()
     show(session, watch, range(18))
-    assert until(lambda: watch._met is not None)
+    assert until(lambda: bool(watch._mets))
     monkeypatch.setattr(guidance_watch, "RENEW_EVERY", 1e6)
 
     show(session, watch, range(18, 20))
 
     def same() -> bool:
-        met, poses = watch._met, list(watch._poses)
+        met, poses = watch._mets[0], list(watch._poses)
         if watch._again or watch._is_preparing:
             return False
         expected = BoneMet(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
