@@ -101,6 +101,7 @@ class AIFReconWidget(ScriptedLoadableModuleWidget, VTKObservationMixin):
         self._work = LongWork(uiWidget)
         self._recorded = RecordedPanel(self.ui, self._work, self._onParametersModified, self.logic)
         self._live = LivePanel(self.ui, self._work, self._onParametersModified, self.logic.paths)
+        self.ui.liveRebuildButton.connect("clicked(bool)", lambda pressed: self._recorded.openAndReconstruct(self._live.recorded))
         onBone = (self.ui, self._work, self._onParametersModified, self._live, self.logic)
         self._registration, self._guidance = RegistrationPanel(*onBone), GuidancePanel(*onBone)
         self._calibration = CalibrationPanel(*onBone, self._registration, self._guidance)

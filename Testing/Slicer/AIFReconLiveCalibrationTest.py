@@ -61,9 +61,9 @@ class AIFReconLiveCalibrationTest(unittest.TestCase):
 
     def test_the_frame_is_seen_in_its_place(self):
         self.begin()
-        self.assertTrue(waitFor(lambda: self.scan.frameNode is not None))
-        self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan.frameNode.GetID())
-        shown, exact = tinyScene.ijkToRAS(self.scan.frameNode), self.scan._views.frame.image_to_reference
+        self.assertTrue(waitFor(lambda: self.scan._views.frameNode is not None))
+        self.assertEqual(self.composite().GetBackgroundVolumeID(), self.scan._views.frameNode.GetID())
+        shown, exact = tinyScene.ijkToRAS(self.scan._views.frameNode), self.scan._views.frame.image_to_reference
         rows, columns = self.scan._views.frame.image.shape
         corners = np.array([[0, columns, 0, columns], [0, 0, rows, rows], [0, 0, 0, 0], [1, 1, 1, 1]])
         # Half of the 2.7 degrees for each axis, over half of the 70 mm from the middle of the image to its edge

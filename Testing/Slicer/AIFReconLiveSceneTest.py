@@ -54,7 +54,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
             roi.SetSize(40.0, 40.0, 30.0)
             self.parameters.roi, self.parameters.region = roi, Region.BOX
         self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
+        self.assertTrue(waitFor(lambda: self.live._live._views.frameNode is not None))
 
     def grow(self):
         """Wait until a volume is shown."""
@@ -95,7 +95,7 @@ class AIFReconLiveSceneTest(unittest.TestCase):
         scale = tinyScene.scaleOf(red)
         place = slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()).copy()
         self.begin(box=False)
-        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
+        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
         self.ui.liveStopButton.click()
         self.assertEqual(self.red().GetBackgroundVolumeID(), ct.GetID())
         np.testing.assert_allclose(slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS()), place, atol=1e-9)
@@ -120,10 +120,10 @@ class AIFReconLiveSceneTest(unittest.TestCase):
 
     def test_a_frame_that_is_deleted_is_shown_again(self):
         self.begin()
-        slicer.mrmlScene.RemoveNode(self.live._live.frameNode)
-        self.assertIsNone(self.live._live.frameNode)
-        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
-        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live.frameNode.GetID())
+        slicer.mrmlScene.RemoveNode(self.live._live._views.frameNode)
+        self.assertIsNone(self.live._live._views.frameNode)
+        self.assertTrue(waitFor(lambda: self.live._live._views.frameNode is not None))
+        self.assertEqual(self.red().GetBackgroundVolumeID(), self.live._live._views.frameNode.GetID())
 
     # ---- without the panel
 

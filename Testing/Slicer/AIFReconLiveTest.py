@@ -99,9 +99,9 @@ class AIFReconLiveTest(unittest.TestCase):
         self.serve(rate=20.0, loop=True)
         self.chooseBox()
         self.ui.liveStartButton.click()
-        self.assertTrue(waitFor(lambda: self.live._live.frameNode is not None))
+        self.assertTrue(waitFor(lambda: self.live._live._views.frameNode is not None))
         red = slicer.app.layoutManager().sliceWidget("Red").mrmlSliceNode()
-        pose = tinyScene.ijkToRAS(self.live._live.frameNode)
+        pose = tinyScene.ijkToRAS(self.live._live._views.frameNode)
         toFrame = np.linalg.inv(pose) @ slicer.util.arrayFromVTKMatrix(red.GetSliceToRAS())
         np.testing.assert_allclose(toFrame[:, 3], [31.5, 39.5, 0.0, 1.0], atol=1e-6)
         np.testing.assert_allclose(toFrame[2, :2], 0.0, atol=1e-6)
@@ -182,6 +182,23 @@ class AIFReconLiveTest(unittest.TestCase):
             recorded = read_sequence(path)
             np.testing.assert_array_equal(np.asarray(recorded.images[3]), tinyScene.makeSequence().images[3])
             self.assertEqual(len(recorded), tinyScene.FRAMES)
+
+    def test_one_press_reconstructs_all_that_was_recorded(self):
+        from AIFReconScene.inputs.parameters import Method
+
+        self.assertFalse(self.ui.liveRebuildButton.isVisibleTo(self.ui.liveTab))
+        self.serve(rate=60.0)
+        roi = self.chooseBox()
+        self.scan()
+        self.assertTrue(self.ui.liveRebuildButton.isVisibleTo(self.ui.liveTab) and self.ui.liveRebuildButton.enabled)
+        self.parameters.method = Method.AVERAGE
+        ofScan, self.parameters.output = self.parameters.output, None
+        self.ui.liveRebuildButton.click()
+        self.assertIsNot(self.parameters.output, ofScan)
+        self.assertEqual(self.parameters.sweep.GetNumberOfItems(), tinyScene.FRAMES)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), self.offline(roi).array)
+        self.assertIn("Done.", self.ui.statusLabel.text)
+        self.assertEqual(self.ui.tabWidget.currentIndex, 0)
 
     def test_a_scene_that_is_closed_ends_the_scan(self):
         self.serve(rate=30.0, loop=True)

@@ -78,8 +78,8 @@ class SceneSoak:
             live.pause(True)
             self.update()
             live.pause(False)
-        elif kind == 1 and live.frameNode is not None:
-            self._delete(live.frameNode)
+        elif kind == 1 and live._views.frameNode is not None:
+            self._delete(live._views.frameNode)
             self.update()
         elif kind == 2 and live.volumeNode is not None:
             self._delete(live.volumeNode)
@@ -102,7 +102,7 @@ class SceneSoak:
         live = self.live._live
 
         def shown() -> bool:
-            return live.frameNode is not None and live.volumeNode is not None
+            return live._views.frameNode is not None and live.volumeNode is not None
 
         # What was deleted comes back with the images that follow
         end = time.monotonic() + PATIENCE

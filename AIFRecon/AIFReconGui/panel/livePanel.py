@@ -42,6 +42,7 @@ class LivePanel(PanelPart):
     def __init__(self, ui, work, refresh, paths):
         super().__init__(ui, work, refresh)
         self._live, self._paths = None, paths
+        self.recorded: list = []  #: The files of the scan that has ended
         self._missing = self._advised = ""
         self._record = self._shownID = self._words = None
         self._sized = self._counted = 0.0
@@ -50,6 +51,7 @@ class LivePanel(PanelPart):
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
         ui.livePauseButton.connect("toggled(bool)", self.onPause)
         ui.liveResetButton.connect("clicked(bool)", self.onReset)
+        ui.liveRebuildButton.visible = False
         ui.liveStopButton.connect("clicked(bool)", self.onStop)
         ui.liveUseBoxButton.connect("clicked(bool)", self.onUseBox)
         ui.liveFindButton.connect("clicked(bool)", self.onFind)
@@ -112,6 +114,7 @@ class LivePanel(PanelPart):
         for widget in (ui.liveSourceComboBox, ui.liveRecordPathLineEdit, ui.liveRecordCheckBox, *ofBone):
             widget.enabled = not running
         ui.liveFindButton.enabled = fromServer and not running
+        ui.liveRebuildButton.enabled = not running
         ui.liveStartButton.enabled = not running and not missing
         ui.liveStartButton.toolTip = missing or _("Begin to receive and reconstruct")
         for button in (ui.livePauseButton, ui.liveResetButton, ui.liveStopButton):
@@ -148,17 +151,11 @@ class LivePanel(PanelPart):
     def onFind(self) -> None:
         """Look for a server, and take it."""
         remembered = from_text(slicer.util.settingsValue(SERVERS_SETTING, ""))
-        shorter = ""
 
         def work(parameters, progress):
-            nonlocal shorter
             found = answering(remembered, progress)
             if found is None:
-                shorter = _("Not found: start Plus, or enter the name or address of its computer")
-                return _(
-                    "Not found: nothing answers on this computer, nor where a scanner was before. Start Plus on the computer of the "
-                    "scanner, or enter the name or address of that computer."
-                )
+                return _("Not found, here or where one was before: start Plus, or enter the name or address of its computer")
             parameters.liveHost, parameters.livePort = found
             return _("Found at {host}, port {port}: press Start.").format(host=found[0], port=found[1])
 
@@ -166,7 +163,7 @@ class LivePanel(PanelPart):
         self._ui.liveRecordedLabel.text = ""
         if said:
             self._say(said)
-            self._showMove(shorter or said)
+            self._showMove(said)
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""
@@ -194,6 +191,7 @@ class LivePanel(PanelPart):
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
         self._record, self._shownID, self._words = recordingPath(parameters), None, None
+        self.recorded, self._ui.liveRebuildButton.visible = [], False
         self._sized = self._counted = 0.0
         self._live = LiveReconstruction(parameters, progress, self._record, self._paths.unseen)
         settings = slicer.app.userSettings()
@@ -228,6 +226,7 @@ class LivePanel(PanelPart):
         if ended is not None and ended.recorded is not None:
             lines.append(_("Recorded to {path}.").format(path=ended.recorded))
             self._showSize(ended.recorded)
+            self.recorded, self._ui.liveRebuildButton.visible = [*filter(None, (ended.recorded, ended.predictions))], True
         if ended is not None and ended.predictions is not None:
             lines.append(_("What the AI model said is in {path}.").format(path=ended.predictions))
         lines += [inPanelWords(problem) for problem in (() if ended is None else ended.problems)]

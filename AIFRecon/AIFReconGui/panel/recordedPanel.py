@@ -151,6 +151,16 @@ class RecordedPanel(PanelPart):
         """Reconstruct."""
         self._reconstruct(self._logic.apply)
 
+    def openAndReconstruct(self, paths) -> None:
+        """Read files, and reconstruct the sweep that they hold."""
+
+        def work(parameters, progress) -> str:
+            self._logic.openFiles(parameters, paths, part(progress, 0.0, 0.5))
+            return self._logic.apply(parameters, part(progress, 0.5, 1.0))
+
+        self._ui.tabWidget.currentIndex = 0
+        self._reconstruct(work)
+
     def onCompare(self) -> None:
         """Reconstruct with every method that is compared."""
 

@@ -5,6 +5,7 @@ import logging
 import sys
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError, WorkerDiedError
 from AIFReconLib.guidance.seen import GuidanceSeen
@@ -38,20 +39,13 @@ MOST_UNSENT = 256
 """Images that wait for a worker."""
 
 
-class Guided:
-    """What a scan tells of the bone: `state`, a `GuidanceSeen`, and `bone`, the node that it is about."""
-
-    def __init__(self, bone):
-        self.state, self.bone = GuidanceSeen(), bone
-
-
 class LiveReconstruction:
     """One scan: the volume that it fills and the frame that is seen now.
 
     `progress` hears of what is made before the first frame is received, every frame is recorded to the path `record`, and guidance leads to
     bone, or to `unseen` places, (n, 3) in RAS. An AIFReconError says what is missing or wrong; nothing is left running then, and the scene
-    is as before. `seen` is the last look at it, a `Seen`; `lost` says why the process that scans has died, while another takes up where it
-    was, and is empty else.
+    is as before. `seen` is the last look at it, a `Seen`; `guidance` has a `GuidanceSeen` as `state`, and the node `bone` that it is about;
+    `lost` says why the process that scans has died, while another takes up where it was, and is empty else.
 
     Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
     to a new volume: what was reconstructed before is not lost by pressing Start. But for `stop` and `followBone`, everything here returns
@@ -86,7 +80,8 @@ class LiveReconstruction:
     def guide(self, wanted: bool) -> None:
         """Tell from now on what is met, and where to look next, or do so no longer."""
         if wanted != (self.guidance is not None):
-            self.guidance, self._surface = Guided(self._bone.node) if wanted else None, None
+            self.guidance = SimpleNamespace(state=GuidanceSeen(), bone=self._bone.node) if wanted else None
+            self._surface = None
         if wanted != self._request.guidance:
             self._tell("guide", wanted, guidance=wanted)
 
@@ -263,11 +258,6 @@ class LiveReconstruction:
         """The volume that grows; None before there is one, and when somebody has deleted it."""
         node = self._outputs.get("intensity")
         return node if node is not None and node.GetScene() is not None else None
-
-    @property
-    def frameNode(self):
-        """The frame that is seen now, in its place, or None."""
-        return self._views.frameNode
 
     def removeFrame(self) -> None:
         """Take the frame out of the scene, and give the red view back as it was."""
