@@ -192,9 +192,11 @@ class AIFReconLiveTest(unittest.TestCase):
         self.scan()
         self.assertTrue(self.ui.liveRebuildButton.isVisibleTo(self.ui.liveTab) and self.ui.liveRebuildButton.enabled)
         self.parameters.method = Method.AVERAGE
-        ofScan, self.parameters.output = self.parameters.output, None
+        ofScan = self.parameters.output
+        before = slicer.util.arrayFromVolume(ofScan).copy()
         self.ui.liveRebuildButton.click()
         self.assertIsNot(self.parameters.output, ofScan)
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(ofScan), before)
         self.assertEqual(self.parameters.sweep.GetNumberOfItems(), tinyScene.FRAMES)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), self.offline(roi).array)
         self.assertIn("Done.", self.ui.statusLabel.text)

@@ -51,7 +51,6 @@ class LivePanel(PanelPart):
         ui.liveStartButton.connect("clicked(bool)", self.onStart)
         ui.livePauseButton.connect("toggled(bool)", self.onPause)
         ui.liveResetButton.connect("clicked(bool)", self.onReset)
-        ui.liveRebuildButton.visible = False
         ui.liveStopButton.connect("clicked(bool)", self.onStop)
         ui.liveUseBoxButton.connect("clicked(bool)", self.onUseBox)
         ui.liveFindButton.connect("clicked(bool)", self.onFind)

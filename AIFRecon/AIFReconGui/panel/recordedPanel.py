@@ -156,6 +156,7 @@ class RecordedPanel(PanelPart):
 
         def work(parameters, progress) -> str:
             self._logic.openFiles(parameters, paths, part(progress, 0.0, 0.5))
+            parameters.output = None  # what is there stays
             return self._logic.apply(parameters, part(progress, 0.5, 1.0))
 
         self._ui.tabWidget.currentIndex = 0
