@@ -208,17 +208,17 @@ def bone_of_echoes(known: BoneMap, image_to_reference: Matrix) -> GuidedBone:
     kji = np.argwhere(shown & sides[0] & sides[1])
     place, spacing = known.probability.ijk_to_reference, known.probability.grid.spacing
     out = -np.stack([slope[tuple(kji.T)] for slope in known.slopes], axis=1) @ (place[:3, :3] / spacing).T
-    there = _in_cubes(transform_points(place, kji[:, ::-1].astype(np.float64)), _unit(out))
-    points, normals = (np.concatenate(both) for both in zip(there, _beyond(*there), strict=True))
+    seen = _in_cubes(transform_points(place, kji[:, ::-1].astype(np.float64)), _unit(out))
+    points, normals = (np.concatenate(both) for both in zip(seen, _beyond(*seen), strict=True))
     # Along the axes, which is quick to tell and never more than the distance: all that rays want to know
     away = spacing.min() * scipy.ndimage.distance_transform_cdt(~inside, "chessboard")
     distance = Volume(away.astype(np.float32), place)
     looks = _unit(_unit(image_to_reference[:, :3, 1]).mean(axis=0))
     patient = np.eye(4)
     patient[:3, :3] = _axes(np.stack([right := image_plane_axes(image_to_reference[0])[0], looks, np.cross(right, looks)], axis=1), looks)
-    is_known = np.arange(len(points)) < len(there[0])
+    is_seen = np.arange(len(points)) < len(seen[0])
     # A plane meets so many cubes for each mm^2
-    surface = BoneSurface(points, normals, APART**2 / np.abs(normals).sum(axis=1), is_known.astype(np.int64))
+    surface = BoneSurface(points, normals, APART**2 / np.abs(normals).sum(axis=1), is_seen.astype(np.int64))
     reached = _from_outside(surface, distance, patient[:3, :3])
     if not reached.any():
         raise GeometryError("The echoes so far lie on no surface that a probe on the back can reach. Scan the bone longer.")

@@ -35,12 +35,17 @@ SMALLEST_MM, SMALLEST_DEG = 4.0, 4.0
 TURN, UP, DOWN, TO_LEFT, TO_RIGHT, HERE = "\u21bb", "\u2191", "\u2193", "\u2190", "\u2192", "\u25cf"
 """As on a prone patient's back, with the head up; where nobody knows the head, as on the screen, and up is into the image."""
 
-PATIENT, IMAGE = (
-    ((TO_RIGHT, f"{to} right{of}"), (TO_LEFT, f"{to} left{of}"), (UP, up), (DOWN, down))
-    for to, of, up, down in (
-        ("toward the patient's", "", "toward the head", "toward the feet"),
-        ("to the", " of the image", "into the image", "out of the image"),
-    )
+PATIENT = (
+    (TO_RIGHT, "toward the patient's right"),
+    (TO_LEFT, "toward the patient's left"),
+    (UP, "toward the head"),
+    (DOWN, "toward the feet"),
+)
+IMAGE = (
+    (TO_RIGHT, "to the right of the image"),
+    (TO_LEFT, "to the left of the image"),
+    (UP, "into the image"),
+    (DOWN, "out of the image"),
 )
 """The ways of x and z up and down, of the patient and of an image that is looked at on a screen: an arrow, and words."""
 

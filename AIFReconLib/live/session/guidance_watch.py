@@ -69,7 +69,7 @@ class GuidanceWatch(Watch):
     prepared : threading.Event
         Set when the surface of bone is known, or a problem.
     state : Guidance
-        What is known now; `colored` is the same object until the labels change.
+        What is known now; `colored` is the same object until the labels change, or more bone is known.
 
     Notes
     -----
