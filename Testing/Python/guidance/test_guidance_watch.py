@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from idle_session import IMAGES, IdleSession
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -16,27 +17,12 @@ from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
-from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import Placement, ProbeOnBack, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
-from AIFReconLib.resolve import Imaging
 
-IMAGES = ProbeImages.simulated()
 MOVED = rigid(translation=(0.0, 3.0, 12.0))
-
-
-class Session:
-    """What a watch asks of a session: the newest frame, and when to work."""
-
-    latest = grid = None
-
-    def imaging(self):
-        return Imaging(IMAGES.region, IMAGES.geometry)
-
-    def wait_for_rest(self, timeout):
-        time.sleep(0.001)
-        return 1.0
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +42,7 @@ def watching(monkeypatch):
     watches = []
 
     def watch(**more):
-        session = Session()
+        session = IdleSession()
         watches.append(GuidanceWatch(session, two_vertebrae(), np.eye(4), **more))
         return session, watches[-1]
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import threading
-import time
 
 import numpy as np
 import pytest
+from idle_session import IMAGES, IdleSession
 from sweeps import rigid, two_vertebrae
 from waiting import until
 
@@ -23,15 +23,14 @@ from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
 from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
-from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import Placement, ProbeOnBack, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import Imaging, imaging_fields
+from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 
-IMAGES = ProbeImages.simulated()
 RADIUS, HALF_LENGTH, SHOWN_DEG = 12.0, 20.0, 40.0
 """mm, mm, and degrees to either side of its top: a shaft along z, as far as echoes show it; its axis goes through the origin."""
 
@@ -284,25 +283,12 @@ def test_a_sweep_without_bone_is_a_sentence():
 LIT = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
 
 
-class Session:
-    """What a watch asks of a session."""
-
-    latest = grid = None
-
-    def imaging(self):
-        return Imaging(IMAGES.region, IMAGES.geometry)
-
-    def wait_for_rest(self, timeout):
-        time.sleep(0.001)
-        return 1.0
-
-
 @pytest.fixture
 def watching(monkeypatch):
     """A watch of bone that grows, which tells everything at once."""
     for name in ("TELL_EVERY", "ADVISE_EVERY", "SKIN_AFTER", "RENEW_EVERY"):
         monkeypatch.setattr(guidance_watch, name, 0)
-    session, growing = Session(), GrowingBone()
+    session, growing = IdleSession(), GrowingBone()
     watch = GuidanceWatch(session, growing)
     yield session, growing, watch
     watch.stop()
