@@ -6,8 +6,9 @@ import argparse
 import json
 from pathlib import Path
 
+from ..errors import SettingsError
 from ..guidance.coverage import Coverage, coverage
-from ..guidance.mesh import bone_mesh, met_on_mesh
+from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
@@ -17,10 +18,10 @@ from ..terminal.options import (
     Commands,
     add_beam_option,
     add_labels_options,
+    labels_from,
     labels_inputs,
     place_from,
     refuse_to_overwrite,
-    required_labels,
 )
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
@@ -30,6 +31,7 @@ EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
       --surface met.vtp --report coverage.json
+  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
 
 Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
 
@@ -39,7 +41,7 @@ def add_to(commands: Commands) -> None:
     parser = commands.add_parser(
         "coverage",
         description="Tell from poses, images and a registered CT's segmentation how much of each bone the beams hit, at which angles, and "
-        "what a reconstruction will show of it.",
+        "what a reconstruction will show of it. Without a CT: of the surface that echoes show, and of where it may go on.",
         examples=EXAMPLE,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps in one Reference")
@@ -74,10 +76,11 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.report:
         check_writable(arguments.report)
     with ProgressBar() as progress:
-        labels = required_labels(arguments, part(progress, 0.0, 0.05))
-        placed = place_from(arguments)
+        labels, placed = labels_from(arguments, part(progress, 0.0, 0.05)), place_from(arguments)
+        if labels is None and placed is not None:
+            raise SettingsError("A transform places the CT's bone, and there is none. Give --bone-labels or --ct, or no --bone-transform.")
         sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
-        labels = LabeledBone(labels, placed, sequences, recipe).labels
+        labels = None if labels is None else LabeledBone(labels, placed, sequences, recipe).labels
         found = coverage(
             sequences,
             labels,
@@ -87,17 +90,15 @@ def run(arguments: argparse.Namespace) -> None:
             progress=part(progress, 0.05, 0.95),
         )
         written = _write(arguments, found)
-    print(
-        "\n".join(
-            [*found.lines(), *(f"  {in_options(note)}" for note in (*labels.notes, *found.notes)), *(f"  wrote {path}" for path in written)]
-        )
-    )
+    notes = [*(labels.notes if labels is not None else ()), *found.notes, *(f"wrote {path}" for path in written)]
+    print("\n".join([*found.lines(), *(f"  {in_options(note)}" for note in notes)]))
 
 
 def _write(arguments: argparse.Namespace, found: Coverage) -> list[Path]:
     written = []
     if arguments.surface:
-        mesh = bone_mesh(found.met.bone.distance)
+        bone = found.met.bone
+        mesh = bone_mesh(bone.distance) if bone.is_of_ct else ColoredBone.of(bone).mesh
         write_surface(arguments.surface, mesh.points_reference, mesh.triangles, **met_on_mesh(mesh, found.met))
         written.append(arguments.surface)
     if arguments.report:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Mask, Matrix
+from ..bone.echoes.surface import bone_from_sweep
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.volume import Volume
 from ..message import Described, columns, one_line
@@ -17,7 +18,7 @@ from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order, tracked_frames
-from .bone import GuidedBone, guided_bone
+from .bone import GuidedBone, bone_of_echoes, guided_bone
 from .met import BoneMet, FrameGeometry
 from .seen import Share
 
@@ -51,7 +52,8 @@ class Coverage(Described):
         """A table for a terminal, a line each."""
         rows: list[tuple[str, ...]] = [("bone", "reachable", "hit", "below 60 deg", "below 45 deg", "expected to show")]
         named = [*((f"label {name}" if name.isdecimal() else name, share) for name, share in self.by_label.items())]
-        named.append(("interspinous borders", self.interspinous))
+        if self.met.bone.is_of_ct:
+            named.append(("interspinous borders", self.interspinous))
         rows += [(one_line(name), *_cells(share)) for name, share in [*named, ("all", self.all)]]
         return columns(rows).split("\n")
 
@@ -63,7 +65,7 @@ def _cells(share: Share) -> list[str]:
 
 def coverage(
     sequences: TrackedSequence | Iterable[TrackedSequence],
-    labels: Volume,
+    labels: Volume | None = None,
     labels_to_reference: Matrix | None = None,
     recipe: Recipe | None = None,
     *,
@@ -73,13 +75,14 @@ def coverage(
 ) -> Coverage:
     """How much of each bone the frames of one or more sweeps met, and how squarely.
 
-    Raises AIFReconError when frames cannot be placed, beams not be told, or labels hold no bone.
+    Raises AIFReconError when frames cannot be placed, beams not be told, labels hold no bone, or, without labels, images show hardly any.
 
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference
-    labels : Volume of integers
-        Segmentation of the CT, one label per vertebra.
+    labels : Volume of integers or None
+        Segmentation of the CT, one label per vertebra. None: the surface that the sweeps' own echoes lie on, and where bone may go on
+        beyond it; see `bone_of_echoes`.
     labels_to_reference : (4, 4) array, mm, or None
         The registration, as `register` finds it; None where the labels lie in Reference.
     recipe : Recipe or None
@@ -92,6 +95,10 @@ def coverage(
     sequence, recipe = joined(sequences), recipe or Recipe()
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     usable = poses.require_usable(sequence.name)
+    if labels is None:
+        known = bone_from_sweep(sequence, recipe, part(progress, 0.0, 0.8))
+        bone = bone_of_echoes(known, poses.image_to_reference[usable])
+        return covered(unrefuted(followed(bone, sequence, recipe, thickness, part(progress, 0.8, 1.0))), known.notes)
     report(progress, 0.0, "Finding the bone surface")
     looks = poses.image_to_reference[usable][:, :3, 1]
     mean = (looks / np.linalg.norm(looks, axis=1)[:, None]).mean(axis=0)

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Bytes, Floats, Matrix
-from ..bone.echoes.surface import bone_from_sweep
 from ..geometry.transforms import as_matrix, invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part
@@ -16,9 +15,9 @@ from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses, time_order
-from .bone import GuidedBone, bone_of_echoes
+from .bone import GuidedBone
 from .candidates import DRAWS
-from .coverage import Coverage, coverage, covered, followed, unrefuted
+from .coverage import Coverage, coverage, covered, followed
 from .mesh import ColoredBone
 from .met import BoneMet
 from .next_move import Move, NextMove, directions
@@ -149,13 +148,12 @@ def guidance_of_sweep(
 ) -> Guidance:
     """What recorded sweeps have met, and the next move from where the last one ended.
 
-    Raises AIFReconError as `coverage`; without labels as `bone_from_sweep`, too.
+    Raises AIFReconError as `coverage`.
 
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference
     labels : Volume of integers or None
-        None: the surface that the sweeps' own echoes lie on, and where bone may go on beyond it; see `bone_of_echoes`.
     labels_to_reference : (4, 4) array or None, mm
         Rigid; None where the labels lie in Reference.
     recipe : Recipe or None
@@ -167,13 +165,7 @@ def guidance_of_sweep(
     """
     sequence, recipe = joined(sequences), recipe or Recipe()
     place = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
-    if labels is None:
-        known = bone_from_sweep(sequence, recipe, part(progress, 0.0, 0.4))
-        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
-        bone = bone_of_echoes(known, poses.image_to_reference[poses.require_usable(sequence.name)])
-        found = covered(unrefuted(followed(bone, sequence, recipe, progress=part(progress, 0.4, 0.5))), known.notes)
-    else:
-        found = coverage(sequence, labels, place, recipe=recipe, progress=part(progress, 0.0, 0.5))
+    found = coverage(sequence, labels, place, recipe=recipe, progress=part(progress, 0.0, 0.5))
     colored = ColoredBone.of(found.met.bone).placed_by(invert(place))
     problem = None if has_come_near(found.met) else FAR
     if grid is not None and not holds_bone(grid, found.met.bone):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 
 import numpy as np
@@ -13,6 +14,7 @@ from waiting import until
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.surface import surface_of
 from AIFReconLib.bone.growing_bone import GrowingBone
+from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
@@ -24,11 +26,15 @@ from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBo
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
 from AIFReconLib.guidance.probe import Placement, ProbeOnBack, Skin
+from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.resolve import imaging_fields
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import plus_configuration_xml
 from AIFReconLib.sweep.frames import TrackedSequence
 
 RADIUS, HALF_LENGTH, SHOWN_DEG = 12.0, 20.0, 40.0
@@ -270,6 +276,25 @@ def test_guidance_of_a_sweep_without_labels(sweep):
     assert 0 < seen.all.met < 1
     assert seen.is_advised
     assert len(seen.levels) == len(seen.mesh.points_reference)
+
+
+def test_the_command_coverage_without_labels(sweep, tmp_path, capsys):
+    recorded, config, report, surface = (tmp_path / name for name in ("sweep.igs.mha", "config.xml", "no-ct.json", "no-ct.vtp"))
+    write_sequence(sweep, recorded)
+    config.write_text(plus_configuration_xml(PhasedArray()), "utf-8")
+    command = ["coverage", str(recorded), "--config", str(config)]
+    assert main([*command, "--report", str(report), "--surface", str(surface)]) == 0
+    said = capsys.readouterr().out
+    assert "Bone is the surface that" in said
+    assert "interspinous" not in said
+    written = json.loads(report.read_text("utf-8"))
+    assert written["labels"] == {}
+    assert 0 < written["all"]["met"] < 1
+    assert surface.is_file()
+    place = tmp_path / "place.tfm"
+    write_transform(np.eye(4), place)
+    assert main([*command, "--bone-transform", str(place)]) == 2
+    assert "Give --bone-labels or --ct, or no --bone-transform." in capsys.readouterr().err
 
 
 def test_a_sweep_without_bone_is_a_sentence():
