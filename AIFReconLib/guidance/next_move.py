@@ -135,8 +135,9 @@ def directions(now: Placement, there: Placement, knows_head: bool = True) -> tup
     if is_other_way_round:
         now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
     if abs(turn) > TURNED_DEG:
-        clockwise = f"{abs(turn):.0f}° {'counterclockwise' if turn > 0 else 'clockwise'}, seen from above"
-        steps.append(Direction(TURN, f"turn the probe {('to sagittal' if is_sagittal else 'to transverse') if knows_head else clockwise}"))
+        plane, sense = "sagittal" if is_sagittal else "transverse", "counterclockwise" if turn > 0 else "clockwise"
+        to = f"to {plane}" if knows_head else f"{abs(turn):.0f}° {sense}, seen from above"
+        steps.append(Direction(TURN, f"turn the probe {to}"))
         now = Placement(now.x, now.z, there.turn_deg)
     for way, mm in zip(ways, (there.x - now.x, now.x - there.x, there.z - now.z, now.z - there.z), strict=True):
         if mm >= SMALLEST_MM:

@@ -35,12 +35,6 @@ class CubeSums:
         self._numbers = np.insert(self._numbers, at[~known], numbers[~known])
         self._sums = np.insert(self._sums, at[~known], sums[:, ~known], axis=1)
 
-    def copy(self) -> CubeSums:
-        """The same, which goes its own way."""
-        other = CubeSums(0)
-        other._numbers, other._sums = self._numbers.copy(), self._sums.copy()
-        return other
-
     @property
     def cubes(self) -> Integers:
         """All that have sums, (n, 3)."""

@@ -10,6 +10,7 @@ images", SIGGRAPH: what a line of sight says of the space before and behind a po
 
 from __future__ import annotations
 
+import copy
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -193,7 +194,7 @@ class EchoSurface:
         """The map of all that was taken in, for another than who asks for `news`."""
         other = EchoSurface()
         with self._adding:
-            other._shown, other._shadows = self._shown.copy(), self._shadows.copy()
+            other._shown, other._shadows = copy.deepcopy((self._shown, self._shadows))
         other.renew()
         return other.news(progress)
 
