@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from sweeps import rigid
@@ -223,6 +223,7 @@ def test_a_convention_that_is_none_is_refused(options, message):
 
 @settings(max_examples=60, suppress_health_check=list(HealthCheck))
 @given(text=st.text(st.characters(exclude_categories=["Cs"]), max_size=200), suffix=st.sampled_from([".csv", ".txt", ".json"]))
+@example(text="0 : :", suffix=".csv")
 def test_no_text_is_more_than_a_clear_refusal(tmp_path, text, suffix):
     with contextlib.suppress(AIFReconError):
         read(tmp_path, text, name=f"p{suffix}")

@@ -102,7 +102,8 @@ def sheets_of(text: str) -> list[Sheet]:
     # Names of tools may be words that are known, too; they stand above fuller headings
     heads = [index for index in heads if index + 1 not in heads or _filled_cells(lines[index]) >= _filled_cells(lines[index + 1])]
     if not heads:
-        return [_without_known_headings(lines, width[0][0])]
+        sheet = _without_known_headings(lines, width[0][0])
+        return [sheet] if sheet.rows else []
     starts = [heads[0], *(index for before, index in pairwise(heads) if lines[index].cells != lines[before].cells)]
     found = []
     for start, end in zip(starts, [*starts[1:], len(lines)]):
@@ -133,7 +134,8 @@ def _under(head: _Line, above: list[_Line], below: list[_Line], another_follows:
 def _without_known_headings(lines: list[_Line], width: int) -> Sheet:
     """A table of numbers; a line of words directly above it are its headings."""
     rows = [line for line in lines if not line.is_comment]
-    first = next(n for n, line in enumerate(rows) if _fits(line.cells, width) and 2 * line.numbers >= len(list(filter(None, line.cells))))
+    begins = (n for n, line in enumerate(rows) if _fits(line.cells, width) and 2 * line.numbers >= _filled_cells(line))
+    first = next(begins, len(rows))
     above = rows[:first]
     headings = above.pop().cells if above and not above[-1].numbers and _fits(above[-1].cells, width) else None
     skipped = f"lines 1 to {above[-1].number}, which hold no poses" if above else ""
