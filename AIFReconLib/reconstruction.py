@@ -84,6 +84,8 @@ def _prepare(
         raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed.", Remedy.SMALLER_SKIP)
     uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, asked)
+    if method_named(method).needs_shadows:
+        settings = replace(settings, gray_levels=imaging.gray_levels.landmarks)
     costs = _costs(settings, method, parts, sequence.images.dtype, beside)
     if grid is None:
         grid = asked.grid or (parts.grid if asked.image_to_reference is None and asked.reference is None else None)
@@ -119,7 +121,7 @@ class Plan:
         Bytes that it takes.
     hole_limit : float, mm
     notes : tuple of str
-        How holes are filled, and why.
+        What the gray levels of the images tell of the scanner's knobs; how holes are filled, and why.
     region : ImageRegion
         The pixels that enter.
     """
@@ -149,6 +151,7 @@ def plan(
     placed = prepared.poses.image_to_reference[prepared.chosen][:, :3]
     chosen, notes = with_limit(prepared.settings, prepared.parts.holes, placed, shown, prepared.grid)
     memory = prepared.grid.voxels * prepared.costs.whole
+    notes = (*prepared.imaging.gray_levels.notes, *notes)
     return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes, prepared.imaging.region)
 
 
@@ -289,10 +292,11 @@ def reconstruct(
     report(progress, 1.0, "Reconstructed")
     size, inserted = result.grid.size, result.frames_inserted
     logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
+    gray_notes = imaging.gray_levels.notes if settings.gray_levels else ()
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     result = with_origin(result, imaging, asked, settings, sequence.configuration, input_files(sequence))
     return replace(
         result,
-        said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *result.said),
+        said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *gray_notes, *result.said),
         sweeps=shares(sequence, order, result.skipped),
     )

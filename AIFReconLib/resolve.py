@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -15,8 +17,9 @@ from .geometry.transforms import pixel_spacing
 from .geometry.volume import VoxelGrid
 from .holes.filling import HoleFilling
 from .imaging.beams import LINEAR, SECTOR, ProbeGeometry
+from .imaging.gray_levels import GrayLevels
 from .imaging.images import ImageStack
-from .imaging.recognized import recognized
+from .imaging.recognized import learned_gray_levels, recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import Sentence, said
@@ -133,6 +136,24 @@ class Imaging:
     region: ImageRegion
     probe: ProbeGeometry | None
     notes: tuple[str, ...] = ()
+    learned: Callable[[], GrayLevels] = GrayLevels.as_recorded  #: Called when brightness is judged first
+
+    @cached_property
+    def gray_levels(self) -> GrayLevels:
+        """What the brightness of the images is judged by."""
+        return self.learned()
+
+    def learned_now(self) -> Imaging:
+        """The same, which needs its images no longer."""
+        levels = self.gray_levels
+        return replace(self, learned=lambda: levels)
+
+    def judging(self, images: ImageStack | tuple[()], asked: ImagingSettings | None) -> Imaging:
+        """The same with the gray levels that are asked for, else those of these images."""
+        given = None if asked is None else asked.gray_levels
+        if given is not None:
+            return replace(self, learned=partial(GrayLevels, given))
+        return self if isinstance(images, tuple) else replace(self, learned=partial(learned_gray_levels, images, self.region))
 
     def known_probe(self) -> ProbeGeometry:
         """The probe.
@@ -170,12 +191,14 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
     region, probe = (None, None) if asked is None else asked_imaging(asked, configuration, sequence.images, pixel)
     _require_one_imaging(sequence, need_probe and probe is None, region is None)
     known = known_imaging(configuration, need_probe, region, probe)
-    if known is not None:
-        return replace(known, notes=_about_black_surround(sequence, known.region, pixel)) if region is None else known
-    try:
-        return recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
-    except BeamGeometryError as error:
-        raise BeamGeometryError(f"{sequence.name}: {said(error)}", error) from None
+    if known is None:
+        try:
+            known = recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
+        except BeamGeometryError as error:
+            raise BeamGeometryError(f"{sequence.name}: {said(error)}", error) from None
+    elif region is None:
+        known = replace(known, notes=_about_black_surround(sequence, known.region, pixel))
+    return known.judging(sequence.images, asked)
 
 
 def asked_imaging(

@@ -11,7 +11,7 @@ from ..arrays import Integers
 from ..geometry.transforms import CLOSEST
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part, report
-from .echoes.found import SweepEchoes
+from .echoes.found import LEAST_DARK, SweepEchoes
 from .echoes.surface import EchoSurface
 from .map import BoneMap
 from .placed.on_grid import BoneOnGrid
@@ -30,7 +30,7 @@ class GrowingBone(BoneMap):
     probability: Volume = field(default_factory=lambda: Volume(np.zeros((1, 1, 1), np.float32), np.eye(4)))
     least_a_frame: float = 0.0  #: Echoes in a frame on the mean below which nothing is told of them
     _surface: EchoSurface = field(default_factory=EchoSurface)
-    _learned: Integers = field(default_factory=lambda: np.zeros(2, np.int64))
+    _learned: Integers = field(default_factory=lambda: np.zeros(3, np.int64))
     _on_grid: list[tuple[VoxelGrid, BoneOnGrid]] = field(default_factory=list)
     _told: list[BoneOnGrid] = field(default_factory=list)
 
@@ -49,13 +49,15 @@ class GrowingBone(BoneMap):
 
     def learn(self, echoes: SweepEchoes) -> None:
         """Take what a frame shows."""
-        self._learned[:] += 1, len(echoes)
+        self._learned[:] += 1, len(echoes), len(echoes) if echoes.dark is None else echoes.dark.sum()
         self._surface.add(echoes)
 
     @property
     def _is_enough(self) -> bool:
-        frames, echoes = self._learned
-        return bool(echoes >= max(self.least_a_frame * frames, 1))
+        frames, echoes, dark = self._learned
+        # Where nothing is asked of echoes, a network has told them
+        shows_bone = not self.least_a_frame or dark >= LEAST_DARK * echoes
+        return bool(shows_bone and echoes >= max(self.least_a_frame * frames, 1))
 
     def so_far(self, progress: Progress | None = None) -> BoneMap | None:
         """The map as it is now, where enough is known; another thread may `learn` and a third may `spread` meanwhile."""

@@ -17,7 +17,7 @@ from ..sweep.joined import joined
 from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
 from .echoes.finder import BoneEchoFinder
 from .echoes.found import BoneEchoes, SweepEchoes
-from .echoes.surface import LEAST_BRIGHTNESS, LEAST_SCORE, surface_of
+from .echoes.surface import LEAST_SCORE, surface_of
 from .map import BoneMap
 from .predictions import Prediction, PredictionReader
 from .scan_line_reader import ForEachKind
@@ -42,7 +42,7 @@ class EchoEstimator:
     """
 
     def __init__(self, imaging: Imaging):
-        self._finders = ForEachKind(partial(BoneEchoFinder, least=LEAST_SCORE, bright=LEAST_BRIGHTNESS), imaging)
+        self._finders = ForEachKind(partial(BoneEchoFinder, least=LEAST_SCORE), imaging)
 
     def estimate(self, frame: TrackedFrame) -> BoneEchoes:
         """See `BoneEstimator`."""

@@ -51,4 +51,4 @@ class PredictionReader:
         first = np.where(ends & (sample < top), sample, -1).max(axis=1, keepdims=True)
         stop = np.where(ends & (sample > top), sample, len(sample)).min(axis=1, keepdims=True)
         stretch = np.where((sample > first) & (sample < stop), said, 0.0)
-        return BoneEchoes(*self._lines.places(lines, stretch @ sample / stretch.sum(axis=1)), scores)
+        return BoneEchoes(*self._lines.places(lines, stretch @ sample / stretch.sum(axis=1)), scores, np.ones(len(scores), dtype=bool))

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..arrays import Integers, Matrix, Reals, Singles
 from ..bone.placed.on_grid import PlacedBone
+from ..imaging.gray_levels import GrayLevels
 from ..recipe.recipe import Recipe
 from .batch import FrameBatch
 from .evidence import FrameEvidence, ScanLines
@@ -50,6 +53,7 @@ class Engine:
     def __init__(self, job: Job):
         self.job, self.state = job, job.state
         self.method = method_named(job.state.method)
+        self.gray_levels = gray_levels_of(job)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """Put frames into the volume; how many pixels entered of each. `scan_lines` is for methods that judge shadows."""
@@ -71,4 +75,11 @@ class Engine:
         if scan_lines is None:
             raise ValueError(f"Input scan_lines must be given for method {self.method.name}; got None.")
         expected = None if bone is None else scan_lines.expected(bone.map_probability, bone.ijk_to_map @ image_to_ijk)
-        return scan_lines.evidence(values, self.job.maximum, expected)
+        return scan_lines.evidence(values, self.gray_levels, expected)
+
+
+def gray_levels_of(job: Job) -> GrayLevels:
+    """The gray levels that shadows are judged by: those of the settings, else the images' own."""
+    given = job.settings.gray_levels
+    brightest = min(job.maximum, float(np.finfo(np.float32).max))
+    return GrayLevels.as_recorded(brightest) if given is None else GrayLevels(given)

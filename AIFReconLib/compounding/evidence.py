@@ -17,6 +17,7 @@ import numpy as np
 
 from ..arrays import Integers, Mask, Matrix, Singles
 from ..imaging.beams import ProbeGeometry
+from ..imaging.gray_levels import BRIGHTEST, GrayLevels
 from ..imaging.scan_lines import scan_line_samples
 from .layout import PixelLayout
 
@@ -40,7 +41,8 @@ LEAST_SHADOW = 8.0
 """mm. Darkness shorter than this, at the end of a scan line, is no evidence of a shadow."""
 
 REACHED = 0.35
-"""Part of the gray scale that a scan line must still attain, here or deeper, for sound to count as having fully arrived."""
+"""Part of the standard gray scale (see `GrayLevels`), as all that follow, that a scan line must still attain,
+here or deeper, for sound to count as having fully arrived."""
 
 LEAST_REACH = 0.01
 """Weight left to pixels in full shadow, so that a voxel seen by shadowed beams alone shows their mean and not nothing."""
@@ -215,26 +217,27 @@ class ScanLines:
         # As wide as compiled code's rows; lines beyond the last one stay dark
         return np.pad(mean, ((0, 0), (0, self.padded - mean.shape[1]))).astype(np.float32)
 
-    def scales(self, full_scale: float) -> Scales:
-        """What brightness is judged by: 1 / taps, 1 / 3, 1 / (reached M), least reach; what of a shadow's level is kept from pace to
-        pace, and what the new one adds; 1 / ((tissue - shadow) M), dark M, least contrast where no bone is expected,
-        tissue / (tissue - shadow), unsure, 1 / (full - least contrast); preference, rival M."""
+    def scales(self) -> Scales:
+        """What brightness is judged by, M being the largest level of the standard scale: 1 / taps, 1 / 3, 1 /
+        (reached M), least reach; what of a shadow's level is kept from pace to pace, and what the new one
+        adds; 1 / ((tissue - shadow) M), dark M, least contrast where no bone is expected, tissue / (tissue -
+        shadow), unsure, 1 / (full - least contrast); preference, rival M."""
         kept = np.float32(np.exp(-self.pace * self.step / FADE))
         return (
             np.float32(1 / self.taps),
             np.float32(1 / SMOOTHING_LINES),
-            np.float32(1 / (REACHED * full_scale)),
+            np.float32(1 / (REACHED * BRIGHTEST)),
             np.float32(LEAST_REACH),
             kept,
             np.float32(1) - kept,
-            np.float32(1 / ((TISSUE - SHADOW) * full_scale)),
-            np.float32(DARK * full_scale),
+            np.float32(1 / ((TISSUE - SHADOW) * BRIGHTEST)),
+            np.float32(DARK * BRIGHTEST),
             np.float32(LEAST_CONTRAST + UNSURE),
             np.float32(TISSUE / (TISSUE - SHADOW)),
             np.float32(UNSURE),
             np.float32(1 / (FULL_CONTRAST - LEAST_CONTRAST)),
             np.float32(PREFERENCE),
-            np.float32(RIVAL * full_scale),
+            np.float32(RIVAL * BRIGHTEST),
         )
 
     def expected(self, probability: Singles, image_to_map: Matrix) -> Singles:
@@ -253,31 +256,33 @@ class ScanLines:
         read[~inside] = 0.0
         return read
 
-    def evidence(self, values: Singles, full_scale: float, expected: Singles | None = None) -> FrameEvidence:
+    def evidence(self, values: Singles, gray_levels: GrayLevels, expected: Singles | None = None) -> FrameEvidence:
         """Judge one frame.
 
         Parameters
         ----------
         values : (n,) float32 array
             The layout's pixels; those that are not finite count as dark.
-        full_scale : float
-            Brightest value an image can hold.
+        gray_levels : GrayLevels
+            What makes of them the levels that are judged.
         expected : float32 array or None
             As `expected` returns it; None without a CT.
 
         Notes
         -----
-        With q the smoothed brightness along a scan line, M the full scale, b(r) the mean of q from r to the end of the line, weighted by
-        exp(-distance / 4 mm), and L(r) the largest b from r + 2 mm on, up to 4 mm before the end, which is the level of the shadow if r
-        is bone, an onset is possible where c = (q - L) / (q + L + 0.2 M) - 0.2 + 0.1 P exceeds 0 and L is below 0.31 M. Of these places
-        of a line, without its last 8 mm, that of the largest max(0, q - 1.5 L + 0.3 M) (0.05 + P) is its onset; there
+        With q the smoothed brightness along a scan line, on the standard gray scale, M the largest level of
+        that, b(r) the mean of q from r to the end of the line, weighted by exp(-distance / 4 mm), and L(r)
+        the largest b from r + 2 mm on, up to 4 mm before the end, which is the level of the shadow if r is
+        bone, an onset is possible where c = (q - L) / (q + L + 0.2 M) - 0.2 + 0.1 P exceeds 0 and L is below
+        0.31 M. Of these places of a line, without its last 8 mm, that of the largest max(0, q - 1.5 L + 0.3
+        M) (0.05 + P) is its onset; there
         E = clip(c / 0.15) clip((0.31 - L / M) / 0.08) within 0.25 mm, and 0 elsewhere.
         With S(r) = max of q from r to the end, A = min(1, S / (0.35 M))^2 is how much of the sound arrives at r or deeper; R = A + 0.01.
         clip limits to 0 to 1.
         """
         one = np.float32(1)
-        _, _, per_reached, least, *_ = scales = self.scales(full_scale)
-        brightness = self._brightness(values, scales)
+        _, _, per_reached, least, *_ = scales = self.scales()
+        brightness = self._brightness(gray_levels.of(values).astype(np.float32), scales)
         below, paced = brightness.copy(), np.ascontiguousarray(brightness[:: self.pace])
         # Row by row: the accumulation of numpy goes down every line by itself
         for sample in range(len(below) - 1, 0, -1):
@@ -292,11 +297,10 @@ class ScanLines:
         return FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
 
     def _brightness(self, values: Singles, scales: Scales) -> Singles:
-        """q at the samples, (samples, lines), not below 0."""
+        """q at the samples, (samples, lines)."""
         per_tap, per_line, *_ = scales
         dark, samples = np.float32(0), self.shape[0]
-        finite = values if np.isfinite(values).all() else np.where(np.isfinite(values), values, dark)
-        lines = np.append(finite, dark)[self._number_of_sample].reshape(self.shape)
+        lines = np.append(values, dark)[self._number_of_sample].reshape(self.shape)
         around = np.pad(lines, ((self.taps // 2, self.taps // 2), (0, 0)), mode="edge")
         brightness: Singles = lines
         brightness[:] = around[:samples]
@@ -307,7 +311,7 @@ class ScanLines:
         np.add(around[:, :-2], around[:, 1:-1], out=brightness)
         brightness += around[:, 2:]
         brightness *= per_line
-        return np.maximum(brightness, dark, out=brightness)
+        return brightness
 
     @staticmethod
     def _levels_behind(brightness: Singles, behind: Singles, scales: Scales) -> Singles:

@@ -78,7 +78,7 @@ class ImageKind:
         if self.is_8_bit:
             return []
         found: list[str] = []
-        if method_named(method).needs_shadows and settings.intensity_maximum is None:
+        if method_named(method).needs_shadows and settings.gray_levels is None and settings.intensity_maximum is None:
             found.append(
                 Sentence(
                     f"Warning: {method} judges brightness against the full gray scale, which {self.dtype.name} images do not tell.",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -16,6 +16,7 @@ from ..errors import BeamGeometryError, OperationCanceled, require_kind
 from ..geometry.volume import VoxelGrid
 from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
+from ..imaging.gray_levels import GrayLevels
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
@@ -214,6 +215,12 @@ class Reconstructor:
             raise
         finally:
             self._compute(part(progress, 1.0, 1.0))
+
+    def judge_by(self, levels: GrayLevels) -> None:
+        """Judge shadows by these gray levels, which the first frames have told; before any is inserted."""
+        if self._engine is not None:
+            raise RuntimeError("Gray levels are for the whole volume: give them before the first frame.")
+        self.settings = replace(self.settings, gray_levels=levels.landmarks)
 
     @property
     def engine(self) -> str:

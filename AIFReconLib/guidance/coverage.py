@@ -117,11 +117,10 @@ def followed(
     met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
     order = time_order(sequence)
     order = order[np.isin(order, usable)]
-    scale = _full_scale(sequence)
     for done, frame in enumerate(tracked_frames(sequence, poses, order)):
         report(progress, done / len(order), "Following the beams")
         if frame.image_to_reference is not None:
-            met.insert(frame.image_to_reference, frame.image, scale)
+            met.insert(frame.image_to_reference, None if frame.image is None else imaging.gray_levels.of(frame.image))
     report(progress, 1.0, "Followed the beams")
     return met
 
@@ -177,10 +176,3 @@ def share_of(met: BoneMet, chosen: Mask) -> Share:
     with np.errstate(invalid="ignore"):
         any_angle, below_60, below_45 = (float(areas @ of_it) / total for of_it in (np.isfinite(best), best > BELOW_60, best > BELOW_45))
     return Share(total / 100.0, any_angle, below_60, below_45, float(areas @ met.expected[chosen]) / total)
-
-
-def _full_scale(sequence: TrackedSequence) -> float:
-    """The brightest gray level there can be: 255 of 8 bits, else the brightest there is in the middle frame."""
-    if np.dtype(sequence.images.dtype) == np.uint8:
-        return 255.0
-    return max(float(np.nanmax(sequence.images[len(sequence) // 2])), 1e-9)

@@ -8,8 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..arrays import Bytes, Floats, Integers, Mask, Matrix, Numbers, Singles
-from ..compounding.evidence import REACHED as FULLY_REACHED
+from ..arrays import Bytes, Floats, Integers, Mask, Matrix, Singles
 from ..evaluation.visibility import BEAM_THICKNESS, GRAZING_DEG, BoneRays, SweepBeams, in_beams
 from ..geometry.transforms import pixel_spacing
 from ..imaging.beams import LINEAR, ProbeGeometry
@@ -26,11 +25,8 @@ BEHIND = 11.0
 LOOK_STEP = 1.0
 """mm between looks along a scan line, and the size of the cells whose mean is looked at, so that speckle counts for little."""
 
-TISSUE_LEVEL = 0.95
-"""Quantile of a frame's cells that stands for its bright tissue: where an image is dim as a whole, less counts as lit."""
-
-DARKEST = 0.04
-"""Part of the gray scale below which nothing counts as lit, however dim the image: noise."""
+LIT = 48.0
+"""Level of the standard gray scale from which a cell counts as lit: a third of what the brightest tissue has."""
 
 SHADOWED, DARK, MET = 1, 2, 3
 """Of a point in a frame's beams: behind other bone, in an image that is dark there, met."""
@@ -99,17 +95,17 @@ class FrameGeometry:
         self._rays = BoneRays(bone.distance)
         self._starts = bone.starts
 
-    def view(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> FrameView:
+    def view(self, image_to_reference: Matrix, image: Bytes | None = None) -> FrameView:
         """What a frame at this pose meets; without an image, as if it were lit everywhere.
 
-        The pose is (4, 4), pixels to mm, the image (rows, columns); `full_scale` is the brightest gray level there can be.
+        The pose is (4, 4), pixels to mm, the image (rows, columns) on the standard gray scale (see `GrayLevels`).
         """
         _, seen, pixels, cosines, blocked = self._look(image_to_reference[None])
         status = np.full(len(seen), MET, dtype=np.uint8)
         status[blocked] = SHADOWED
         if image is not None:
             open_ = np.flatnonzero(~blocked)
-            status[open_[~self._lit(image, pixel_spacing(image_to_reference), pixels[open_], full_scale)]] = DARK
+            status[open_[~self._lit(image, pixel_spacing(image_to_reference), pixels[open_])]] = DARK
         return FrameView(seen, cosines, status)
 
     def support(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats]:
@@ -127,16 +123,13 @@ class FrameGeometry:
         frame, seen, pixels, cosines = frame[facing], seen[facing], pixels[facing], cosines[facing]
         return frame, seen, pixels, cosines, self._rays.blocks(self._starts[seen], beams[facing], lengths[facing])
 
-    def _lit(self, image: Numbers, spacing: tuple[float, float], pixels: Floats, full_scale: float) -> Mask:
+    def _lit(self, image: Bytes, spacing: tuple[float, float], pixels: Floats) -> Mask:
         """Whether the scan line through each point is lit somewhere from `BEFORE` mm before it on, (m,) bool."""
         x, y = spacing
         wide, high = max(round(LOOK_STEP / x), 1), max(round(LOOK_STEP / y), 1)
-        level = _cells(image, wide, high) / np.float32(full_scale)
+        level = _cells(image, wide, high)
         in_region = self._mask[high // 2 :: high, wide // 2 :: wide][: level.shape[0], : level.shape[1]]
-        level = np.where(in_region & np.isfinite(level), level, np.float32(0))
-        shown = level[in_region]
-        bright = float(np.partition(shown, rank)[rank]) if (rank := int(TISSUE_LEVEL * len(shown))) < len(shown) else 0.0
-        threshold = np.clip(FULLY_REACHED * bright, DARKEST, FULLY_REACHED)
+        level = np.where(in_region, level, np.float32(0))
         if self.beams.probe.kind == LINEAR:
             way = np.tile([0.0, 1.0 / y], (len(pixels), 1))
         else:
@@ -146,11 +139,11 @@ class FrameGeometry:
         # A rim of darkness stands for what lies outside of the image
         dark = np.pad(level, 1)
         column, row = (((places[..., n] + 0.5) / cell + 1.0).astype(np.int64) for n, cell in enumerate((wide, high)))
-        lit = dark.take(row.clip(0, dark.shape[0] - 1) * dark.shape[1] + column.clip(0, dark.shape[1] - 1)) >= threshold
+        lit = dark.take(row.clip(0, dark.shape[0] - 1) * dark.shape[1] + column.clip(0, dark.shape[1] - 1)) >= LIT
         return np.asarray(lit.any(axis=1))
 
 
-def _cells(image: Numbers, wide: int, high: int) -> Singles:
+def _cells(image: Bytes, wide: int, high: int) -> Singles:
     """Means of the image in cells of `wide` columns and `high` rows, (rows // high, columns // wide) float32."""
     rows, columns = image.shape[0] // high, image.shape[1] // wide
     rows_summed = np.zeros((rows, columns * wide), dtype=np.float32)
@@ -201,9 +194,9 @@ class BoneMet:
             setattr(some, name, getattr(self, name)[points])
         return some
 
-    def insert(self, image_to_reference: Matrix, image: Numbers | None = None, full_scale: float = 255.0) -> None:
+    def insert(self, image_to_reference: Matrix, image: Bytes | None = None) -> None:
         """Add a frame; the arguments are those of `FrameGeometry.view`."""
-        self.add(self.geometry.view(image_to_reference, image, full_scale))
+        self.add(self.geometry.view(image_to_reference, image))
 
     def add(self, view: FrameView) -> None:
         """Add a frame that was looked at."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ..arrays import Mask, Numbers
+from ..arrays import Integers, Mask, Numbers
 from .images import ImageStack
 from .outline import BORDER_PX
 
@@ -20,7 +20,7 @@ STILL, SURROUND = 0.1, 0.25
 
 def extremes(images: ImageStack) -> tuple[Numbers, Numbers]:
     """The least and the greatest of each pixel in the frames looked at, (rows, columns)."""
-    numbers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
+    numbers = frames_looked_at(images)
     brightest = np.array(_without_gaps(images[int(numbers[0])]))
     darkest = brightest.copy()
     for number in numbers[1:]:
@@ -28,6 +28,12 @@ def extremes(images: ImageStack) -> tuple[Numbers, Numbers]:
         np.maximum(brightest, image, out=brightest)
         np.minimum(darkest, image, out=darkest)
     return darkest, brightest
+
+
+def frames_looked_at(images: ImageStack) -> Integers:
+    """Numbers of the frames by which a sweep is judged, all over it."""
+    numbers: Integers = np.unique(np.linspace(0, len(images) - 1, FRAMES_LOOKED_AT).astype(int))
+    return numbers
 
 
 def _without_gaps(image: Numbers) -> Numbers:

@@ -13,6 +13,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 
 from .. import __version__
+from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume
 from ..recipe.recipe import AUTOMATIC, KEPT, RULES, ReadingSettings, Recipe
@@ -69,6 +70,8 @@ def kept_settings(
     region = None if imaging.region == configuration.imaged_region else imaging.region
     probe = None if imaging.probe == configuration.probe else imaging.probe
     kept |= imaging_fields(region, probe)
+    if method_named(result.method).needs_shadows or asked.bone_from_sweep:
+        kept["gray_levels"] = list(imaging.gray_levels.landmarks)
     kept["grid_size"] = list(result.grid.size)
     kept["grid_to_reference"] = result.grid.ijk_to_reference.tolist()
     return kept

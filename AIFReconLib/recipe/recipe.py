@@ -139,6 +139,9 @@ class ImagingSettings(Branch):
         minimum=1e-6,
         label="Brightest value:",
     )
+    gray_levels: tuple[float, ...] | None = setting(
+        None, "gray levels of the images that are taken to those of the standard scale", NUMBERS, counts=(8,), metavar=""
+    )
     speed_of_sound: float | None = _speed(
         None,
         "true speed of sound, where it is not the scanner's: pixels move along their beams (default: no correction)",

@@ -19,6 +19,7 @@ from AIFReconLib.compounding.state import HIT
 from AIFReconLib.geometry.transforms import image_plane_axes, pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.gray_levels import GrayLevels
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
@@ -160,7 +161,7 @@ def yardsticks(sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, probe:
     alpha, beta, maximum = np.float32(defaults.alpha), np.float32(defaults.beta), np.float32(np.iinfo(str(image.dtype)).max)
     floor, gain = np.float32(defaults.weight_floor), np.float32(defaults.bone_gain)
     layout = PixelLayout.build((columns, rows), spacing, ImageRegion(), probe)
-    judged = ScanLines(layout, probe).evidence(layout.values(image), float(maximum))
+    judged = ScanLines(layout, probe).evidence(layout.values(image), GrayLevels.as_recorded(float(maximum)))
     reach, onset = judged.reach.reshape(rows, columns), judged.onset.reshape(rows, columns)
     known = placed.probability, placed.directions_reference
 

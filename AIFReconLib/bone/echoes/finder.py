@@ -28,6 +28,12 @@ SHADOW_FROM, SHADOW_TO, SHADOW_LEAST = 1.0, 10.0, 3.0
 SKIN = 8.0
 """mm below the transducer in which nothing counts: skin, gel and reverberation are bright and never bone."""
 
+FAINT = 55.0
+"""Gray level, on the standard scale, that is added to echo and shadow when they are compared: a contrast among faint echoes says little."""
+
+DARK, DARK_FROM = 25.0, 3.0
+"""Gray level, on the standard scale, that the mean of a scan line is below from so many mm behind bone to its end."""
+
 LEAST_SCORE = 0.4
 """Score from which an echo counts as bone."""
 
@@ -41,23 +47,19 @@ NEIGHBORHOOD, NEIGHBOR_DEPTH, NEIGHBORS_NEEDED = 2.0, 2.0, 0.5
 class BoneEchoFinder:
     """Looks for bone in images of one size, spacing and probe.
 
-    Per scan line, with e the smoothed intensity, b the mean intensity from 1 to 10 mm behind, and m the mean of the frame's pixels
-    above 0::
+    Per scan line, with e the smoothed gray level on the standard scale (see `GrayLevels`), and b the mean level from 1 to 10 mm behind::
 
-        score = (e - b) / (e + b + m)
+        score = (e - b) / (e + b + 55)
 
-    It tends to 1 for a bright echo over darkness, is about 0 where an echo has tissue behind it, and small in darkness, where e and b are
-    small against m. Multiplying all intensities by a factor does not change it. The strongest score of a line counts if it reaches
-    `least`, lies below the skin, and the neighboring lines agree; the echo then lies at the brightest e within `CREST`.
+    It tends to 0.8 for a bright echo over darkness, is about 0 where an echo has tissue behind it, and small
+    in darkness. The strongest score of a line counts if it reaches `least`, lies below the skin, and the
+    neighboring lines agree; the echo then lies at the brightest e within `CREST`.
 
-    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe; `least` is what a score must reach, and
-    `bright` how many times m the echo.
+    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe; `least` is what a score must reach.
     """
 
-    def __init__(
-        self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging, least: float = LEAST_SCORE, bright: float = 0.0
-    ):
-        self._least, self._bright = least, bright
+    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging, least: float = LEAST_SCORE):
+        self._least, self._gray_levels = least, imaging.gray_levels
         self._lines = lines = ScanLineReader(size, spacing, imaging)
         self._pitch, self._step, self._known = lines.pitch, lines.step, lines.known
         self._sigma = ECHO_ACROSS / self._pitch, ECHO_ALONG / self._step
@@ -76,35 +78,31 @@ class BoneEchoFinder:
 
     def find(self, image: Numbers) -> BoneEchoes:
         """The bone echoes of an image, (rows, columns); values below 0 and not finite count as 0."""
-        scores, samples, bone = self._strongest(image)
-        return BoneEchoes(*self._lines.places(bone, samples[bone]), scores[bone])
+        values = self._lines.read(self._gray_levels.of(image))
+        scores, samples, bone = self._strongest(values)
+        return BoneEchoes(*self._lines.places(bone, samples[bone]), scores[bone], self._dark(values[bone], bone, samples[bone]))
 
-    def _strongest(self, image: Numbers) -> tuple[Singles, Floats, Integers]:
+    def _dark(self, values: Singles, lines: Integers, samples: Floats) -> Mask:
+        """Whether these lines (n, samples) are dark behind these samples (n,) to their end."""
+        behind = self._known[lines] & (np.arange(values.shape[1]) >= samples[:, None] + DARK_FROM / self._step)
+        dark: Mask = (values * behind).sum(axis=1) < DARK * behind.sum(axis=1)
+        return dark
+
+    def _strongest(self, values: Singles) -> tuple[Singles, Floats, Integers]:
         """The score and place of the strongest echo of every line, (lines,) each, and the numbers of the lines where it is bone."""
-        scores: Singles = np.zeros(self.lines, dtype=np.float32)
-        samples: Floats = np.zeros(self.lines)
-        found: Mask = np.zeros(self.lines, dtype=bool)
-        echo, score, level = self.look(image)
-        if score is not None:
-            strongest = score.argmax(axis=1)
-            scores = np.take_along_axis(score, strongest[:, None], axis=1)[:, 0]
-            samples = self._crest(echo, strongest)
-            crests = np.take_along_axis(echo, np.rint(samples).astype(np.int64)[:, None], axis=1)[:, 0]
-            found = (scores >= self._least) & (crests >= self._bright * level)
-        return scores, samples, np.flatnonzero(self._agreed(samples, found))
+        echo, score = self.look(values)
+        strongest = score.argmax(axis=1)
+        scores: Singles = np.take_along_axis(score, strongest[:, None], axis=1)[:, 0]
+        samples = self._crest(echo, strongest)
+        return scores, samples, np.flatnonzero(self._agreed(samples, scores >= self._least))
 
-    def look(self, image: Numbers) -> tuple[Singles, Singles | None, float]:
-        """Smoothed intensity e and score of every sample, (lines, samples) each, and m; no score where the image is black."""
-        values = self._lines.read(image)
-        lit = values[values > 0]
-        if not lit.size:
-            return values, None, 0.0
-        level = lit.mean()
+    def look(self, values: Singles) -> tuple[Singles, Singles]:
+        """Smoothed gray level e and score of every sample, (lines, samples) each, by the levels read there."""
         echo: Singles = (scipy.ndimage.gaussian_filter(values, self._sigma, output=np.float32) / self._reach).astype(np.float32)
         sums = running_sum(values)
         behind = (sums[:, self._to] - sums[:, self._from]).astype(np.float32) / np.maximum(self._behind, 1)
-        score: Singles = np.where(self._eligible, (echo - behind) / (echo + behind + level), 0.0).astype(np.float32)
-        return echo, score, float(level)
+        score: Singles = np.where(self._eligible, (echo - behind) / (echo + behind + np.float32(FAINT)), 0.0)
+        return echo, score.astype(np.float32)
 
     def _crest(self, echo: Reals, samples: Integers) -> Floats:
         """Where each line is brightest up to `CREST` before these samples, between samples by a parabola, (lines,) float64."""

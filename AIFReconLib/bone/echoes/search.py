@@ -42,7 +42,6 @@ def sweep_echoes(
     *,
     most_frames: int | None = MOST_FRAMES,
     least_score: float = LEAST_SCORE,
-    least_brightness: float = 0.0,
     progress: Progress | None = None,
 ) -> SweepEchoes:
     """The bone echoes of one or more recorded sweeps in one Reference.
@@ -59,8 +58,6 @@ def sweep_echoes(
         Of all sweeps together; chosen evenly. None: all.
     least_score : float, 0 to 1
         From which an echo counts.
-    least_brightness : float
-        How many times the frame's mean it must be.
     """
     sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
     placed = []
@@ -75,7 +72,7 @@ def sweep_echoes(
         chosen = order[np.unique((np.arange(max(int(len(order) / every), 1)) * every).astype(np.int64))]
         imaging = resolve_imaging(sequence, poses, True, recipe)
         spacing = pixel_spacing(poses.image_to_reference[chosen[0]])
-        finder = BoneEchoFinder(sequence.frame_size, spacing, imaging, least_score, least_brightness)
+        finder = BoneEchoFinder(sequence.frame_size, spacing, imaging, least_score)
         share = part(progress, done / len(placed), (done + 1) / len(placed))
         for number in range(0, len(chosen), AT_ONCE):
             report(share, number / len(chosen), "Looking for bone in the sweep")

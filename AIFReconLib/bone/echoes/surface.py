@@ -38,8 +38,8 @@ from .sums import SPACING, CubeSums, cubes_of
 LEAST_SCORE = 0.35
 """From which echoes take part: those of many frames bear each other out, so that weaker ones count than in a registration."""
 
-LEAST_BRIGHTNESS, LEAST_A_FRAME = 1.5, 3.0
-"""Times the mean of its frame that an echo is, and echoes in a frame on the mean: little of tissue's speckle is so bright."""
+LEAST_A_FRAME = 3.0
+"""Echoes in a frame on the mean, below which there is hardly any bone."""
 
 SHADOW_FROM, SHADOW_TO = 2.5, 25.0
 """mm behind an echo: where sound does not pass, and what looks like bone there needs more frames that show it."""
@@ -61,10 +61,6 @@ THICKNESS, REACH = 0.8, 2.0
 
 FARTHEST = 3.0
 """mm from the nearest echo beyond which nothing is said."""
-
-AGREED, PARALLEL = 0.1, 1e-6
-"""Part of how far beams are apart at the median voxel, from which on a place counts in full: what only one side has seen is bone less
-often, in a sweep from several. And how far they are apart, within a tenth of a degree, where the whole sweep came from one."""
 
 CUT_OFF = 3.0
 """Standard deviations beyond which a Gaussian is 0."""
@@ -102,11 +98,9 @@ def bone_from_sweep(
         When too few echoes of bone are found, as in water or in tissue alone.
     """
     sweeps = sweeps_of(sequence)
-    found = sweep_echoes(
-        sweeps, recipe, most_frames=None, least_score=LEAST_SCORE, least_brightness=LEAST_BRIGHTNESS, progress=part(progress, 0.0, 0.9)
-    )
+    found = sweep_echoes(sweeps, recipe, most_frames=None, least_score=LEAST_SCORE, progress=part(progress, 0.0, 0.9))
     frames = sum(len(sweep) for sweep in sweeps)
-    if len(found) < LEAST_A_FRAME * frames:
+    if len(found) < LEAST_A_FRAME * frames or not found.show_bone:
         raise GeometryError(
             f"{listed([sweep.name for sweep in sweeps])}: the images show hardly any bone, {len(found)} echoes in {frames} frames.",
             Remedy.CHECK_PROBE_AND_CLIP,
@@ -155,14 +149,13 @@ class EchoSurface:
     Notes
     -----
     At each voxel near echoes, a plane is laid through those around it: by their Gaussian-weighted mean and covariance, along the direction
-    of its least spread, faced by the beams that saw them. With h the voxel's height over that plane, d its distance to the nearest echo,
-    and a how far apart the beams are there (1 less the length of their mean),
-    P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2) min(1, a / (0.1 median(a))), T = `THICKNESS`, R = `REACH`. An echo counts by its score
-    times its trust B / (B + 0.2 S), with B the scores of the echoes at its place and S those of the echoes in whose shadow it lies, per
-    mm: echoes in the shadow of bone that other beams met before are reverberation more often than bone.
+    of its least spread, faced by the beams that saw them. With h the voxel's height over that plane and d its distance to the nearest echo,
+    P = exp(-h^2 / 2 T^2 - d^2 / 2 R^2), T = `THICKNESS`, R = `REACH`. An echo counts by its score times its
+    trust B / (B + 0.2 S), with B the scores of the echoes at its place and S those of the echoes in whose
+    shadow it lies, per mm: echoes in the shadow of bone that other beams met before are reverberation more
+    often than bone.
 
-    All but the median follows from sums over echoes in cubes, so that a part has the values of the whole. The median is that of what has
-    been told until then.
+    All follows from sums over echoes in cubes, so that a part has the values of the whole.
     """
 
     def __init__(self) -> None:
@@ -170,7 +163,6 @@ class EchoSurface:
         self._adding = threading.Lock()
         self._shown, self._shadows = CubeSums(13), CubeSums(1)
         self._changed: list[Integers] = []
-        self._apart: tuple[Integers, Floats] = np.empty((0, 3), np.int64), np.empty(0)
 
     def add(self, echoes: SweepEchoes) -> None:
         """Take more echoes, of a frame or of a sweep."""
@@ -237,19 +229,14 @@ class EchoSurface:
             moments[number] = _blurred(voxels, sums[number], shape, NEIGHBORHOOD).reshape(-1)[near]
 
         in_parts(gather, len(sums), threads, part(progress, 0.3, 0.7), "Laying echoes together")
-        apart = 1.0 - np.linalg.norm(moments[4:7], axis=0) / moments[0]
         places = np.stack(np.unravel_index(near, shape)[::-1], axis=1) + start
-        others = ~np.all((self._apart[0] >= low) & (self._apart[0] <= high), axis=1)
-        self._apart = np.concatenate([self._apart[0][others], places]), np.concatenate([self._apart[1][others], apart])
-        usual = np.median(self._apart[1]) if len(self._apart[1]) else 0.0
-        agreed = np.clip((apart + PARALLEL) / (AGREED * usual + PARALLEL), 0.0, 1.0)
         probability, inside, slopes = np.zeros(shape, np.float32), np.zeros(shape, np.uint8), np.zeros((3, *shape), np.float32)
 
         def lay(number: int) -> None:
             some = slice(number * AT_ONCE, (number + 1) * AT_ONCE)
             heights, normals = _planes(SPACING * places[some], moments[:, some])
             at = tuple((places[some] - start).T[::-1])
-            probability[at] = np.exp(-0.5 * (heights / THICKNESS) ** 2 - 0.5 * (away[at] / REACH) ** 2) * agreed[some]
+            probability[at] = np.exp(-0.5 * (heights / THICKNESS) ** 2 - 0.5 * (away[at] / REACH) ** 2)
             inside[at] = heights > 0
             slopes[(slice(None), *at)] = normals.T
 

@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import NumberType
 from ...holes.nearest import fill_holes
 from ...imaging.beams import LINEAR, ProbeGeometry
+from ...imaging.gray_levels import GrayLevels
 from ...machine.processes import Process, start_python
 from ...machine.threads import optional_module, usable_cores
 from ...recipe.recipe import Recipe
@@ -47,7 +48,7 @@ def compile_for(kind: str) -> None:
     if judging is None:
         return
     layout = PixelLayout((16, 64), (0.5, 0.5), (0, 64, 0, 16), np.ones((64, 16), bool), None, None)
-    judge = judging.FrameJudge(ScanLines(layout, ProbeGeometry(LINEAR)), np.dtype(kind), 255.0, 1)
+    judge = judging.FrameJudge(ScanLines(layout, ProbeGeometry(LINEAR)), GrayLevels.as_recorded(), 1)
     judge.judge(np.zeros((64, 16), kind), 0, np.zeros((2, 2, 2), np.float32), np.eye(4))
     mask = np.zeros((3, 3, 3), np.uint8)
     mask[1, 1, 1] = 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Floats, Integers, Matrix, Numbers, Reals, Singles
+from ...arrays import Bytes, Floats, Integers, Matrix, Numbers, Reals, Singles
 
 Frames = tuple[Numbers, Matrix, Integers, Integers, Floats]
 """What is inserted. images : (frames, rows, columns) uint8 or float32; matrices, pieces, spans, bounds : as in `clip_to_volume`."""
@@ -73,10 +73,10 @@ Lengths = tuple[int, int, int, int, int]
 Expected = tuple[Singles, Corner, Singles, Integers]
 """The CT's word. probability : (voxels,) float32, of a map of size (i, j, k); expected_at, expected_of_line : of `ScanLines`."""
 
-Room = tuple[Numbers, Numbers, Singles, Singles, Singles, Singles, Integers]
+Room = tuple[Bytes, Bytes, Singles, Singles, Singles, Singles, Integers]
 """To work in.
 
-For a copy of the image, flat, finite; for the pixels at the samples, (samples, padded), of the image's type and 0 at first; for reach and
+For a copy of the image, flat; for the gray levels at the samples, (samples, padded), 0 at first; for reach and
 brightness, then onset, there, (samples, padded) float32, and both once more, flat; for the numbers of the CT's voxels at a place.
 """
 

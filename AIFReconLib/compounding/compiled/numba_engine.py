@@ -89,7 +89,7 @@ class NumbaEngine(SlabEngine):
         if scan_lines is None or bone is None:
             raise ValueError(f"Input scan_lines and bone must be given for method {self.method.name}; got None.")
         if self._judge is None or self._judge.scan_lines is not scan_lines:
-            self._judge = FrameJudge(scan_lines, images.dtype, float(self.job.maximum), BATCH_FRAMES)
+            self._judge = FrameJudge(scan_lines, self.gray_levels, BATCH_FRAMES)
         judge = self._judge
 
         def judge_frame(frame: int) -> None:

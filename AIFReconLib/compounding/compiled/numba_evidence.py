@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Floats, Integers, Matrix, Numbers, NumberType, Singles
+from ...arrays import Bytes, Floats, Integers, Matrix, Numbers, Singles
+from ...imaging.gray_levels import GrayLevels
 from ...machine.numba_compile import called, compiled, inlined
 from ..evidence import UNEXPECTED, Scales, ScanLines
 from .groups import Cleared, Corner, Evidence, Expected, Lengths, Places, Results, Room
 
 ZERO, ONE, TWO = np.float32(0), np.float32(1), np.float32(2)
 EXTRA = np.float32(UNEXPECTED)
+AS_IT_IS = np.arange(256, dtype=np.uint8)
 
 
 @called
@@ -46,14 +48,14 @@ def number_voxels_at(places: Floats, pixels: Integers, matrix: Matrix, lows: Cor
 
 
 @inlined
-def read_lines(pixels: Numbers, places: Integers, lit: Integers, first_lit: Integers, read: Numbers) -> None:
-    """Read the pixels at flat `places` (samples, lines) within the runs `lit`; the rest of `read` stays dark."""
+def read_lines(pixels: Bytes, table: Bytes, places: Integers, lit: Integers, first_lit: Integers, read: Bytes) -> None:
+    """Read what `table` (256,) has for the pixels at flat `places` (samples, lines) within the runs `lit`; the rest stays dark."""
     for sample in range(places.shape[0]):
         for run in range(first_lit[sample], first_lit[sample + 1]):
             start, stop = lit[run, 0], lit[run, 1]
             there, found = places[sample, start:stop], read[sample, start:stop]
             for line in range(there.size):
-                found[line] = pixels[np.uint32(there[line])]
+                found[line] = table[pixels[np.uint32(there[line])]]
 
 
 @inlined
@@ -65,17 +67,16 @@ def add_two_rows(total: Singles, one: Numbers, other: Numbers) -> None:
 
 @inlined
 def slide_sum(total: Singles, new: Numbers, old: Numbers) -> None:
-    """total = total + new - old: for whole numbers, whose sums are exact in any order."""
+    """total = total + new - old: of whole numbers, whose sums are exact in any order."""
     for line in range(total.size):
         total[line] += np.float32(new[line]) - np.float32(old[line])
 
 
 @inlined
 def smooth_across(total: Singles, per_tap: np.float32, per_line: np.float32, bright: Singles) -> None:
-    """The mean over three neighboring lines of `total`, sums along the lines and of one more line on either side, not below 0."""
+    """The mean over three neighboring lines of `total`, sums along the lines and of one more line on either side."""
     for line in range(bright.size):
-        mean = ((total[line] * per_tap + total[line + 1] * per_tap) + total[line + 2] * per_tap) * per_line
-        bright[line] = mean if mean > ZERO else ZERO
+        bright[line] = ((total[line] * per_tap + total[line + 1] * per_tap) + total[line + 2] * per_tap) * per_line
 
 
 @inlined
@@ -191,11 +192,11 @@ def hand_out(
 @compiled
 def judge(
     places: Places,
+    table: Bytes,
     ct: Expected,
     matrix: Matrix,
     lengths: Lengths,
     scales: Scales,
-    whole: bool,
     room: Room,
     cleared: Cleared,
     results: Results,
@@ -204,10 +205,10 @@ def judge(
 
     Parameters
     ----------
+    table : (256,) uint8 array
+        What the levels of the image are on the standard gray scale.
     matrix : (4, 4) float64 array
         From the image to the CT's voxels.
-    whole : bool
-        Whether all pixels are whole numbers, small enough for their sums to be exact.
     room : Room
         Best the same every time, so that it is in the cache. It begins with the image.
 
@@ -229,7 +230,7 @@ def judge(
     samples, count = pixel_of_sample.shape
     half = taps // 2
     pixels, read, sampled_reach, bright, flat_reach, flat_bright, numbers = room
-    read_lines(pixels, pixel_of_sample, lit, first_lit, read)
+    read_lines(pixels, table, pixel_of_sample, lit, first_lit, read)
     # Sums along the lines, with one more before the first and after the last, so that all have neighbors
     total, largest, of_lines = cleared
     most, level, merit, best, place, shadow, trust, believed = of_lines
@@ -239,7 +240,7 @@ def judge(
         if start >= stop:
             continue
         sums, top = total[start + 1 : stop + 1], max(sample - half, 0)
-        if whole and summed and taps > 1:
+        if summed and taps > 1:
             slide_sum(sums, read[top, start:stop], read[min(sample + half + 1, samples - 1), start:stop])
         else:
             copy(read[top, start:stop], sums)
@@ -285,16 +286,15 @@ class FrameJudge:
 
     Parameters
     ----------
-    dtype : dtype of the images
-    maximum : float
-        Brightest value an image can hold.
+    gray_levels : GrayLevels
+        What makes of pixels the levels that are judged.
     places : int
         Of how many frames the evidence is kept.
     """
 
-    def __init__(self, scan_lines: ScanLines, dtype: NumberType, maximum: float, places: int):
+    def __init__(self, scan_lines: ScanLines, gray_levels: GrayLevels, places: int):
         self.scan_lines = lines = scan_lines
-        self._dtype, self._scales = dtype, lines.scales(maximum)
+        self._gray_levels, self._scales = gray_levels, lines.scales()
         shown = lines.lit, lines.first_lit, lines.active, lines.judged.astype(np.float32), lines.behind
         self._places = lines.pixel_of_sample, lines.padded_sample_of_pixel, *shown, np.ones(lines.shape[1], np.float32)
         self._lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
@@ -315,17 +315,19 @@ class FrameJudge:
         except IndexError:
             shape = lines.shape[0], lines.padded
             reach, bright = np.empty((2, *shape), np.float32)
-            flat, read = np.empty(image.size, self._dtype), np.zeros(shape, self._dtype)
+            flat, read = np.empty(image.size, np.uint8), np.zeros(shape, np.uint8)
             room = flat, read, reach, bright, reach.reshape(-1), bright.reshape(-1), np.empty(lines.expected_at.shape[2], np.int64)
         # Memory is fast in a row and slow by leaps: so one pass brings the image near before it is read along the beams
-        np.copyto(room[0], image.reshape(-1))
+        is_8_bit = image.dtype == np.uint8
+        np.copyto(room[0], (image if is_8_bit else self._gray_levels.of(image)).reshape(-1))
+        table = self._gray_levels.table if is_8_bit else AS_IT_IS
         count = lines.shape[1]
         largest = np.zeros((lines.depth // lines.pace + 1, count), np.float32)
         cleared = np.zeros(count + 2, np.float32), largest, tuple(np.zeros((8, count), np.float32))
         results = self._reach[frame], self._begins[frame], self._onset[frame]
         k, j, i = probability.shape
         ct = probability.reshape(-1), (i, j, k), lines.expected_at, lines.expected_of_line
-        onsets = judge(self._places, ct, image_to_map, self._lengths, self._scales, self._dtype == np.uint8, room, cleared, results)
+        onsets = judge(self._places, table, ct, image_to_map, self._lengths, self._scales, room, cleared, results)
         self._rooms.append(room)
         self._onsets[frame] = onsets
         return self._begins[frame, :onsets]

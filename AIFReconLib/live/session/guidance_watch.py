@@ -99,7 +99,6 @@ class GuidanceWatch(Watch):
         self._grid: VoxelGrid | None = None
         self._boxed: GuidedBone | None = None
         self._is_in_box = True
-        self._brightest = 1.0
         self._is_preparing = False
         self._told, self._advised = 0.0, 0.0
         self._renewed = 0.0
@@ -170,9 +169,9 @@ class GuidanceWatch(Watch):
             self._again = list(self._poses)
         if self._mets[0].geometry.beams.frame_size != (columns, rows):
             return
-        self._brightest = 255.0 if image.dtype == np.uint8 else max(self._brightest, float(image.max()))
+        levels = imaging.gray_levels.of(image)
         for met in self._mets:
-            met.insert(pose, image, self._brightest)
+            met.insert(pose, levels)
         self._remember(pose)
 
     def _none_met(self, bone: GuidedBone, imaging: Imaging, frame_size: tuple[int, int]) -> list[BoneMet]:

@@ -116,7 +116,7 @@ class Inserter:
             known = imaging()
             reconstructor = Reconstructor(
                 grid,
-                self._settings,
+                replace(self._settings, gray_levels=known.gray_levels.landmarks),
                 self._bone,
                 probe=known.probe,
                 region=known.region,
@@ -134,6 +134,20 @@ class Inserter:
         self._begin = make
         with self._changed:
             self._tasks.append(make)
+            self._changed.notify_all()
+
+    def judge_by(self, imaging: Callable[[], Imaging]) -> None:
+        """Before any frame that is put from now on, take the gray levels of `imaging`, which is called on the thread."""
+
+        def judge() -> None:
+            known = imaging()
+            with self._volume:
+                self._imaging = known
+                if self._reconstructor is not None:
+                    self._reconstructor.judge_by(known.gray_levels)
+
+        with self._changed:
+            self._tasks.append(judge)
             self._changed.notify_all()
 
     @property

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from ...bone.map import BoneMap
+from ...compounding.methods.table import method_named
 from ...compounding.needs import needs_beams, require_bone
 from ...compounding.state import Reconstruction, bytes_per_voxel
 from ...geometry.volume import VoxelGrid
@@ -110,6 +111,10 @@ class LiveSession:
         require_bone(self._method, self.settings, bone is not None)
         self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
         self._recognized = partial(recognized_imaging, configuration=configuration, region=region, probe=probe)
+        self._judges = method_named(self._method).needs_shadows
+        # Gray levels are learned from the first frames, where nobody has told them
+        self._learns = self._judges and asked.gray_levels is None
+        self._asked, self._made_before = asked, False
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
         self.recorder = Recorder(record) if record is not None else None
@@ -132,9 +137,11 @@ class LiveSession:
         self._inserter = Inserter(self.settings, bone, longest_delay, sign, parts)
         self._grid = grid = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock, self._looking = threading.RLock(), threading.Lock()
-        self._seen_imaging = known_imaging(configuration, True, region, probe)
+        self._known = known_imaging(configuration, True, region, probe)
+        # With gray levels that are told no frame must be awaited
+        self._seen_imaging = None if self._known is None or asked.gray_levels is None else self._known.judging((), asked)
         self._look_from = 0
-        self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._imaging else LOOKING
+        self._phase = SCOUTING if grid is None else LOOKING if self._must_look else RECONSTRUCTING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
         self._heard = Heard()
@@ -163,7 +170,7 @@ class LiveSession:
         """
         with self._lock:
             self._start_inserting()
-        return (self._inserter.ready if self._phase == RECONSTRUCTING else self._inserter.warm).wait(timeout)
+        return (self._inserter.ready if self._made_before else self._inserter.warm).wait(timeout)
 
     def take_up(self, earlier: Iterable[tuple[LiveFrame, bool]]) -> None:
         """Before `start`: let these frames come before those of the source, those that do not count into the recording only."""
@@ -205,7 +212,7 @@ class LiveSession:
         """Reconstruct on `grid` from now on, beginning with the frames seen while scouting that were kept."""
         with self._lock:
             self._grid = grid
-            if self._imaging is None and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
+            if self._must_look and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
                 self._phase = LOOKING
             else:
                 self._begin(grid)
@@ -256,7 +263,7 @@ class LiveSession:
         return self._inserter.wait_for_rest(timeout)
 
     def imaging(self) -> Imaging | None:
-        """Region and probe of the images, where need be as the latest frames show them; None while these are too few.
+        """Region, probe and gray levels of the images, as far as need be as the latest frames show them; None while these are too few.
 
         Raises
         ------
@@ -270,8 +277,7 @@ class LiveSession:
                 latest = ScoutedFrames()
                 for frame in frames:
                     latest.add(frame, self._meter)
-                sequence, poses = latest.sequence()
-                self._seen_imaging = self._recognized(sequence.images, poses, need_probe=True)
+                self._seen_imaging = self._look(latest, self._known, need_probe=True)
             return self._seen_imaging
 
     @property
@@ -310,8 +316,10 @@ class LiveSession:
     def _start_inserting(self) -> None:
         if not self._prepared:
             self._prepared = True
-            if self._grid is not None and self._phase == RECONSTRUCTING:
-                self._begin(self._grid)
+            if self._grid is not None and self._imaging is not None:
+                # Before frames come: what they tell of gray levels is handed on before the first is inserted
+                self._made_before = True
+                self._inserter.begin(self._grid, lambda: self._find_imaging(ScoutedFrames()))
             self._inserter.start()
 
     # ---- the receiving thread
@@ -377,7 +385,10 @@ class LiveSession:
             scouted.clear()
             return found
 
-        self._inserter.begin(grid, imaging)
+        if self._made_before and self._phase == LOOKING:
+            self._inserter.judge_by(imaging)
+        else:
+            self._inserter.begin(grid, imaging)
         for frame, meter in frames:
             self._inserter.put(frame, meter, live=False)
         self._phase = RECONSTRUCTING
@@ -393,7 +404,19 @@ class LiveSession:
 
     def _find_imaging(self, scouted: ScoutedFrames) -> Imaging:
         """How the images are to be read: as given and configured, else recognized in the frames that were scouted."""
-        if self._imaging is None:
-            sequence, poses = scouted.sequence()
-            self._imaging = self._recognized(sequence.images, poses, need_probe=self._needs_probe)
-        return replace(self._imaging, notes=(*self._configuration.warnings, *self._imaging.notes, *scouted.notes))
+        known = self._imaging
+        if known is None or (self._learns and scouted.usable):
+            self._imaging = known = self._look(scouted, known, self._needs_probe)
+            self._learns = False
+        gray_notes = known.gray_levels.notes if self._judges else ()
+        return replace(known, notes=(*self._configuration.warnings, *known.notes, *gray_notes, *scouted.notes))
+
+    def _look(self, scouted: ScoutedFrames, known: Imaging | None, need_probe: bool) -> Imaging:
+        """How images are to be read whose frames were seen: as known, else recognized; and their gray levels."""
+        sequence, poses = scouted.sequence()
+        known = known or self._recognized(sequence.images, poses, need_probe=need_probe)
+        return known.judging(sequence.images, self._asked).learned_now()
+
+    @property
+    def _must_look(self) -> bool:
+        return self._imaging is None or self._learns

@@ -20,6 +20,7 @@ from AIFReconLib.bone.echoes.finder import BoneEchoFinder
 from AIFReconLib.bone.network import onnx_process
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import bone_from_frames
+from AIFReconLib.bone.scan_line_reader import ScanLineReader
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import ModelError
 from AIFReconLib.sweep.frames import TrackedFrame
@@ -47,7 +48,8 @@ def test_the_rule_for_echoes_as_a_graph_gives_its_score_to_the_fourth_digit(tmp_
     rows, columns = SWEEP.images.shape[1:]
     path = model_in(tmp_path, echo_score(rows, columns, spacing), std=1 / 255, output="probability")
     image = SWEEP.images[1]
-    score = BoneEchoFinder((columns, rows), spacing, IMAGING).look(image)[1]
+    finder = BoneEchoFinder((columns, rows), spacing, IMAGING)
+    score = finder.look(ScanLineReader((columns, rows), spacing, IMAGING).read(image))[1]
     np.testing.assert_allclose(answer(path, image), np.maximum(score.T, 0), atol=1e-4)
     assert score.max() > 0.5
 
@@ -79,7 +81,7 @@ def test_a_model_draws_the_bone_map_of_a_sweep(tmp_path):
     rows, columns = SWEEP.images.shape[1:]
     path = model_in(tmp_path, echo_score(rows, columns, (0.5, 0.5)), std=1 / 255, output="probability")
     bone = bone_from_frames(SWEEP.sequence, OnnxModel(path), SWEEP.swept, IMAGING)
-    assert bone.probability.array.max() == 1.0
+    assert bone.probability.array.max() > 0.999
     assert bone.notes == ("Bone is what the model model.onnx says.",)
 
 

@@ -9,6 +9,7 @@ from scipy import ndimage
 from AIFReconLib.compounding.evidence import LEAST_REACH, ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.gray_levels import GrayLevels
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
@@ -17,12 +18,15 @@ SECTOR = ProbeGeometry("sector", (60.0, -20.0))
 PROBES = pytest.mark.parametrize("probe", [LINEAR, SECTOR], ids=["linear", "sector"])
 
 
-def evidence(image, probe, region=None, full_scale=255.0):
+AS_RECORDED = GrayLevels.as_recorded()
+
+
+def evidence(image, probe, region=None, gray_levels=AS_RECORDED):
     """Reach and onset as images, NaN outside the region."""
     region = region or ImageRegion()
     rows, columns = image.shape
     layout = PixelLayout.build((columns, rows), SPACING, region, probe)
-    judged = ScanLines(layout, probe).evidence(layout.values(image), full_scale)
+    judged = ScanLines(layout, probe).evidence(layout.values(image), gray_levels)
     images = np.full((2, rows, columns), np.nan, np.float32)
     images[:, region.mask(columns, rows)] = judged.reach, judged.onset
     return images
@@ -115,7 +119,7 @@ def test_of_two_echoes_of_a_scan_line_the_ct_decides_which_is_bone():
     for middle in (62, 92):
         probability = np.exp(-0.5 * ((np.arange(ROWS) - middle) / 6.0) ** 2).astype(np.float32)
         expected = lines.expected(np.tile(probability[:, None], (1, 1, COLUMNS)), np.eye(4))
-        onset = lines.evidence(layout.values(image), 255.0, expected).onset.reshape(image.shape)
+        onset = lines.evidence(layout.values(image), AS_RECORDED, expected).onset.reshape(image.shape)
         found = np.flatnonzero(onset[:, 60])
         assert found.size
         assert np.abs(found - middle).max() <= 4
@@ -183,8 +187,8 @@ def test_black_images_are_reached_nowhere_and_show_no_bone(probe):
 def test_the_gray_scale_of_the_images_does_not_matter(probe):
     image, _, _ = shadowed(probe, echo=200)
     ours = evidence(image, probe)
-    theirs = evidence(image.astype(np.uint16) * 257, probe, full_scale=65535.0)
-    np.testing.assert_allclose(ours, theirs, atol=1e-5)
+    theirs = evidence(image.astype(np.uint16) * 257, probe, gray_levels=GrayLevels.as_recorded(65535.0))
+    np.testing.assert_array_equal(ours, theirs)
 
 
 def test_an_image_shorter_than_any_shadow_is_judged_without_an_error():

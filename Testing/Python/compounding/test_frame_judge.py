@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from AIFReconLib.compounding.evidence import VECTOR, ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.gray_levels import GrayLevels
 from AIFReconLib.imaging.region import ImageRegion
 
 pytest.importorskip("numba", reason="numba is not installed")
@@ -55,18 +56,19 @@ def echoes(seed, dtype):
     probe=st.sampled_from(PROBES),
     spacing=st.sampled_from([(0.3, 0.3), (0.25, 0.6), (2.0, 2.0), (0.12, 0.1)]),
     dtype=st.sampled_from([np.uint8, np.float32]),
+    levels=st.sampled_from([GrayLevels.as_recorded(), GrayLevels((3.0, 9.0, 30.0, 30.0, 70.0, 99.5, 180.0, 240.0))]),
 )
-def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spacing, dtype):
+def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spacing, dtype, levels):
     layout = layout_of(patches(seed, count), spacing)
     lines = ScanLines(layout, probe)
-    judge = FrameJudge(lines, np.dtype(dtype), 255.0, 2)
+    judge = FrameJudge(lines, levels, 2)
     # A CT that expects bone here and there, on a grid that the images leave
     probability = np.random.default_rng(seed).random((5, 7, 9), dtype=np.float32)
     place = np.array([[0.12, 0.03, 0, -0.4], [0.02, 0.11, 0, 0.2], [0.05, -0.04, 1, 2], [0, 0, 0, 1]])
     for frame in range(2):
         image = echoes(seed + frame, dtype)
         by_ct = lines.expected(probability, place)
-        expected = lines.evidence(layout.values(image), 255.0, by_ct)
+        expected = lines.evidence(layout.values(image), levels, by_ct)
         judge.judge(image, frame, probability, place)
         reach, begins, onset, _expected, _cosine, onsets = (part[frame] for part in judge.evidence(2))
         np.testing.assert_array_equal(reach, expected.reach)

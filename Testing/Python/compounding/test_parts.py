@@ -19,6 +19,7 @@ from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.filling import KINDS, HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -146,7 +147,8 @@ class Counted:
 @pytest.mark.parametrize("left", [True, False])
 def test_frames_are_read_once_where_they_fit_beside_the_parts(left, monkeypatch):
     sweep, grid = sequence(9), turned_grid(size=(12, 11, PLANES))
-    wanted = ReconstructionSettings(method="weighted")
+    # Nothing is learned from the images, which would be read for that, too
+    wanted = ReconstructionSettings(method="weighted", gray_levels=STANDARD)
     whole = volumes_of(sweep, wanted, grid, [], monkeypatch)
     counted = replace(sweep, images=Counted(sweep.images))
     images = sweep.images.nbytes

@@ -21,6 +21,7 @@ from AIFReconLib.errors import GeometryError, InsufficientMemoryError, Operation
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
+from AIFReconLib.imaging.gray_levels import GrayLevels
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
@@ -73,7 +74,7 @@ def evidence_images(frames, region, probe, maximum, bone, grid):
     images = []
     for frame in frames:
         expected = lines.expected(bone.map_probability, bone.ijk_to_map @ (grid.reference_to_ijk @ frame.image_to_reference))
-        judged = lines.evidence(layout.values(frame.image), float(maximum), expected)
+        judged = lines.evidence(layout.values(frame.image), GrayLevels.as_recorded(float(maximum)), expected)
         images.append([np.zeros((rows, columns), np.float32) for _ in range(2)])
         images[-1][0][mask], images[-1][1][mask] = judged.reach, judged.onset
     return images

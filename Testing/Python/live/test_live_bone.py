@@ -21,6 +21,7 @@ from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.bone_watch import BoneWatch
@@ -144,7 +145,7 @@ def scan(tmp_path):
         queue, bone = QueueSource(), GrowingBone()
         session = LiveSession(
             queue,
-            ReconstructionSettings(method="weighted", engine="numpy", **LOOKED),
+            ReconstructionSettings(method="weighted", engine="numpy", gray_levels=STANDARD, **LOOKED),
             bone,
             grid,
             synchronizer=SynchronizerSettings(trust_image_pose=True),

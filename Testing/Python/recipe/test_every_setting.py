@@ -43,6 +43,7 @@ VALUES = {
     "fan_detection": (None, [254, 1], SECTOR | FAN),
     "pixel_rejection": (None, 100, {}),
     "intensity_maximum": (None, 50, {"method": "aif", "alpha": 5}),
+    "gray_levels": ([0, 1, 13, 38, 85, 114, 141, 175], [0, 1, 2, 3, 4, 5, 6, 90], {"method": "weighted", "bone_sigma_mm": 1.6}),
     "speed_of_sound": (None, 1400, {}),
     "scanner_speed_of_sound": (1540, 1500, {"speed_of_sound": 1400}),
     "bone_sigma_voxels": (2.5, 5, {"method": "aif"}),
