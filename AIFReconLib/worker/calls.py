@@ -22,22 +22,14 @@ class Call(NamedTuple):
     keep: bool = False  #: What is returned stays in the worker, as `Kept` of this number
 
 
-class Cancel(NamedTuple):
-    """A call is wanted no more: it ends at its next report."""
+CANCEL, FORGET, RECEIVED = "cancel", "forget", "received"
+
+
+class Told(NamedTuple):
+    """A call is wanted no more and ends at its next report; what is kept of it is; or what it returned has come."""
 
     number: int
-
-
-class Forget(NamedTuple):
-    """A `Kept` object is needed no more."""
-
-    number: int
-
-
-class Heard(NamedTuple):
-    """What a call returned has come, and the memory that it lies in may go."""
-
-    number: int
+    what: str  #: `CANCEL`, `FORGET` or `RECEIVED`
 
 
 class Report(NamedTuple):
@@ -65,4 +57,4 @@ class Logged(NamedTuple):
     number: int = -1
 
 
-Message = Call | Cancel | Forget | Heard | Report | Returned | Logged
+Message = Call | Told | Report | Returned | Logged

@@ -18,7 +18,7 @@ from typing import Any
 
 from ..errors import WorkerDiedError
 from ..progress import Progress
-from .calls import Call, Cancel, Forget, Kept, Logged, Message, Report, Returned
+from .calls import CANCEL, FORGET, Call, Kept, Logged, Message, Report, Returned, Told
 from .channel import Channel
 
 LIBRARY = "AIFReconLib"
@@ -75,9 +75,9 @@ class _Server(logging.Handler):
                     self._in_order.submit(self._answer, message)
                 else:
                     _thread(self._answer, message)
-            elif isinstance(message, Cancel):
+            elif isinstance(message, Told) and message.what == CANCEL:
                 self._cancel(message.number)
-            elif isinstance(message, Forget):
+            elif isinstance(message, Told) and message.what == FORGET:
                 self._let_go(message.number)
             elif isinstance(message, Returned) and message.error is not None:
                 # A call that cannot be understood here

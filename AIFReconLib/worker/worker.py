@@ -17,7 +17,7 @@ from typing import Any
 from ..errors import WorkerDiedError
 from ..machine.processes import start_python
 from ..progress import Progress, report
-from .calls import Call, Cancel, Forget, Heard, Kept, Logged, Message, Report, Returned
+from .calls import CANCEL, FORGET, RECEIVED, Call, Kept, Logged, Message, Report, Returned, Told
 from .channel import Channel
 from .serving import LIBRARY, TracebackInWorker, serve
 
@@ -141,7 +141,7 @@ class Worker:
 
     def forget(self, kept: Kept) -> None:
         """Close what is kept, where it has `close`, and let it go."""
-        self._send(Forget(kept.number))
+        self._send(Told(kept.number, FORGET))
 
     @property
     def pid(self) -> int | None:
@@ -179,7 +179,7 @@ class Worker:
     def drop(self, number: int) -> None:
         """Cancel a call; what it says from now on is not heard."""
         if self._tasks.pop(number, None) is not None:
-            self._send(Cancel(number))
+            self._send(Told(number, CANCEL))
 
     def _hear(self, message: Message) -> None:
         self._has_spoken = True
@@ -189,7 +189,7 @@ class Worker:
         task = self._tasks.get(message.number)
         if isinstance(message, Returned):
             self._tasks.pop(message.number, None)
-            self._send(Heard(message.number))
+            self._send(Told(message.number, RECEIVED))
         if task is not None and isinstance(message, (Report, Returned)):
             task.take(message)
 

@@ -83,9 +83,10 @@ def test_ends_of_memory_are_those_of_the_array():
 # ---- what is left of it
 
 
-def names() -> list[str]:
-    """Of shared memory that was made with Python."""
-    return sorted(path.name for path in Path("/dev/shm").glob("psm_*"))
+def names() -> set[str]:
+    """Of shared memory that this process sees, and that a program which were killed now would leave."""
+    lines = Path("/proc/self/maps").read_text("utf-8").splitlines()
+    return {line.split()[-1] for line in lines if "/dev/shm/psm_" in line and "(deleted)" not in line}
 
 
 def shared_bytes(pid: int | str = "self") -> int:
