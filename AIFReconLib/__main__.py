@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import sys
 
-from .machine.processes import ENVIRONMENT
+from .machine.processes import CONNECTION, ENVIRONMENT
 from .terminal.signals import OrderlyEnd, orderly_end
 
 LEAST_ADDRESS_SPACE = 800 * 2**20
 """Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""
+
+UNGUARDED = ("live",)
+"""Commands that work in this very process: nothing may stand between a recording and who ends it."""
 
 _INTERRUPTED = "Interrupted. No file is left half-written."
 
@@ -22,9 +25,19 @@ def main() -> int:
     code : int
         As `cli.main`; 2 where the libraries cannot be loaded, 128 and the number of the signal when one came before they were.
     """
+    if _wants_guard(sys.argv[1:]):
+        from .terminal.guard import guarded
+
+        code = guarded()
+        if code is not None:
+            return code
     end = OrderlyEnd()
     try:
         with orderly_end(end):
+            if CONNECTION in os.environ:
+                from .terminal.guard import under_guard
+
+                under_guard()
             for name, value in ENVIRONMENT.items():
                 os.environ.setdefault(name, value)
             if problem := _too_little_address_space():
@@ -51,6 +64,13 @@ def main() -> int:
         return run()
     except KeyboardInterrupt:  # before a command had begun, or when it was just over
         return _fail(_INTERRUPTED, 130)
+
+
+def _wants_guard(words: list[str]) -> bool:
+    """Whether a process of its own is to do what the command line asks for: it can be started again, and is no mere question."""
+    is_whole = bool(words) and sys.orig_argv[-len(words) :] == words
+    is_question = not words or words[0].startswith("-") or not {"-h", "--help"}.isdisjoint(words) or "_ARGCOMPLETE" in os.environ
+    return is_whole and not is_question and words[0] not in UNGUARDED and CONNECTION not in os.environ
 
 
 def _too_little_address_space() -> str:

@@ -21,6 +21,7 @@ from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import one_line
 from ..terminal.console import not_loaded, prepare_streams
+from ..terminal.guard import last_opened
 from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
 from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
 from ..terminal.remedies import in_options
@@ -114,7 +115,7 @@ def main(argv: list[str] | None = None) -> int:
     except AIFReconError as error:
         return _fail(in_options(error), BAD_INPUT)
     except MemoryError:
-        return _fail(_NO_MEMORY, BAD_INPUT)
+        return _fail(_NO_MEMORY + last_opened(), BAD_INPUT)
     except ImportError as error:
         # Libraries load their parts when they are first named
         return _fail(_INTERRUPTED, end.exit_code) if end.told else _fail(not_loaded(error), BAD_INPUT)

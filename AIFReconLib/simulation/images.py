@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import math
-import pickle
-import subprocess
-import sys
 from collections.abc import Generator
 from contextlib import suppress
 from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from subprocess import Popen
 
 import numpy as np
 
 from ..arrays import Bytes, Matrix
-from ..machine.processes import Process, start_python
+from ..machine.processes import start_python
 from .phased_array import PhasedArray
 from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
 
@@ -44,37 +42,32 @@ class Images:
         try:
             for frame in range(frames):
                 other = others[frame % processes - 1] if frame % processes else None
-                yield self.image(frame) if other is None else self._from(other, frame)
+                yield self.image(frame) if other is None else self._from(other[1], frame)
         finally:
-            for other in filter(None, others):
-                other.kill()
-                other.communicate()
+            for process, connection in filter(None, others):
+                process.kill()
+                process.wait()
+                connection.close()
 
-    def _from(self, other: Process, frame: int) -> Bytes:
-        """The next image of another process; it draws its images in their order, and waits until they are read."""
-        shape = self.probe.rows, self.probe.columns
-        drawn = other.stdout.read(math.prod(shape)) if other.stdout else b""
-        return np.frombuffer(drawn, np.uint8).reshape(shape) if len(drawn) == math.prod(shape) else self.image(frame)
+    def _from(self, other: Connection, frame: int) -> Bytes:
+        """The next image of another process, which draws its images in their order."""
+        try:
+            image: Bytes = other.recv()
+            return image
+        except (EOFError, OSError):
+            return self.image(frame)
 
 
-def _start(images: Images, frames: range) -> Process | None:
+def _start(images: Images, frames: range) -> tuple[Popen[bytes], Connection] | None:
     """A process that draws these; None where the system starts none."""
     try:
-        process = start_python(__name__, draw.__name__, stream=subprocess.PIPE)
+        return start_python(draw, images, frames)
     except OSError:
         return None
-    # It may have ended before it was told what to do: then nothing comes of it
+
+
+def draw(connection: Connection, images: Images, frames: range) -> None:
+    """Draw these for the process that started this one; when that one has ended, so does this."""
     with suppress(OSError):
-        if process.stdin:
-            pickle.dump((images, frames), process.stdin)
-            process.stdin.flush()
-    return process
-
-
-def draw() -> None:
-    """Read from the process that started this one what to draw, and write it; when that one has ended, so does this."""
-    images, frames = pickle.load(sys.stdin.buffer)
-    with suppress(BrokenPipeError):
         for frame in frames:
-            sys.stdout.buffer.write(images.image(frame).tobytes())
-            sys.stdout.buffer.flush()
+            connection.send(images.image(frame))

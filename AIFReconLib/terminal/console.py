@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TextIO
 
 from ..progress import Progress
+from .guard import open_descriptors
 
 BAR_WIDTH = 30
 REFRESH_S = 0.1
@@ -47,14 +48,10 @@ def prepare_streams() -> None:
 
     Notes
     -----
-    A stream that was closed leaves its number free, and the next file that is opened would get it: whatever another library prints would
-    go into that file. A name that a stream cannot spell, as in an old locale, is shown with escapes.
+    Whatever another library prints would go into a file that has got the number of a closed stream. A name that a
+    stream cannot spell, as in an old locale, is shown with escapes.
     """
-    for descriptor in range(3):
-        try:
-            os.fstat(descriptor)
-        except OSError:
-            os.open(os.devnull, os.O_RDWR)  # gets the lowest free number, which is this one
+    open_descriptors()
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:

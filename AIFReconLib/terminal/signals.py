@@ -13,6 +13,9 @@ SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREA
 """Sent by `kill`, `timeout`, service managers and a system that shuts down; by a terminal that is closed; by Ctrl-Break."""
 
 
+TWICE = 1.0
+"""s within which a signal counts once: Ctrl-C comes from the terminal, and from the guard at the door."""
+
 SOON = 0.05
 """s after which a signal is sent again that came where an exception would be swallowed."""
 
@@ -32,10 +35,13 @@ class OrderlyEnd:
         Whether it was told to end, also where the interrupt was swallowed on its way.
     signal : int
         By what.
+    when : float
+        s of `time.monotonic`.
     """
 
     def __init__(self) -> None:
         self.told = False
+        self.when = -TWICE
         self.signal = int(signal.SIGINT)
 
     @property
@@ -61,12 +67,14 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
     end = end or OrderlyEnd()
 
     def interrupt(number: int, frame: FrameType | None) -> None:
+        if end.told and number == end.signal and time.monotonic() - end.when < TWICE:
+            return
         if _swallows(frame):
             again = threading.Timer(SOON, signal.raise_signal, [number])
             again.daemon = True
             again.start()
             return
-        end.told, end.signal = True, int(number)
+        end.told, end.signal, end.when = True, int(number), time.monotonic()
         raise KeyboardInterrupt(int(number))
 
     before = {}
@@ -74,6 +82,9 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
         untouched = (signal.SIG_DFL, signal.default_int_handler)
         before = {n: signal.signal(n, interrupt) for n in (signal.SIGINT, *SIGNALS) if signal.getsignal(n) in untouched}
     try:
+        # They wait in a process that the guard has started, until here
+        if before and hasattr(signal, "pthread_sigmask"):
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, before)
         yield end
     finally:
         for number, handler in before.items():

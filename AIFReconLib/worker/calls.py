@@ -3,44 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 
-@dataclass(frozen=True)
-class Kept:
+class Kept(NamedTuple):
     """An object that stays in the worker; given as an argument it stands for that object. `Worker.forget` lets it go."""
 
     number: int
 
 
-@dataclass(frozen=True)
-class Call:
+class Call(NamedTuple):
     """``function(*arguments, **named)``, with `progress` where the function takes it."""
 
     number: int
     function: Callable[..., Any] | str  #: The name of a method: of the first argument, which is kept
     arguments: tuple[Any, ...] = ()
-    named: Mapping[str, Any] = field(default_factory=dict)
+    named: Mapping[str, Any] = {}
     keep: bool = False  #: What is returned stays in the worker, as `Kept` of this number
 
 
-@dataclass(frozen=True)
-class Cancel:
-    """A call is wanted no more: it ends at its next report."""
+CANCEL, FORGET, RECEIVED = "cancel", "forget", "received"
+
+
+class Told(NamedTuple):
+    """A call is wanted no more and ends at its next report; what is kept of it is; or what it returned has come."""
 
     number: int
+    what: str  #: `CANCEL`, `FORGET` or `RECEIVED`
 
 
-@dataclass(frozen=True)
-class Forget:
-    """A `Kept` object is needed no more."""
-
-    number: int
-
-
-@dataclass(frozen=True)
-class Report:
+class Report(NamedTuple):
     """How far a call is: fraction, 0 to 1, and what is being done."""
 
     number: int
@@ -48,8 +40,7 @@ class Report:
     step: str
 
 
-@dataclass(frozen=True)
-class Returned:
+class Returned(NamedTuple):
     """A call has ended, with a value or with an error."""
 
     number: int
@@ -57,8 +48,7 @@ class Returned:
     error: BaseException | None = None
 
 
-@dataclass(frozen=True)
-class Logged:
+class Logged(NamedTuple):
     """What the library notes for a log, of no call."""
 
     name: str
@@ -67,4 +57,4 @@ class Logged:
     number: int = -1
 
 
-Message = Call | Cancel | Forget | Report | Returned | Logged
+Message = Call | Told | Report | Returned | Logged

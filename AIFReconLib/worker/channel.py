@@ -1,4 +1,4 @@
-"""Objects between two processes: a pipe for what is small, and for everything else memory that both see."""
+"""Objects between two processes: a connection for what is small, and memory that both see for arrays."""
 
 from __future__ import annotations
 
@@ -7,88 +7,92 @@ import os
 import pickle
 import socket
 import struct
-import sys
-import tempfile
 import threading
-import uuid
 import weakref
 from collections import deque
-from multiprocessing.connection import Connection, Pipe
+from contextlib import suppress
+from multiprocessing import resource_tracker, set_executable
+from multiprocessing.connection import Connection
+from multiprocessing.shared_memory import SharedMemory
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from ..errors import InsufficientMemoryError
+from ..machine.processes import python_program
 from .calls import Message, Returned
 
-LARGE = 1 << 16
-"""Bytes from which on something crosses in shared memory: what is smaller is as fast through the pipe."""
+LARGE = 1 << 20
+"""Bytes from which on an array crosses in shared memory: what is smaller is as fast through the connection."""
 
-ALIGNED = 64
-"""Bytes: an array begins at a multiple of it."""
-
-OWN = 8
-"""An array that takes this part of all has memory of its own, so that it goes when it is dropped, whatever else is kept."""
-
-KEPT_UNTIL_SEEN = sys.platform != "linux"
-"""Whether memory is lost on its way unless its sender keeps it: on Windows it is opened by name, and macOS may close its descriptor."""
-
-CHUNK = 1 << 20
+_ours: weakref.WeakKeyDictionary[mmap.mmap, str] = weakref.WeakKeyDictionary()
+"""Memory that was made here, and its name: an array that lies in it is not copied again to be sent."""
 
 
-class Memory(mmap.mmap):
-    """Memory that another process can be given.
+class _Memory(SharedMemory):
+    """Shared memory that may be closed while arrays lie in it: its mapping goes with the last of them."""
 
-    It has no name, and the system frees it with the last process that sees it, however that ends. On Linux it is no file either, so the
-    limit of ``/dev/shm`` does not hold; on macOS it is a file that is deleted already; on Windows a mapping that goes with its last handle.
+    _fd: int
+    _buf: memoryview | None
+    _mmap: mmap.mmap | None
 
-    Raises InsufficientMemoryError when there is none.
-
-    Parameters
-    ----------
-    size : int
-    handle : int, str or None
-        Of memory that another process has made: a file descriptor, which is closed with this, or on Windows the mapping's name.
-    """
-
-    handle: int | str
-
-    def __new__(cls, size: int, handle: int | str | None = None) -> Memory:
-        try:
-            if os.name == "nt":
-                handle = handle or f"aifrecon-{uuid.uuid4().hex}"
-                memory = super().__new__(cls, -1, size, tagname=handle)  # type: ignore[call-arg]
-            else:
-                handle = _without_name(size) if handle is None else int(handle)
-                try:
-                    memory = super().__new__(cls, handle, size)
-                except BaseException:
-                    os.close(handle)
-                    raise
-                weakref.finalize(memory, os.close, handle)
-        except (OSError, OverflowError, ValueError) as error:
-            raise InsufficientMemoryError(f"There is no memory for {size / 1e6:.1f} MB that two processes share ({error}).") from error
-        memory.handle = handle
-        _known[_address(memory)] = memory
-        return memory
+    def mapping(self) -> mmap.mmap:
+        """What arrays are made of; closes this."""
+        mapping, self._buf, self._mmap = self._mmap, None, None
+        self.close()
+        return cast(mmap.mmap, mapping)
 
 
-_known: weakref.WeakValueDictionary[int, Memory] = weakref.WeakValueDictionary()
-"""Memory of this process by its address: an array that lies in it is not copied again to be sent."""
+def _made(size: int) -> mmap.mmap | None:
+    """Memory for so many bytes, freed when neither side uses it any more; None where there is none."""
+    # Python's own process, which frees the memory of a program that was killed
+    set_executable(python_program())
+    try:
+        memory = _Memory(create=True, size=size)
+    except (OSError, ValueError):
+        return None
+    try:
+        # Else want of memory would end the process that writes to it
+        if hasattr(os, "posix_fallocate"):
+            os.posix_fallocate(memory._fd, 0, size)
+    except OSError:
+        memory.close()
+        memory.unlink()
+        return None
+    mapping = memory.mapping()
+    weakref.finalize(mapping, _free, memory)
+    _ours[mapping] = memory.name
+    return mapping
+
+
+def _free(memory: SharedMemory) -> None:
+    with suppress(FileNotFoundError):
+        memory.unlink()
+
+
+def _seen(name: str, size: int) -> mmap.mmap:
+    """Memory that the other side has made; raises InsufficientMemoryError where there is no room for it here."""
+    try:
+        memory = _Memory(name)
+    except FileNotFoundError:
+        # It went with the process that had made it
+        raise EOFError from None
+    except OSError as error:
+        what = f"There is no memory for {size / 1e6:.1f} MB that two processes share ({error})."
+        raise InsufficientMemoryError(what) from error
+    if os.name != "nt":
+        # Python 3.13 has `track=False`: only who has made it frees it
+        resource_tracker.unregister(memory._name, "shared_memory")  # type: ignore[attr-defined]
+    return memory.mapping()
 
 
 def shared_array(shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray[Any, Any]:
     """An array of zeros that can be sent without another copy. The receiver sees what is written to it later, too."""
-    size = int(np.prod(shape, dtype=np.int64)) * np.dtype(dtype).itemsize
-    if size < LARGE:
-        return np.zeros(shape, dtype)
-    return np.frombuffer(Memory(size), dtype).reshape(shape)
-
-
-def connected() -> tuple[Connection, Connection]:
-    """Two ends of a new connection, in both directions."""
-    return Pipe()
+    count = int(np.prod(shape, dtype=np.int64))
+    size = count * np.dtype(dtype).itemsize
+    mapping = _made(size) if size >= LARGE else None
+    return np.zeros(shape, dtype) if mapping is None else np.frombuffer(mapping, dtype, count).reshape(shape)
 
 
 class Channel:
@@ -98,22 +102,21 @@ class Channel:
     ----------
     connection : Connection
     patience : float or None
-        s after which an end that takes nothing, or stops in the middle of something, counts as closed; None: it is waited for. Not on
-        Windows, where it is waited for.
+        s after which an end that takes nothing, or stops in the middle of something, counts as closed; None: it is
+        waited for. Not on Windows, where it is waited for.
     """
 
     def __init__(self, connection: Connection, patience: float | None = None):
         self._connection = connection
         self._sending = threading.Lock()
         self._sent = self._received = 0
-        self._kept: deque[tuple[int, list[Memory]]] = deque()
-        if os.name != "nt":
-            self._socket = socket.socket(fileno=os.dup(connection.fileno()))
-            # Whatever another part of the program has made the rule for sockets
-            self._socket.setblocking(True)
-            if patience is not None:
+        self._kept: deque[tuple[int, list[mmap.mmap]]] = deque()
+        if os.name != "nt" and patience is not None:
+            with socket.socket(fileno=os.dup(connection.fileno())) as same:
+                # Whatever another part of the program has made the rule for sockets
+                same.setblocking(True)
                 for direction in (socket.SO_SNDTIMEO, socket.SO_RCVTIMEO):
-                    self._socket.setsockopt(socket.SOL_SOCKET, direction, struct.pack("ll", int(patience), int(patience % 1 * 1e6)))
+                    same.setsockopt(socket.SOL_SOCKET, direction, struct.pack("ll", int(patience), int(patience % 1 * 1e6)))
 
     def send(self, what: Message) -> None:
         """Send a message; it holds whatever can be pickled.
@@ -122,34 +125,28 @@ class Channel:
         ------
         ConnectionError
             When the other end is closed, or takes nothing.
-        InsufficientMemoryError, Exception
-            When there is no memory for it, or it cannot be pickled. Nothing was sent then.
+        Exception
+            When it cannot be pickled. Nothing was sent then.
         """
-        large: list[memoryview] = []
+        mappings: list[mmap.mmap] = []
+        places: list[tuple[str, int, int]] = []
 
-        def is_small(buffer: pickle.PickleBuffer) -> bool:
+        def crosses_within(buffer: pickle.PickleBuffer) -> bool:
             raw = buffer.raw()
-            if raw.nbytes >= LARGE:
-                large.append(raw)
-            return raw.nbytes < LARGE
+            placed = _placed(raw) if raw.nbytes >= LARGE else None
+            if placed is None:
+                return True
+            mappings.append(placed[0])
+            places.append((_ours[placed[0]], placed[1], raw.nbytes))
+            return False
 
-        text: bytes | None = pickle.dumps(what, protocol=5, buffer_callback=is_small)
-        if len(text or b"") >= LARGE:
-            # Through the pipe the sender would wait for whoever reads it
-            large.append(memoryview(text or b""))
-            text = None
-        memories, places = _laid_out(large)
-        sizes, names = [len(memory) for memory in memories], [memory.handle for memory in memories]
+        text = pickle.dumps(what, protocol=5, buffer_callback=crosses_within)
         with self._sending:
             self._sent += 1
-            if memories and KEPT_UNTIL_SEEN:
-                self._kept.append((self._sent, memories))
-            header = pickle.dumps((what.number, self._received, text, places, sizes, names))
+            # Until the other end says that it has it
+            self._kept.append((self._sent, mappings))
             try:
-                self._connection.send_bytes(header)
-                if os.name != "nt":
-                    for name in names:
-                        socket.send_fds(self._socket, [b"."], [cast(int, name)])
+                self._connection.send((what.number, self._received, places, text))
             except OSError as error:
                 raise BrokenPipeError(*error.args) from error
 
@@ -162,96 +159,41 @@ class Channel:
 
         Raises EOFError or OSError when the other end is closed.
         """
-        number, seen, text, places, sizes, names = pickle.loads(self._connection.recv_bytes())
-        if os.name != "nt":
-            names = [self._descriptor() for _name in names]
-        while self._kept and self._kept[0][0] <= seen:
+        number, heard, places, text = self._connection.recv()
+        while self._kept and self._kept[0][0] <= heard:
             self._kept.popleft()
-        memories: list[Memory] = []
         try:
-            while names:
-                memories.append(Memory(sizes[len(memories)], names.pop(0)))
-            buffers = [memoryview(memories[place])[start:stop] for place, start, stop in places]
-            what: Message = pickle.loads(buffers.pop() if text is None else text, buffers=buffers)
+            seen = {name: _seen(name, first + size) for name, first, size in places}
+            buffers = [memoryview(seen[name])[first : first + size] for name, first, size in places]
+            what: Message = pickle.loads(text, buffers=buffers)
+        except EOFError:
+            raise
         except Exception as error:
             return Returned(number, error=error)
         finally:
             self._received += 1
-            if os.name != "nt":
-                for name in names:
-                    os.close(name)
         return what
-
-    def _descriptor(self) -> int:
-        _byte, descriptors, _flags, _address = socket.recv_fds(self._socket, 1, 1)
-        if not descriptors:
-            raise OSError("A descriptor of shared memory did not come: too many files are open")
-        # No program that is started from here keeps the memory
-        os.set_inheritable(descriptors[0], False)
-        return descriptors[0]
 
     def close(self) -> None:
         """Send and receive no more."""
         self._connection.close()
-        if os.name != "nt":
-            self._socket.close()
+        self._kept.clear()
 
 
-def _laid_out(arrays: list[memoryview]) -> tuple[list[Memory], list[tuple[int, int, int]]]:
-    """Memory that holds these arrays, and of each where it lies: number of the memory, first byte, byte after the last."""
-    held = [_holding(array) for array in arrays]
-    total = sum(array.nbytes for array, (memory, _first) in zip(arrays, held) if memory is None)
-    memories: list[Memory] = []
-    places: list[tuple[int, int, int]] = []
-    together: list[int] = []
-    size = 0
-    for number, (array, (memory, first)) in enumerate(zip(arrays, held)):
-        if memory is None and array.nbytes * OWN >= total:
-            memory = Memory(array.nbytes)
-            memory[:] = array
-        if memory is None:
-            together.append(number)
-            places.append((-1, size, size + array.nbytes))
-            size += -(-array.nbytes // ALIGNED) * ALIGNED
-            continue
-        if not any(memory is each for each in memories):
-            memories.append(memory)
-        place = next(n for n, each in enumerate(memories) if each is memory)
-        places.append((place, first, first + array.nbytes))
-    if together:
-        memories.append(shared := Memory(size))
-        for number in together:
-            _, start, stop = places[number]
-            shared[start:stop] = arrays[number]
-            places[number] = len(memories) - 1, start, stop
-    return memories, places
-
-
-def _holding(array: memoryview) -> tuple[Memory | None, int]:
-    """The memory that an array lies in, if any, and its first byte there."""
+def _placed(array: memoryview) -> tuple[mmap.mmap, int] | None:
+    """Memory of ours in which an array lies, or a copy of it, and its first byte there; None where there is none."""
     address = _address(array)
-    for start, memory in tuple(_known.items()):
-        if start <= address and address + array.nbytes <= start + len(memory):
-            return memory, address - start
-    return None, 0
+    for reference in _ours.keyrefs():
+        mapping = reference()
+        first = -1 if mapping is None else address - _address(mapping)
+        if mapping is not None and first >= 0 and first + array.nbytes <= len(mapping):
+            return mapping, first
+    made = _made(array.nbytes)
+    if made is None:
+        return None
+    made[: array.nbytes] = array
+    return made, 0
 
 
 def _address(buffer: memoryview | mmap.mmap) -> int:
     return int(np.frombuffer(buffer, np.uint8).__array_interface__["data"][0])
-
-
-def _without_name(size: int) -> int:
-    """The descriptor of a file that no folder knows, so large. Its bytes are there: none will be missed when it is written to."""
-    if hasattr(os, "memfd_create"):
-        descriptor = os.memfd_create("aifrecon")
-        try:
-            os.posix_fallocate(descriptor, 0, size)
-        except BaseException:
-            os.close(descriptor)
-            raise
-        return descriptor
-    with tempfile.TemporaryFile() as file:
-        for start in range(0, size, CHUNK):
-            file.write(bytes(min(CHUNK, size - start)))
-        file.flush()
-        return os.dup(file.fileno())

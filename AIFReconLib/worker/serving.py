@@ -8,17 +8,17 @@ import inspect
 import logging
 import os
 import pickle
-import queue
-import sys
 import threading
 import time
 import traceback
 from collections.abc import Callable
-from multiprocessing import connection
+from concurrent.futures import ThreadPoolExecutor
+from multiprocessing.connection import Connection
 from typing import Any
 
 from ..errors import WorkerDiedError
-from .calls import Call, Cancel, Forget, Kept, Logged, Message, Report, Returned
+from ..progress import Progress
+from .calls import CANCEL, FORGET, Call, Kept, Logged, Message, Report, Returned, Told
 from .channel import Channel
 
 LIBRARY = "AIFReconLib"
@@ -38,15 +38,12 @@ class TracebackInWorker(Exception):
     """The cause of an error that came from the worker: where it was raised there."""
 
 
-def main() -> None:
+def serve(connection: Connection, level: int) -> None:
     """Answer calls until the other end is closed; then finish what is kept, and end this process whatever still computes."""
-    handle, level = int(sys.argv[1]), int(sys.argv[2])
     faulthandler.enable()
     if os.name != "nt":
         os.nice(GIVES_WAY)
-        # No program that is started from here keeps the connection
-        os.set_inheritable(handle, False)
-    server = _Server(Channel(getattr(connection, "PipeConnection", connection.Connection)(handle)))
+    server = _Server(Channel(connection))
     logger = logging.getLogger(LIBRARY)
     logger.setLevel(level)
     logger.addHandler(server)
@@ -67,8 +64,7 @@ class _Server(logging.Handler):
         self._canceled: dict[int, threading.Event] = {}
         self._kept: dict[int, Any] = {}
         self._ending: list[threading.Thread] = []
-        self._in_order: queue.SimpleQueue[Call] = queue.SimpleQueue()
-        self._thread(self._answer_in_order)
+        self._in_order = ThreadPoolExecutor(1)
 
     def run(self) -> None:
         while True:
@@ -76,16 +72,16 @@ class _Server(logging.Handler):
             if isinstance(message, Call):
                 self._canceled[message.number] = threading.Event()
                 if self._is_short(message):
-                    self._in_order.put(message)
+                    self._in_order.submit(self._answer, message)
                 else:
-                    self._thread(self._answer, message)
-            elif isinstance(message, Cancel):
+                    _thread(self._answer, message)
+            elif isinstance(message, Told) and message.what == CANCEL:
                 self._cancel(message.number)
-            elif isinstance(message, Forget):
+            elif isinstance(message, Told) and message.what == FORGET:
                 self._let_go(message.number)
             elif isinstance(message, Returned) and message.error is not None:
                 # A call that cannot be understood here
-                self._send(Returned(message.number, error=_that_crosses(message.error)))
+                _thread(self._send, Returned(message.number, error=_that_crosses(message.error)))
             del message  # and with it the arrays that came
 
     def end(self) -> None:
@@ -115,22 +111,13 @@ class _Server(logging.Handler):
         kept = self._kept.pop(number, None)
         if hasattr(kept, "close"):
             self._ending = [thread for thread in self._ending if thread.is_alive()]
-            self._ending.append(self._thread(_close, kept))
-
-    def _thread(self, function: Callable[..., None], *arguments: Any) -> threading.Thread:
-        thread = threading.Thread(target=function, args=arguments, name="aifrecon worker", daemon=True)
-        thread.start()
-        return thread
+            self._ending.append(_thread(_close, kept))
 
     def _is_short(self, call: Call) -> bool:
-        """Whether a call is of a method that tells no progress: those are answered one by one, in the order in which they were asked."""
+        """Whether a call is of a method that tells no progress: those are answered in the order in which they were asked."""
         first = call.arguments[0] if isinstance(call.function, str) else None
         method = getattr(self._kept.get(first.number), str(call.function), None) if isinstance(first, Kept) else None
         return method is not None and "progress" not in inspect.signature(method).parameters
-
-    def _answer_in_order(self) -> None:
-        while True:
-            self._answer(self._in_order.get())
 
     def _answer(self, call: Call) -> None:
         number, canceled = call.number, self._canceled[call.number]
@@ -143,7 +130,7 @@ class _Server(logging.Handler):
             self._let_go(number)
         try:
             self._send(answer)
-        except Exception as error:  # it cannot be pickled, or there is no memory for it
+        except Exception as error:  # it cannot be pickled
             try:
                 self._send(Returned(number, error=_that_crosses(error)))
             except Exception:
@@ -170,7 +157,7 @@ class _Server(logging.Handler):
             raise WorkerDiedError("What was under way was lost with the process that computed it.")
         return self._kept[argument.number]
 
-    def _progress(self, number: int, canceled: threading.Event) -> Any:
+    def _progress(self, number: int, canceled: threading.Event) -> Progress:
         last = -REPORT_EVERY, ""
 
         def progress(fraction: float, step: str) -> bool:
@@ -182,6 +169,12 @@ class _Server(logging.Handler):
             return not canceled.is_set()
 
         return progress
+
+
+def _thread(function: Callable[..., None], *arguments: Any) -> threading.Thread:
+    thread = threading.Thread(target=function, args=arguments, name="aifrecon worker", daemon=True)
+    thread.start()
+    return thread
 
 
 def _close(kept: Any) -> None:

@@ -15,11 +15,11 @@ from collections.abc import Callable
 from typing import Any
 
 from ..errors import WorkerDiedError
-from ..machine.processes import ENVIRONMENT, NO_WINDOW, python_program
+from ..machine.processes import start_python
 from ..progress import Progress, report
-from .calls import Call, Cancel, Forget, Kept, Logged, Message, Report, Returned
-from .channel import Channel, connected
-from .serving import LIBRARY, TracebackInWorker, main
+from .calls import CANCEL, FORGET, RECEIVED, Call, Kept, Logged, Message, Report, Returned, Told
+from .channel import Channel
+from .serving import LIBRARY, TracebackInWorker, serve
 
 LOOK_EVERY = 0.02
 """s between two reports to who waits."""
@@ -32,6 +32,9 @@ LONGEST_END = 1.0
 
 LONGEST_FAREWELL = 5.0
 """s that a worker has to end."""
+
+STDERR = None if sys.platform == "win32" else 2
+"""Where a crash is described: a window of Windows may have no streams."""
 
 AGAIN = "Nothing was changed; try again."
 
@@ -138,7 +141,7 @@ class Worker:
 
     def forget(self, kept: Kept) -> None:
         """Close what is kept, where it has `close`, and let it go."""
-        self._send(Forget(kept.number))
+        self._send(Told(kept.number, FORGET))
 
     @property
     def pid(self) -> int | None:
@@ -176,7 +179,7 @@ class Worker:
     def drop(self, number: int) -> None:
         """Cancel a call; what it says from now on is not heard."""
         if self._tasks.pop(number, None) is not None:
-            self._send(Cancel(number))
+            self._send(Told(number, CANCEL))
 
     def _hear(self, message: Message) -> None:
         self._has_spoken = True
@@ -186,6 +189,7 @@ class Worker:
         task = self._tasks.get(message.number)
         if isinstance(message, Returned):
             self._tasks.pop(message.number, None)
+            self._send(Told(message.number, RECEIVED))
         if task is not None and isinstance(message, (Report, Returned)):
             task.take(message)
 
@@ -212,28 +216,12 @@ class Worker:
             self._died()
 
     def _start(self) -> None:
-        ours, theirs = connected()
-        code = f"import sys; sys.path[:] = sys.argv[3:]; from {main.__module__} import main; main()"
-        level = logging.getLogger(LIBRARY).getEffectiveLevel()
-        options: dict[str, Any] = {"pass_fds": [theirs.fileno()]}
-        if sys.platform == "win32":
-            # A window may have no streams to inherit, and a Python without any would open a console
-            os.set_handle_inheritable(theirs.fileno(), True)
-            streams = dict.fromkeys(("stdout", "stderr"), subprocess.DEVNULL)
-            handles = subprocess.STARTUPINFO(lpAttributeList={"handle_list": [theirs.fileno()]})
-            options = {"startupinfo": handles, "creationflags": NO_WINDOW | subprocess.BELOW_NORMAL_PRIORITY_CLASS, **streams}
         try:
-            command = [python_program(), "-c", code, str(theirs.fileno()), str(level), *map(str, sys.path)]
             # In a session of its own: Ctrl-C and the end of a terminal are for the program, which says when the worker ends
-            self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, start_new_session=True, env={**ENVIRONMENT, **os.environ}, **options
-            )
+            self._process, connection = start_python(serve, logging.getLogger(LIBRARY).getEffectiveLevel(), stderr=STDERR)
         except OSError as error:
-            ours.close()
             raise WorkerDiedError(f"The process that computes could not be started ({error}). {AGAIN}") from error
-        finally:
-            theirs.close()
-        self._channel, self._has_spoken = Channel(ours, LONGEST_SILENCE), False
+        self._channel, self._has_spoken = Channel(connection, LONGEST_SILENCE), False
 
     def _died(self) -> None:
         """Say how it ended to whoever waits for it; one that has not ended is ended."""
@@ -244,9 +232,12 @@ class Worker:
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(LONGEST_END)
         code = process.poll()
-        # And what it has started, or that which has started it, as Slicer's own Python is
+        # And what it has started, or that which has started it, as Slicer's own Python is; Python's helper, which frees
+        # what memory it has left, does not end by this
         with contextlib.suppress(OSError):
-            process.kill() if sys.platform == "win32" else os.killpg(process.pid, signal.SIGKILL)
+            process.kill()
+            if sys.platform != "win32":
+                os.killpg(process.pid, signal.SIGTERM)
         if code is None:
             how = "did not answer and was ended"
             with contextlib.suppress(subprocess.TimeoutExpired):

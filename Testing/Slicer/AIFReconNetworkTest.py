@@ -137,7 +137,7 @@ class AIFReconNetworkTest(unittest.TestCase):
         self.choose(self.ui.boneSourceComboBox, "An AI model in a file")
         self.ui.applyButton.click()
         self.assertEqual(len(self.shown), 1)
-        self.assertIn("this is no ONNX model", self.shown[0])
+        self.assertIn("cannot run this model", self.shown[0])
         self.assertIsNone(self.parameters.output)
         self.ui.liveStartButton.click()
         self.assertFalse(self.live.isRunning)

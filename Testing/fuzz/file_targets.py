@@ -210,7 +210,6 @@ TEXTS = (
     Target("settings-toml", "settings.toml", _check_settings, lambda: seeds.settings(".toml"), words=SETTINGS_WORDS),
     Target("calibration", "calibration.txt", lambda p: _check_matrix(read_calibration(p)[1]), seeds.calibrations, words=TRANSFORM_WORDS),
     Target("transform-text", "move.tfm", lambda p: _check_matrix(read_transform(p)), seeds.transform_texts, words=TRANSFORM_WORDS),
-    Target("transform-hdf5", "move.h5", lambda p: _check_matrix(read_transform(p)), seeds.transform_hdf5),
 )
 IMAGES = (
     Target("pictures", "frame.png", _check_images, seeds.pictures),

@@ -275,16 +275,6 @@ def transform_texts() -> list[bytes]:
     ]
 
 
-def transform_hdf5() -> list[bytes]:
-    """What SimpleITK writes, and what other programs do."""
-    from AIFReconLib.io.transform.files import write_transform
-
-    from .hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5
-
-    plain = _written(lambda path: write_transform(np.array(POSES[1].split(), float).reshape(4, 4), path), "move.h5")
-    return [plain, OLDER_HDF5, COMPRESSED_HDF5]
-
-
 def pictures() -> list[bytes]:
     """PNG, JPEG, TIFF of two pages, BMP, palette, and what only looks like a picture."""
     from PIL import Image

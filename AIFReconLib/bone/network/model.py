@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
@@ -14,13 +15,9 @@ from ...arrays import Numbers, Singles
 from ...errors import ModelError
 from ...io.disk.regular_files import require_regular_file
 from ...io.disk.small_files import read_bytes
+from ...message import shorten
 from ...sweep.frames import TrackedFrame
 from ..predictions import Prediction, white_of
-from .onnx_file import why_not_self_contained
-from .onnx_process import ModelProcess
-
-LARGEST_MODEL = 2**30
-"""Bytes of a model file."""
 
 WHITE_OF_FLOATS = 255.0
 ROUNDING = 1e-3
@@ -99,8 +96,8 @@ class OnnxModel:
     A JSON file of the same name beside the ``.onnx`` file, if there is one, says how images go in; see `ModelDescription`. `threads` are
     onnxruntime's.
 
-    Raises ModelError when onnxruntime is not installed, or the file is no model that takes an image and answers with one, which is
-    tried on a black image; or takes more time or memory than it may. Nothing but the file itself, and the JSON beside it, is read.
+    Raises ModelError when onnxruntime is not installed, or the file is no model that takes an image and answers with one,
+    which is tried on a black image.
     """
 
     def __init__(self, path: str | Path, threads: int = 1):
@@ -108,12 +105,13 @@ class OnnxModel:
         require_regular_file(self.path, ModelError)
         json_path = self.path.with_suffix(".json")
         self.description = read_description(json_path) if json_path.is_file() else ModelDescription()
-        self._process = _process(self.path, threads)
-        inputs = self._process.inputs
-        if len(inputs) != 1 or not self._process.outputs:
+        self._session = _session(self.path, threads)
+        inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
+        if len(inputs) != 1 or not outputs:
             raise self._misfit(f"it has {len(inputs)} inputs")
-        _, kind, sides = inputs[0]
-        shape: Shape = tuple(sides)
+        self._input, self._output = inputs[0].name, outputs[0].name
+        kind = inputs[0].type
+        shape: Shape = tuple(inputs[0].shape)
         if kind != "tensor(float)" or len(shape) != 4 or not _may_be(shape[0], (1,)) or not _may_be(shape[1], (1, 3)):
             raise self._misfit(f"its input is {kind} of {_words(shape)}")
         self._channels = shape[1] if isinstance(shape[1], int) else max(len(self.description.mean), len(self.description.std))
@@ -163,7 +161,14 @@ class OnnxModel:
         """Of an image of the model's size, 0 black and 1 white."""
         mean, std = (np.array(values, dtype=np.float32).reshape(-1, 1, 1) for values in (self.description.mean, self.description.std))
         given = np.broadcast_to((image[None] - mean) / std, (self._channels, *image.shape))[None]
-        return self._bone_of(self._process.run(given), number)
+        try:
+            answer = np.asarray(self._session.run([self._output], {self._input: np.ascontiguousarray(given)})[0])
+        except Exception as error:  # onnxruntime has classes of its own for each failure
+            raise ModelError(
+                f"{self.path}: the model fails with an input of {_words(given.shape)} ({_reason(error)}). Check input_size "
+                "in the JSON file beside it."
+            ) from error
+        return self._bone_of(answer, number)
 
     def _bone_of(self, answer: Numbers, number: int | None) -> Singles:
         """The channel of bone as a probability; of the trial, which has no `number`, whatever numbers it answers."""
@@ -201,22 +206,32 @@ class OnnxModel:
         )
 
 
-def _process(path: Path, threads: int) -> ModelProcess:
-    """A process that runs the model in this file."""
-    data = read_bytes(path, LARGEST_MODEL, ModelError)
-    problem = why_not_self_contained(data)
-    if problem is not None:
-        raise ModelError(f"{path}: {problem}")
-    if not _is_installed("onnxruntime"):
-        raise ModelError(f"{path}: a model cannot be run without the Python package onnxruntime. Install it: pip install onnxruntime.")
-    return ModelProcess(path, data, threads)
-
-
-def _is_installed(name: str) -> bool:
+def _session(path: Path, threads: int) -> Any:  # onnxruntime has no types
+    """A session that runs the model in this file."""
     try:
-        return find_spec(name) is not None
-    except ValueError:
-        return False
+        runtime = import_module("onnxruntime")
+    except ImportError:
+        raise ModelError(
+            f"{path}: a model cannot be run without the Python package onnxruntime. Install it: pip install onnxruntime."
+        ) from None
+    options = runtime.SessionOptions()
+    options.intra_op_num_threads, options.inter_op_num_threads = threads, 1
+    # Threads that wait for work would take the cores from the reconstruction
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    options.log_severity_level = 4
+    try:
+        return runtime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # onnxruntime has classes of its own for each failure
+        raise ModelError(
+            f"{path}: onnxruntime {runtime.__version__} cannot run this model ({_reason(error)}). Export it as ONNX with "
+            "standard operators that this version has."
+        ) from error
+
+
+def _reason(error: Exception) -> str:
+    """What onnxruntime says, without its place in a source file."""
+    line = " ".join(str(error).split())
+    return shorten(line.split(" : ", 3)[-1], 200).rstrip(". ")
 
 
 def _may_be(side: int | str | None, allowed: tuple[int, ...]) -> bool:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection
+from subprocess import Popen
 
 import numpy as np
 
@@ -11,7 +13,7 @@ from ...arrays import NumberType
 from ...holes.nearest import fill_holes
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.gray_levels import GrayLevels
-from ...machine.processes import Process, start_python
+from ...machine.processes import start_python
 from ...machine.threads import optional_module, usable_cores
 from ...recipe.recipe import Recipe
 from ..evidence import ScanLines
@@ -22,7 +24,7 @@ JUDGING, COMPILING = "AIFReconLib.compounding.compiled.numba_evidence", "AIFReco
 
 
 @contextmanager
-def compiled_aside(recipe: Recipe, dtype: NumberType) -> Iterator[Process | None]:
+def compiled_aside(recipe: Recipe, dtype: NumberType) -> Iterator[Popen[bytes] | None]:
     """While this lasts, a process compiles what inserts a sweep of such images with a CT, and what fills its gaps; it is handed out.
 
     Nothing waits for it, and nothing is lost where it fails or is ended: who finds no code compiles it. There is none where the code is
@@ -30,19 +32,20 @@ def compiled_aside(recipe: Recipe, dtype: NumberType) -> Iterator[Process | None
     """
     asked = method_named(recipe.method_for(True)).needs_shadows and recipe.engine != "numpy" and usable_cores() > 1
     judging, compiling = (optional_module(name) if asked else None for name in (JUDGING, COMPILING))
-    process = None
+    process, connection = None, None
     if judging is not None and compiling is not None and not compiling.is_kept(judging.judge):
         with suppress(OSError):
-            process = start_python(__name__, compile_for.__name__, "uint8" if dtype == np.uint8 else "float32")
+            process, connection = start_python(compile_for, "uint8" if dtype == np.uint8 else "float32")
     try:
         yield process
     finally:
-        if process is not None:
+        if process is not None and connection is not None:
             process.terminate()
             process.wait()
+            connection.close()
 
 
-def compile_for(kind: str) -> None:
+def compile_for(_connection: Connection, kind: str) -> None:
     """Judge one small image of this type and fill one small volume, which compiles what a job will ask for."""
     judging = optional_module(JUDGING)
     if judging is None:

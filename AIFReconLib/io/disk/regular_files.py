@@ -10,7 +10,10 @@ from ...errors import FileFormatError
 
 
 def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
-    """Raise `error` unless `path` is a file: reading a pipe would wait forever."""
+    """Raise `error` unless `path` is a file that may be read: reading a pipe would wait forever.
+
+    It is opened once, so that the guard at the door knows of it: compiled libraries open files without a word to Python.
+    """
     try:
         mode = path.stat().st_mode
     except (FileNotFoundError, NotADirectoryError, ValueError):
@@ -21,6 +24,11 @@ def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
         raise error(f"{path}: this is a folder. Give the name of a file.")
     if not S_ISREG(mode):
         raise error(f"{path}: this is not a regular file. Give the name of a file.")
+    try:
+        with open(path, "rb"):
+            pass
+    except OSError as cause:
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
 def file_stamp(path: Path) -> tuple[int, int] | None:

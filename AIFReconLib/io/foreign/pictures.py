@@ -13,7 +13,7 @@ from ...errors import FileFormatError
 from ..disk.regular_files import file_stamp
 from ..sequence.decoded_images import DecodedImages, decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .bounds import check_picture, check_pixels, check_scans, pieces_of
+from .bounds import check_pixels
 from .images import ImportedImages, describe_stack
 from .tiff import ORIENTATION, is_tiff, tiff_frames
 
@@ -68,15 +68,10 @@ def _picture_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[st
                 return np.asarray(shown.convert("L"))
             return np.asarray(shown if shown.mode in _AS_THEY_ARE else shown.convert("RGB"))
 
-    with _readable(path), open(path, "rb") as file:
-        check_picture(file, path)
-        file.seek(0)
-        with pictures.open(file, formats=_FORMATS) as picture:
-            # One more is refused as any recording of so many frames is
-            count = min(int(getattr(picture, "n_frames", 1)), MAXIMUM_FRAMES + 1)
-            if picture.format in ("JPEG", "MPO"):
-                check_scans(pieces_of(file), path, picture.width * picture.height // max(len(picture.tile), 1), count)
-            turned = picture.getexif().get(ORIENTATION, 1) in range(2, 9)
+    with _readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
+        # One more is refused as any recording of so many frames is
+        count = min(int(getattr(picture, "n_frames", 1)), MAXIMUM_FRAMES + 1)
+        turned = picture.getexif().get(ORIENTATION, 1) in range(2, 9)
     return count, read, ("turned as they say",) if turned else ()
 
 

@@ -16,7 +16,7 @@ from ...arrays import Numbers
 from ...errors import FileFormatError
 from ..sequence.decoded_images import decoding, frames_in_place, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .bounds import check_pixels, check_scans, pieces_of
+from .bounds import check_pixels
 
 if TYPE_CHECKING:
     from tifffile import TiffFile, TiffPage
@@ -68,8 +68,6 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
     with _readable(path), open(path, "rb") as file:
         places = _pages(file, path)
         tiff, page = page_at(file, places[0])
-        if page.compression in _JPEG:
-            check_scans(pieces_of(file), path, page.imagewidth * page.imagelength // max(len(page.dataoffsets), 1), len(places))
         done = {
             "turned as they say": page.tags.valueof(ORIENTATION, default=1) != 1,
             "white was zero": page.photometric == tifffile.PHOTOMETRIC.MINISWHITE,

@@ -20,13 +20,12 @@ from ..disk.itk import itk_path, short_cause
 from ..disk.regular_files import file_stamp
 from ..disk.small_files import local_copy, read_bytes
 from ..metafile.text_values import NotANumberError, parse_numbers
-from .hdf5 import MAGIC as HDF5_MAGIC
-from .hdf5 import as_text
 from .parts import TransformPart, TransformPartError, composed, matrix_of
 
 TEXT_SUFFIXES = (".tfm", ".txt")
 HDF5_SUFFIXES = (".h5", ".hdf5")
 TEXT_MAGIC = "#Insight Transform File"
+HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 
 MAXIMUM_BYTES = 2**24
 """A linear transform takes a few thousand."""
@@ -54,7 +53,7 @@ def read_transform(path: str | Path) -> Matrix:
     try:
         # SimpleITK finds no names beyond ASCII on Windows
         with local_copy(path, TransformFileError, seen) as copy:
-            text = as_text(copy) if path.suffix.lower() in HDF5_SUFFIXES else data.decode("utf-8", "replace")
+            text = _as_text(copy) if path.suffix.lower() in HDF5_SUFFIXES else data.decode("utf-8", "replace")
             itk = composed(read_transform_text(text), copy.parent)
     except TransformPartError as error:
         raise TransformFileError(f"{path}: the transform {error}") from error
@@ -98,6 +97,17 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
         # Inverting twice costs digits of the largest number, here a translation
         if not np.allclose(written, node_to_parent, rtol=0, atol=1e-9 * max(1.0, np.abs(node_to_parent).max())):
             raise _not_written(path, "the file came out different")
+
+
+def _as_text(path: Path) -> str:
+    """What a file of HDF5 is as a .tfm file, which is made beside it."""
+    text = path.with_suffix(".tfm")
+    try:
+        sitk.WriteTransform(sitk.ReadTransform(str(path)), str(text))
+    except RuntimeError as error:
+        why = short_cause(error)
+        raise TransformPartError(f"is damaged, or cannot be read from HDF5: {why}. Save it from Slicer again, or as .tfm.") from error
+    return text.read_text("utf-8", "replace")
 
 
 def _not_written(path: Path, cause: str) -> OutputError:

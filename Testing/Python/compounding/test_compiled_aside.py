@@ -79,7 +79,7 @@ def test_images_of_real_numbers_find_theirs(tmp_path):
 
 
 def test_a_job_is_the_same_where_what_compiles_aside_is_ended(tmp_path, told):
-    killed = "start = aside.start_python; aside.start_python = lambda *a, **k: (p := start(*a, **k)).kill() or p"
+    killed = "start = aside.start_python; aside.start_python = lambda *a, **k: (p := start(*a, **k))[0].kill() or p"
     ended = told_by_job(tmp_path, "uint8", before=killed)
     assert ended[:3] == told[:3]
     assert ended[3:] == ["1", "1"]

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import sys
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -26,3 +30,185 @@ ROOMS = (
     *("compounding/methods", "progress", "errors", "message", "remedies", "arrays"),
 )
 """From the top to the bottom: a room may import those that come after it. Folders, and the files that lie beside them."""
+
+EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
+PACKAGES = {
+    "batch": {"cryptography", "dask", "distributed", "pyarrow"},
+    "bone": {"onnxruntime"},
+    "commands": {"argcomplete"},
+    "evaluation": {"matplotlib", "vtk"},
+    "inspection": {"vtkmodules"},
+    "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg", "rosbags", "tifffile"},
+    "live": {"pyigtl"},
+}
+"""What a folder of the library may import of others' besides that."""
+
+FILES = sorted([*LIBRARY.rglob("*.py"), *MODULE.rglob("*.py")])
+SPLIT_ROOMS = ("io", "live")
+"""Rooms whose own rooms stand in the order too."""
+
+LOW_ROOMS = (("compounding", "methods"),)
+"""Rooms that stand far below the one in which they lie: the recipe asks the table of methods for its names."""
+
+
+def name_of(path: Path) -> str:
+    """The path within the repository."""
+    return path.relative_to(REPOSITORY).as_posix()
+
+
+def room_of(path: Path) -> str | None:
+    """The room that a file belongs to; None for what only hands on: the public names, and a split room's own page."""
+    if path.is_relative_to(MODULE):
+        parts = path.relative_to(MODULE).parts
+        return "/".join(parts[:2]) if len(parts) > 2 else parts[0]
+    parts = path.relative_to(LIBRARY).with_suffix("").parts
+    if parts == ("__main__",):
+        return "commands"
+    if parts[:2] in LOW_ROOMS:
+        return "/".join(parts[:2])
+    if parts[0] in SPLIT_ROOMS:
+        return "/".join(parts[:2]) if len(parts) > 2 else None
+    return None if parts == ("__init__",) else parts[0]
+
+
+def module_at(path: Path) -> Path | None:
+    """The file of a module by its path without suffix; None where there is none."""
+    return next((file for file in (path.with_suffix(".py"), path / "__init__.py") if file.is_file()), None)
+
+
+def imported(path: Path, tree: ast.AST | None = None) -> Iterator[Path]:
+    """Files of this repository that a file imports anywhere, in functions and for type checkers too."""
+    for node in ast.walk(tree or ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            start = (
+                path.parents[node.level - 1].joinpath(*(node.module.split(".") if node.module else ()))
+                if node.level
+                else _absolute(node.module or "")
+            )
+            targets = [start / alias.name for alias in node.names] if start else []
+            yield from {file for target in targets if (file := module_at(target) or module_at(target.parent))}
+        elif isinstance(node, ast.Import):
+            yield from (file for alias in node.names if (named := _absolute(alias.name)) and (file := module_at(named)))
+
+
+def _absolute(name: str) -> Path | None:
+    parts = name.split(".")
+    if parts[0] == "AIFReconLib":
+        return REPOSITORY.joinpath(*parts)
+    return MODULE.joinpath(*parts) if module_at(MODULE / parts[0]) else None
+
+
+@cache
+def graph() -> dict[Path, set[Path]]:
+    """What each file imports, but for itself and the table of public names, which imports nothing."""
+    return {file: set(imported(file)) - {file, LIBRARY / "__init__.py"} for file in FILES}
+
+
+def circles(edges: dict[Path, set[Path]]) -> list[list[str]]:
+    """Groups of files that import each other, directly or through others (Tarjan)."""
+    number: dict[Path, int] = {}
+    low: dict[Path, int] = {}
+    stack: list[Path] = []
+    found = []
+
+    def visit(file: Path) -> None:
+        number[file] = low[file] = len(number)
+        stack.append(file)
+        for other in edges.get(file, ()):
+            if other not in number:
+                visit(other)
+                low[file] = min(low[file], low[other])
+            elif other in stack:
+                low[file] = min(low[file], number[other])
+        if low[file] == number[file]:
+            group = stack[stack.index(file) :]
+            del stack[stack.index(file) :]
+            if len(group) > 1:
+                found.append(sorted(map(name_of, group)))
+
+    for file in edges:
+        if file not in number:
+            visit(file)
+    return found
+
+
+def upward(edges: dict[Path, set[Path]]) -> set[tuple[str, str]]:
+    """Pairs of files of which the first imports the second against the order of the rooms."""
+    pairs = set()
+    for file, others in edges.items():
+        for other in others:
+            here, there = room_of(file), room_of(other)
+            if here is not None and there is not None and ROOMS.index(there) < ROOMS.index(here):
+                pairs.add((name_of(file), name_of(other)))
+    return pairs
+
+
+def test_every_room_has_its_place_in_the_order():
+    assert {room for file in FILES if (room := room_of(file))} == set(ROOMS)
+
+
+def test_imports_run_down_the_order_of_rooms():
+    assert upward(graph()) == set()
+
+
+def test_no_files_import_each_other_in_a_circle():
+    assert circles(graph()) == []
+
+
+def packages_of(tree: ast.AST) -> set[str]:
+    """Every top-level package that is imported anywhere in a file, inside functions and by name too."""
+    packages = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            packages |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            packages.add((node.module or "").split(".")[0])
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in ("import_module", "library", "require"):
+            packages |= {str(word.value).split(".")[0] for word in node.args[:1] if isinstance(word, ast.Constant)}
+    return packages - {""}
+
+
+def test_a_file_imports_only_packages_that_belong_into_its_room():
+    found = {}
+    for path in LIBRARY.rglob("*.py"):
+        folder = path.relative_to(LIBRARY).parts[0]
+        allowed = EVERYWHERE | PACKAGES.get(folder, set()) | ({"numba"} if path.name.startswith("numba_") else set())
+        if more := packages_of(ast.parse(path.read_text("utf-8"))) - sys.stdlib_module_names - allowed:
+            found[name_of(path)] = more
+    assert found == {}
+    seen = packages_of(ast.parse("def f():\n    import vtk.util\nimport_module('numba')\nlibrary('PIL.Image', '')\nfrom .io import x"))
+    assert seen == {"vtk", "numba", "PIL"}
+
+
+def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in():
+    assert {file.stem for file in LIBRARY.glob("*.py")} == {
+        *("__init__", "__main__", "reconstruction", "resolve"),
+        *("progress", "errors", "message", "remedies", "arrays"),
+    }
+
+
+# ---- the drawing
+
+
+def drawn() -> dict[str, float]:
+    """Every room of the drawing, and how far down its box begins."""
+    boxes = [element for element in DRAWING.iter() if element.get("data-room")]
+    return {box.attrib["data-room"]: float(next(part for part in box if part.tag.endswith("rect")).attrib["y"]) for box in boxes}
+
+
+def test_every_room_is_drawn_above_all_that_it_imports():
+    heights = drawn()
+    assert set(heights) == set(ROOMS)
+    pairs = {(room_of(file), room_of(other)) for file, others in graph().items() for other in others}
+    pairs = {(one, other) for one, other in pairs if one and other and one != other}
+    assert [(one, other) for one, other in sorted(pairs) if heights[one] >= heights[other]] == []
+
+
+def test_an_import_in_a_function_one_that_runs_up_and_a_circle_are_seen():
+    file = LIBRARY / "live" / "wire" / "client.py"
+    tree = ast.parse("def f():\n    from ...sweep.frames import TrackedFrame\n    from . import framing\n")
+    assert {name_of(other) for other in imported(file, tree)} == {"AIFReconLib/sweep/frames.py", "AIFReconLib/live/wire/framing.py"}
+    edges = {LIBRARY / "geometry" / "volume.py": {LIBRARY / "sweep" / "frames.py"}}
+    assert upward(edges) == {("AIFReconLib/geometry/volume.py", "AIFReconLib/sweep/frames.py")}
+    a, b, c, d = (REPOSITORY / f"{letter}.py" for letter in "abcd")
+    assert circles({a: {b}, b: {c}, c: {a}, d: {a}}) == [["a.py", "b.py", "c.py"]]

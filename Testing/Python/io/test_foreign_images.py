@@ -283,12 +283,6 @@ def jpeg_of_scans(pil, scans, side=1000):
     return data[:last] + scans * data[last:-2] + data[-2:]
 
 
-def test_a_jpeg_of_thousands_of_scans_is_refused(pil, tmp_path):
-    (tmp_path / "a.jpg").write_bytes(jpeg_of_scans(pil, 3000))
-    with pytest.raises(FileFormatError, match="3005 scans, which would take too long"):
-        open_images([tmp_path / "a.jpg"])
-
-
 def test_a_jpeg_within_dicom_of_thousands_of_scans_is_refused(pil, dicom, tmp_path):
     path = tmp_path / "a.dcm"
     write_dicom(dicom, path, np.zeros((1000, 1000), np.uint8))
@@ -311,20 +305,6 @@ def test_a_picture_that_says_it_has_billions_of_pages_is_refused(pil, tmp_path):
     said = b"acTL" + struct.pack(">II", 2**31 - 1, 0)
     path.write_bytes(data[:control] + said + struct.pack(">I", zlib.crc32(said)) + data[control + 16 :])
     with pytest.raises(FileFormatError, match=r"1000001 frames of .* are beyond the limits"):
-        open_images([path])
-
-
-@pytest.mark.parametrize(("count", "size"), [(100_000, 1), (3, 2**19)], ids=["many", "large"])
-@pytest.mark.parametrize("at_end", [False, True], ids=["in front", "at the end"])
-def test_a_png_of_megabytes_of_text_is_refused(pil, tmp_path, count, size, at_end):
-    path = tmp_path / "a.png"
-    pil.fromarray(FRAMES[0]).save(path)
-    data = path.read_bytes()
-    body = b"tEXtk\0" + b"x" * size
-    chunk = struct.pack(">I", len(body) - 4) + body + struct.pack(">I", zlib.crc32(body))
-    place = len(data) - 12 if at_end else 33
-    path.write_bytes(data[:place] + count * chunk + data[place:])
-    with pytest.raises(FileFormatError, match="more text and other chunks than pictures do"):
         open_images([path])
 
 

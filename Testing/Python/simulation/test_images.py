@@ -29,7 +29,7 @@ def test_several_processes_draw_what_one_draws(images, alone, processes, monkeyp
     monkeypatch.setattr(module, "_start", lambda *told: started.append(real(*told)) or started[-1])
     assert np.array_equal(list(images.drawn(processes)), alone)
     assert len(started) == min(processes, 3) - 1
-    assert all(process.poll() is not None for process in started)
+    assert all(process.poll() is not None for process, _connection in started)
 
 
 @pytest.mark.parametrize("after", [0, 4, FRAMES // 2])
@@ -40,7 +40,7 @@ def test_a_process_that_is_killed_costs_no_image(images, alone, after, monkeypat
     for image in images.drawn(2):
         drawn.append(image)
         if len(drawn) == after + 1:
-            started[0].kill()
+            started[0][0].kill()
     assert np.array_equal(drawn, alone)
 
 
@@ -58,4 +58,4 @@ def test_who_stops_leaves_no_process_behind(images, monkeypatch):
     drawn = images.drawn(2)
     next(drawn)
     drawn.close()
-    assert started[0].poll() is not None
+    assert started[0][0].poll() is not None

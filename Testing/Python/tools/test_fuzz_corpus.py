@@ -61,8 +61,7 @@ def test_good_inputs_are_accepted(target, folder):
 def test_damaged_inputs_are_accepted_or_refused(target, folder):
     seeds = target.seeds()
 
-    # A process for each of them
-    slow = target.name.startswith(("command", "transform-hdf5"))
+    slow = target.name.startswith("command")
 
     @settings(max_examples=10 if slow else 30, derandomize=True, suppress_health_check=list(HealthCheck))
     @given(st.sampled_from(seeds), st.integers(0, 2**32))

@@ -24,7 +24,6 @@ from ...disk.regular_files import require_regular_file
 from ..decoded_images import DecodedImages, decoding, library
 from ..file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..kinds import Recorded, RecordingKind
-from .ros_bounds import bound_chunks, check_mcap
 from .ros_messages import compressed_image, image_of, matrix_of
 
 IMAGES = {"sensor_msgs/msg/Image": image_of, "sensor_msgs/msg/CompressedImage": compressed_image}
@@ -56,13 +55,8 @@ class _Bag:
         if TREES[0] not in store.types:
             store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TREES[0]))
         self._decode = store.deserialize_ros1 if first else store.deserialize_cdr
-        for file in [path] if path.is_file() else path.glob("*.mcap"):
-            if file.suffix.lower() == ".mcap":
-                check_mcap(file)
         self._reader = library("rosbags.rosbag1" if first else "rosbags.rosbag2", _PURPOSE).Reader(path)
         self._reader.open()
-        if first:
-            bound_chunks(self._reader, path)
         self._under_way: list[Generator[Any, None, None]] = []
         weakref.finalize(self, _close, self._reader, self._under_way)
         self.by_type: dict[str, list[Any]] = {}

@@ -34,8 +34,6 @@ from ..metafiles import METAFILES
 from ..transforms import pair_transforms
 
 IMAGE = TransformName("Image", "Reference")
-MOST_BYTES, MOST_GROWTH = 2**30, 20
-"""A file may have so many bytes when it is unpacked, or so many times those that it has in the bundle."""
 MOST_PARENTS = 100
 NO_STATUS = "Slicer's bundles say of every pose that it is valid: frames in which the tracker was lost may have the last one before."
 _PICTURES, _MOVES = "VolumeSequenceStorage", "LinearTransformSequenceStorage"
@@ -95,10 +93,6 @@ class _Scene:
         """A file of the bundle, unpacked."""
         if member not in self.unpacked:
             info = self.archive.getinfo(member)
-            if info.file_size > max(MOST_BYTES, MOST_GROWTH * info.compress_size):
-                raise SequenceFormatError(
-                    f"{self.path}: {member} would have {info.file_size} bytes. Unpack the bundle, and give that file."
-                )
             target = self.folder / f"{len(self.unpacked)}{''.join(PurePosixPath(member).suffixes[-2:])}"
             with self.archive.open(info) as source, open(target, "xb") as copy:
                 shutil.copyfileobj(source, copy)
