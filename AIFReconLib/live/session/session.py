@@ -59,8 +59,8 @@ class LiveSession:
     configuration : PlusConfiguration or None
         Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
-    record : str, Path or None
-        A sequence file for every frame that is received, tracked or not. See `Recorder`.
+    record : str, Path, Recorder or None
+        A sequence file for every frame that is received, tracked or not.
     frame_limit : int or None
         End after so many frames.
     predictions_device : str or None
@@ -94,7 +94,7 @@ class LiveSession:
         *,
         configuration: PlusConfiguration | None = None,
         synchronizer: SynchronizerSettings | None = None,
-        record: str | Path | None = None,
+        record: str | Path | Recorder | None = None,
         frame_limit: int | None = None,
         predictions_device: str | None = None,
         longest_delay: float | None = 1.0,
@@ -112,7 +112,7 @@ class LiveSession:
         self._recognized = partial(recognized_imaging, configuration=configuration, region=region, probe=probe)
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
-        self.recorder = Recorder(record) if record is not None else None
+        self.recorder = record if record is None or isinstance(record, Recorder) else Recorder(record)
         self.recorded: Path | None = None
         self.finished = threading.Event()
         self.latest: LiveFrame | None = None
@@ -166,7 +166,7 @@ class LiveSession:
         return (self._inserter.ready if self._phase == RECONSTRUCTING else self._inserter.warm).wait(timeout)
 
     def take_up(self, earlier: Iterable[tuple[LiveFrame, bool]]) -> None:
-        """Before `start`: let these frames come before those of the source, those that do not count into the recording only."""
+        """Before `start`: let these frames, which are recorded already, come before those of the source; not all of them count."""
         self._earlier = earlier
 
     def pause(self) -> None:
@@ -349,7 +349,7 @@ class LiveSession:
                 self.finished.set()
 
     def _take_one(self, frame: LiveFrame, live: bool = True, counts: bool = True) -> None:
-        if self.recorder is not None:
+        if live and self.recorder is not None:
             self.recorder.append(frame)
         with self._lock:
             self._meter.receive(frame.received)
