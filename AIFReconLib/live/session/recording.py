@@ -32,7 +32,7 @@ import numpy as np
 from ...arrays import Numbers, NumberType
 from ...errors import AIFReconError, SequenceFormatError
 from ...geometry.transform_graph import TransformStatus
-from ...io.disk.atomic import atomic_output, atomic_outputs, check_writable
+from ...io.disk.atomic import atomic_outputs, check_writable
 from ...io.disk.locks import hold
 from ...io.disk.workspace import workspace
 from ...io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
@@ -70,21 +70,11 @@ def _finished_files(path: Path) -> list[Path]:
     return [file for file in files if os.path.lexists(file)]
 
 
-def _why_taken(path: Path) -> str:
-    """What is there of another recording to `path`; empty where nothing is."""
+def _why_taken(path: Path) -> str | None:
+    """What is there of another recording to `path`, in words; None where nothing is."""
     growing = [file for file in growing_files(path) if os.path.lexists(file)]
-    for file in _finished_files(path):
-        return f"{file.name} is there already"
-    if not growing:
-        return ""
-    try:
-        with open(growing[-1], "rb") as pixels:
-            hold(pixels.fileno())
-    except BlockingIOError:
-        return f"Another scan is being recorded to {path.name}"
-    except OSError:
-        pass
-    return f"{growing[0].name} is there, of a recording that was not finished"
+    finished = [f"{file.name} is there already" for file in _finished_files(path)]
+    return next(iter([*finished, *(f"{file.name} is there, of a recording that is not finished" for file in growing)]), None)
 
 
 def _free(path: Path) -> Path:
@@ -263,34 +253,25 @@ class Recorder:
         self.without_image += is_missing
 
     def _own_pixels(self) -> FileIO:
-        """The file of pixels, which nobody else has, of a recording whose name is free by now."""
+        """The file of pixels, which nobody else has, under a name that is free by now."""
         while True:
             try:
                 # Without buffers of our own, what was written survives the program
                 pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
             except FileExistsError:
                 self._find_name()
-                continue
-            hold(pixels.fileno(), _PATIENCE)
-            if not _finished_files(self.path) and not os.path.lexists(self.header_path):
+            else:
+                hold(pixels.fileno())
                 return pixels
-            pixels.close()
-            self._pixels_path.unlink()
-            self._find_name()
 
     def _take_up(self) -> bool:
         """Go on behind the frames of the unfinished recording; False where there is none, or it cannot be read or is somebody's."""
         if not self.header_path.exists():
             return False
         try:
-            pixels = self._hold_pixels()
-            if os.stat(self._pixels_path).st_nlink > 1:
-                # A program that died in the middle of finishing has given them a second name
-                with atomic_output(self._pixels_path) as alone:
-                    shutil.copyfile(self._pixels_path, alone)
-                self.close()
-                pixels = self._hold_pixels()
-            self._go_on(pixels)
+            self._pixels = open(self._pixels_path, "r+b", buffering=0)  # noqa: SIM115 (closed in close)
+            hold(self._pixels.fileno(), _PATIENCE)
+            self._go_on(self._pixels)
         except (AIFReconError, OSError) as error:
             logger.warning("%s is kept, but not taken up: %s", self.header_path, said(error))
             self.close()
@@ -298,16 +279,12 @@ class Recorder:
             return False
         return True
 
-    def _hold_pixels(self) -> FileIO:
-        self._pixels = pixels = open(self._pixels_path, "r+b", buffering=0)  # noqa: SIM115 (closed in close)
-        hold(pixels.fileno(), _PATIENCE)
-        return pixels
-
     def _go_on(self, pixels: FileIO) -> None:
         """Find where the next frame belongs. The last one is there if all of it was written, or not at all."""
         recorded = read_sequence(self.header_path)
-        if UNFINISHED not in recorded.fields:
-            raise SequenceFormatError(f"{self.header_path}: this is no unfinished recording.")
+        if UNFINISHED not in recorded.fields or os.fstat(pixels.fileno()).st_nlink > 1:
+            # Its program died in the middle of finishing: the finished file has the same pixels
+            raise SequenceFormatError(f"{self.header_path}: this recording is finished.")
         self._shape, self._dtype = recorded.images.shape[1:], np.dtype(recorded.images.dtype)
         self.without_image = sum(record.image_status is not TransformStatus.OK for record in recorded.records)
         self._was_seen = any(_shows_probe(record) for record in recorded.records)

@@ -21,6 +21,7 @@ from ...provenance.record import with_origin
 from ...recipe.recipe import Recipe
 from ...resolve import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import ImageMessage
 from ..wire.sources import ENDED, MessageSource
@@ -137,7 +138,7 @@ class LiveSession:
         self._phase = SCOUTING if grid is None else RECONSTRUCTING if self._imaging else LOOKING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
-        self._heard = Heard()
+        self._heard, self._still = Heard(), StillImages()
         self._collect_error: Exception | None = None
         self._earlier: Iterable[tuple[LiveFrame, bool]] = ()
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
@@ -342,8 +343,6 @@ class LiveSession:
         for frame in frames:
             if self._frame_limit is not None and frame.number >= self._frame_limit:
                 break
-            self.latest = frame
-            self.recent.append(frame)
             self._take_one(frame)
             if frame.number + 1 == self._frame_limit:
                 self.finished.set()
@@ -351,6 +350,11 @@ class LiveSession:
     def _take_one(self, frame: LiveFrame, live: bool = True, counts: bool = True) -> None:
         if live and self.recorder is not None:
             self.recorder.append(frame)
+        if not frame.number % (self.settings.skip or 1):
+            frame = self._still.judged(frame)
+        if live:
+            self.latest = frame
+            self.recent.append(frame)
         with self._lock:
             self._meter.receive(frame.received)
             self._hand_on(frame, self._meter, live, counts and not (live and self._paused))

@@ -191,14 +191,20 @@ def a_file(record, path):
     path.write_bytes(b"precious")
 
 
+NOT_FINISHED = "is there, of a recording that is not finished"
 TAKEN = [
     ("scan.mha", "scan.mha", finished, "scan.mha is there already"),
     ("scan.igs.mha", "scan.igs.mha", finished, "scan.igs.mha is there already"),
     ("scan.mhd", "scan.mhd", finished, "scan.mhd is there already"),
     ("scan.raw", "scan.mhd", a_file, "scan.raw is there already"),
-    ("scan.recording.raw", "scan.mha", a_file, "scan.recording.raw is there, of a recording that was not finished"),
-    ("scan.mha", "scan.nrrd", unfinished, "scan.recording.mhd is there, of a recording that was not finished"),
-    ("scan.mha", "scan.mha", lambda record, path: record(path, frames(2)), "Another scan is being recorded to scan.mha"),
+    ("scan.recording.raw", "scan.mha", a_file, f"scan.recording.raw {NOT_FINISHED}"),
+    ("scan.mha", "scan.nrrd", unfinished, f"scan.recording.mhd {NOT_FINISHED}"),
+    (
+        "scan.mha",
+        "scan.mha",
+        lambda record, path: record(path, frames(2)),
+        "scan.recording.mhd is there, of a recording that is not finished",
+    ),
 ]
 
 
@@ -227,7 +233,7 @@ def test_of_two_that_begin_under_one_name_each_records_all_and_removes_nothing_o
     append_all(third, frames(2))
     assert [len(read_sequence(each.finish())) for each in (first, third)] == [4, 2]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["scan-2.mha", "scan.mha"]
-    assert third.note == "Another scan is being recorded to scan.mha, so this scan is recorded to scan-2.mha."
+    assert third.note == "scan.recording.mhd is there, of a recording that is not finished, so this scan is recorded to scan-2.mha."
 
 
 @pytest.mark.parametrize("name", ["scan.mha", "scan.mhd", "scan.raw"])
@@ -265,14 +271,13 @@ def test_a_full_disk_takes_nothing_of_what_is_taken_up(writes, tmp_path, monkeyp
     np.testing.assert_array_equal(images, [SMALL + n for n in range(len(images))])
 
 
-def test_what_died_while_it_was_finished_is_taken_up_and_both_can_be_read(tmp_path, monkeypatch, record):
+def test_what_died_while_it_was_finished_is_left_as_it_is_and_both_can_be_read(tmp_path, monkeypatch, record):
     monkeypatch.setattr(Recorder, "_remove", Recorder.close)
     assert record(tmp_path / "scan.mhd", frames(3)).finish() == tmp_path / "scan.mhd"
     monkeypatch.undo()
-    recorder = record(tmp_path / "scan.mhd", frames(5)[3:], takes_up=True)
-    assert len(read_sequence(tmp_path / "scan.mhd")) == 3
+    recorder = record(tmp_path / "scan.mhd", frames(5), takes_up=True)
     assert recorder.finish() == tmp_path / "scan-2.mhd"
-    assert [len(read_sequence(tmp_path / name)) for name in ("scan.mhd", "scan-2.mhd")] == [3, 5]
+    assert [len(read_sequence(tmp_path / name)) for name in ("scan.mhd", "scan.recording.mhd", "scan-2.mhd")] == [3, 3, 5]
 
 
 def test_a_recording_that_cannot_be_read_is_kept_and_not_taken_up(tmp_path, record):
