@@ -27,7 +27,7 @@ from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
 from .pixel_size import about_pixel_size
-from .still_images import STILL, StillImages
+from .still_images import STILL, StillImages, are_equal
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
@@ -230,18 +230,15 @@ def tracked_frames(
 
 
 def still_images_of(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> StillImages:
-    """What finds images that stand still among these frames; a few are read, to know a recording whose images are all equal.
+    """What finds images that stand still among these frames; where all are equal, as a few of them tell, it finds none."""
 
-    Raises SequenceFormatError where one cannot be read.
-    """
-    placed = [number for number in numbers if poses.problems[number] is None]
-    few = np.unique([0, 1, *np.linspace(1, max(len(placed) - 1, 1), FRAMES_COMPARED).astype(int)])[: len(placed)]
-    looked, moved = StillImages(), False
-    for frame in tracked_frames(sequence, poses, (placed[n] for n in few), looked):
-        if looked.has_changed:
-            break
-        moved |= frame.status == STILL
-    return StillImages(all_equal=moved and not looked.has_changed)
+    def all_equal() -> bool:
+        placed = [number for number in numbers if poses.problems[number] is None]
+        few = (placed[n] for n in np.unique(np.linspace(0, len(placed) - 1, FRAMES_COMPARED).astype(int)))
+        first = sequence.images[next(few)]
+        return all(are_equal(first, sequence.images[number]) for number in few)
+
+    return StillImages(all_equal)
 
 
 def without_still_images(sequence: TrackedSequence, poses: SweepPoses) -> SweepPoses:

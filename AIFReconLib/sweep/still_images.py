@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TypeVar
 
@@ -29,14 +30,14 @@ class StillImages:
 
     Parameters
     ----------
-    all_equal : bool
-        All images of the sweep are equal: then each is taken for what its pose says, and `notes` say so.
+    all_equal : callable or None
+        Whether all images of a recording are equal, asked before the first is left out: then each is taken for what its pose says, and
+        `notes` say so. None: of a stream, where nobody knows.
     """
 
-    def __init__(self, all_equal: bool = False) -> None:
-        self._all_equal = all_equal
+    def __init__(self, all_equal: Callable[[], bool] | None = None) -> None:
+        self._ask, self._all_equal = all_equal, False
         self._first: tuple[Numbers, Matrix] | None = None
-        self.has_changed = False  #: Whether two images were unlike
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -49,14 +50,18 @@ class StillImages:
         if self._all_equal or frame.status != "OK":
             return frame
         image, pose = frame.placed()
-        if self._first is None or not _are_equal(image, self._first[0]):
-            self.has_changed, self._first = self._first is not None, (image, pose)
-        elif _farthest(pose, self._first[1], image.shape) > MOVED and image.min() != image.max():
-            return replace(frame, status=STILL)
-        return frame
+        if self._first is None or not are_equal(image, self._first[0]):
+            self._first = image, pose
+            return frame
+        if _farthest(pose, self._first[1], image.shape) <= MOVED or image.min() == image.max():
+            return frame
+        if self._ask is not None:
+            self._all_equal, self._ask = self._ask(), None
+        return frame if self._all_equal else replace(frame, status=STILL)
 
 
-def _are_equal(image: Numbers, other: Numbers) -> bool:
+def are_equal(image: Numbers, other: Numbers) -> bool:
+    """Whether two images are the same, pixel by pixel."""
     few = slice(None, None, _LOOK_EVERY)
     return np.array_equal(image[few, few], other[few, few], equal_nan=True) and np.array_equal(image, other, equal_nan=True)
 
