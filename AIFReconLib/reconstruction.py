@@ -37,7 +37,8 @@ from .remedies import Remedy
 from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.joined import joined, shares
-from .sweep.poses import SweepPoses, describe_skipped, sweep_poses, time_order, tracked_frames
+from .sweep.poses import SweepPoses, describe_skipped, still_images_of, sweep_poses, time_order, tracked_frames
+from .sweep.still_images import STILL
 
 logger = logging.getLogger(__name__)
 
@@ -90,7 +91,8 @@ def _prepare(
     if grid is None:
         grid = asked.grid or (parts.grid if asked.image_to_reference is None and asked.reference is None else None)
     if grid is None:
-        placed = poses.image_to_reference[chosen]
+        # Which images stand still is only known once they are read
+        placed = poses.image_to_reference[[number for number in order if poses.problems[number] in (None, STILL)]]
         scale = depth_scale(settings, imaging.region.mask(*sequence.frame_size), imaging.probe, pixel_spacing(placed[0]))
         grid = grid_around_sweep(
             placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), costs.results, scale, parts.fits_spacing
@@ -173,6 +175,7 @@ def _worked(
     workers: list[Reconstructor] = []
     results, counts = None, FrameCounts()
     kept: dict[int, TrackedFrame] = {}
+    still = still_images_of(sequence, prepared.poses, prepared.order)
     columns, rows = sequence.frame_size
     keeps = len(cut) > 1 and len(prepared.chosen) * columns * rows * sequence.images.dtype.itemsize <= left
     for number, planes in enumerate(cut):
@@ -198,7 +201,8 @@ def _worked(
         if kept:
             reconstructor.insert((kept[n] for n in order), tell, len(order))
         else:
-            with read_ahead(tracked_frames(sequence, prepared.poses, order)) as read:
+            # Which stand still is told by all of them, not by those that reach another part
+            with read_ahead(tracked_frames(sequence, prepared.poses, order, still if results is None else None)) as read:
                 frames = _keeping(read, kept) if keeps else read
                 reconstructor.insert(frames, tell, len(order))
         if results is None:
@@ -214,7 +218,7 @@ def _worked(
     notes = tuple(note for note in workers[0].notes if note != BESIDE_BONE or beside_bone)
     if results is None:
         raise ValueError("Input cut must have parts; got none.")
-    return workers[0], results, counts, notes
+    return workers[0], results, counts, (*notes, *still.notes)
 
 
 def reconstruct(

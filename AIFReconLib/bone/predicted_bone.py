@@ -14,7 +14,7 @@ from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import joined
-from ..sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from ..sweep.poses import SweepPoses, still_images_of, sweep_poses, tracked_frames
 from .echoes.finder import BoneEchoFinder
 from .echoes.found import BoneEchoes, SweepEchoes
 from .echoes.surface import LEAST_SCORE, surface_of
@@ -93,8 +93,10 @@ def bone_from_frames(
     imaging = resolve_imaging(sequence, poses, True, recipe) if imaging is None else imaging
     points, found, silent = PointsOfFrames(imaging), [], 0
     looking = part(progress, 0.0, 0.9)
-    for done, frame in enumerate(tracked_frames(sequence, poses, usable)):
+    for done, frame in enumerate(tracked_frames(sequence, poses, usable, still_images_of(sequence, poses, usable))):
         report(looking, done / len(usable), "Looking for bone in the sweep")
+        if frame.status != "OK":
+            continue
         said = estimator.estimate(frame)
         if said is None:
             silent += 1

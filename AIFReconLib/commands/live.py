@@ -139,7 +139,7 @@ def run(arguments: argparse.Namespace) -> int:
             raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, *bone_inputs(arguments), arguments.importance_mask]
-    of_the_run = [*outputs.values(), arguments.preview, arguments.record, predictions_path(arguments), arguments.save_settings]
+    of_the_run = [*_outputs(arguments), arguments.record, predictions_path(arguments)]
     refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
     check_preview(arguments.preview)
     check_save_settings(arguments)
@@ -183,6 +183,11 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _outputs(arguments: argparse.Namespace) -> list[Path | None]:
+    """What may replace files, as a recording never does."""
+    return [arguments.output, *(getattr(arguments, name) for name in SIDE_OUTPUTS), arguments.preview, arguments.save_settings]
+
+
 def _session(
     arguments: argparse.Namespace, recipe: Recipe, labeled: LabeledBone | None
 ) -> tuple[LiveSession, OpenIGTLinkClient, LiveBone | None]:
@@ -212,6 +217,9 @@ def _session(
         frame_limit=arguments.frames,
         predictions_device=arguments.bone_image,
     )
+    if session.recorder is not None:
+        # Its name may be another than was asked for
+        refuse_to_overwrite([*_outputs(arguments), session.recorder.path, session.recorder.header_path], [])
     client.start(wait=True)
     return session, client, seen
 
@@ -230,6 +238,8 @@ def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.N
     """The volume, and the signal by which the scan was ended, if it was."""
     told_by = None
     status = StatusLine(sys.stderr)
+    if session.recorder is not None and session.recorder.note:
+        status.say(session.recorder.note)
     try:
         with session:
             try:
@@ -365,9 +375,9 @@ def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Rec
 
 
 def _recording_line(session: LiveSession) -> str | None:
-    if session.recording_failure:
+    recorder = session.recorder
+    if recorder is None or recorder.failure or session.recorded is None:
         return session.recording_failure
-    if session.recorder is None or session.recorded is None:
-        return None
-    recorded = f"recorded {session.recorder.frames} frames to {session.recorded}"
-    return recorded if session.recorder.loss is None else f"{recorded}. {session.recorder.loss}"
+    recorded = f"recorded {recorder.frames} frames to {session.recorded}"
+    more = " ".join(filter(None, (recorder.loss, recorder.note)))
+    return f"{recorded}. {more}" if more else recorded

@@ -17,7 +17,7 @@ from ..recipe.recipe import Recipe
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
-from ..sweep.poses import sweep_poses, time_order, tracked_frames
+from ..sweep.poses import still_images_of, sweep_poses, time_order, tracked_frames
 from .bone import GuidedBone, bone_of_echoes, guided_bone
 from .met import BoneMet, FrameGeometry
 from .seen import Share
@@ -117,9 +117,9 @@ def followed(
     met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
     order = time_order(sequence)
     order = order[np.isin(order, usable)]
-    for done, frame in enumerate(tracked_frames(sequence, poses, order)):
+    for done, frame in enumerate(tracked_frames(sequence, poses, order, still_images_of(sequence, poses, order))):
         report(progress, done / len(order), "Following the beams")
-        if frame.image_to_reference is not None:
+        if frame.status == "OK" and frame.image_to_reference is not None:
             met.insert(frame.image_to_reference, None if frame.image is None else imaging.gray_levels.of(frame.image))
     report(progress, 1.0, "Followed the beams")
     return met

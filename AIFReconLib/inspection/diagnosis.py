@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,7 @@ from ..message import Sentence, columns, said
 from ..progress import Progress
 from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
-from ..sweep.poses import SweepPoses, sweep_poses
+from ..sweep.poses import SweepPoses, sweep_poses, without_still_images
 from .offset_estimate import OffsetEstimate, estimate_time_offset
 from .tracking_report import TrackingReport, tracking_report
 
@@ -84,6 +85,8 @@ def diagnose(
     findings, ready, tracking, offset, poses = [], False, None, None, None
     try:
         poses = sweep_poses(sequence, image_to_reference, reference)
+        with contextlib.suppress(SequenceFormatError):  # said below
+            poses = without_still_images(sequence, poses)
         tracking = tracking_report(sequence, poses)
         poses.require_usable(sequence.name)
     except AIFReconError as error:

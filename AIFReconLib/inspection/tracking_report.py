@@ -15,6 +15,7 @@ from ..message import listed
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, describe_frames, time_order
+from ..sweep.still_images import STILL
 from .offset_estimate import corner_track
 from .summary import describe_coverage
 
@@ -96,8 +97,13 @@ class TrackingReport:
         return [*skipped, *self.findings_on_poses()]
 
     def findings_on_poses(self) -> list[str]:
-        """Sentences on what may be wrong with poses that count as valid."""
+        """Sentences on what may be wrong with poses that count as valid, or with the images that belong to them."""
         sentences: list[str] = []
+        if still := len(self.skipped.get(STILL, ())):
+            sentences.append(
+                f"{still} of {self.frames} images equal the one before although the probe moved meanwhile: was the frame grabber slower "
+                "than the tracker, or the scanner frozen? Of equal images only the first is where its pose says; the others are left out."
+            )
         if self.jumps:
             shown = [jump.to_text() for jump in self.jumps[:3]]
             where = listed([*shown, "..."] if len(self.jumps) > 3 else shown, "; ")

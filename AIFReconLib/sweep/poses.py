@@ -6,8 +6,8 @@ out of view in some frames costs those frames and no others. Several ways are on
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,9 +27,13 @@ from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
 from .pixel_size import about_pixel_size
+from .still_images import STILL, StillImages, are_equal
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
+
+FRAMES_COMPARED = 8
+"""By which a recording is known whose images are all equal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,18 +209,48 @@ def _joined_poses(sequence: JoinedSequence, image_to_reference: str | None, refe
     )
 
 
-def tracked_frames(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> Iterable[TrackedFrame]:
-    """The frames with these numbers, one after the other, images read when asked for."""
+def tracked_frames(
+    sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int], still: StillImages | None = None
+) -> Iterator[TrackedFrame]:
+    """The frames with these numbers, one after the other, images read when asked for.
+
+    `still` tells images that stand still while the probe moves, where it is given and the numbers are in the order of time.
+    """
     timestamps = sequence.timestamps
     for number in numbers:
         problem = poses.problems[number]
-        yield TrackedFrame(
+        frame = TrackedFrame(
             image=sequence.images[number] if problem is None else None,
             image_to_reference=poses.image_to_reference[number] if problem is None else None,
             timestamp=float(number if np.isnan(timestamps[number]) else timestamps[number]),
             status=problem or "OK",
             number=number,
         )
+        yield frame if still is None else still.judged(frame)
+
+
+def still_images_of(sequence: TrackedSequence, poses: SweepPoses, numbers: Iterable[int]) -> StillImages:
+    """What finds images that stand still among these frames; where all are equal, as a few of them tell, it finds none."""
+
+    def all_equal() -> bool:
+        placed = [number for number in numbers if poses.problems[number] is None]
+        few = (placed[n] for n in np.unique(np.linspace(0, len(placed) - 1, FRAMES_COMPARED).astype(int)))
+        first = sequence.images[next(few)]
+        return all(are_equal(first, sequence.images[number]) for number in few)
+
+    return StillImages(all_equal)
+
+
+def without_still_images(sequence: TrackedSequence, poses: SweepPoses) -> SweepPoses:
+    """The poses with the problem `STILL` where an image stands still while the probe moves; every image is read.
+
+    Raises SequenceFormatError where one cannot be read.
+    """
+    order = time_order(sequence)
+    found = still_images_of(sequence, poses, order)
+    still = {frame.number for frame in tracked_frames(sequence, poses, order, found) if frame.status == STILL}
+    problems = tuple(STILL if number in still else problem for number, problem in enumerate(poses.problems))
+    return replace(poses, problems=problems, notes=(*poses.notes, *found.notes))
 
 
 def time_order(sequence: TrackedSequence) -> Integers:

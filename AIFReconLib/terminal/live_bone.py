@@ -44,7 +44,8 @@ class LiveBone:
         self._device: str | None = arguments.bone_image
         # Refused before the scan, not in it
         self._model = OnnxModel(arguments.bone_model) if arguments.bone_model else None
-        self._record, self._scan = predictions_path(arguments), arguments.record
+        self._records = predictions_path(arguments) is not None
+        self._scan: Path | None = None
         self._watch: BoneWatch | None = None
         self._frames = 0
 
@@ -70,12 +71,13 @@ class LiveBone:
     @contextmanager
     def beside(self, session: LiveSession) -> Iterator[None]:
         """Look for bone while the block runs."""
-        self._watch = BoneWatch(session, self.bone, None if self._device else self._estimator, self._record)
+        record = predictions_beside(session.recorder.path) if self._records and session.recorder is not None else None
+        self._watch = BoneWatch(session, self.bone, None if self._device else self._estimator, record)
         try:
             yield
         finally:
             self._watch.stop()
-            self._frames = session.statistics.frames_received
+            self._frames, self._scan = session.statistics.frames_received, session.recorded
 
     def lines(self) -> list[str]:
         """How it went, for the summary."""

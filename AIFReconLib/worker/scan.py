@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.session.agreement_watch import AgreementWatch
 from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.guidance_watch import GuidanceWatch
-from ..live.session.recording import growing_files
+from ..live.session.recording import Recorder
 from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.snapshots import SnapshotMaker
 from ..live.session.taken_up import TakenUp
@@ -76,7 +75,7 @@ class Scan:
         # Refused before the scan, not in it
         self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
         self._method = recipe.method_for(True)
-        earlier = TakenUp(request.record, configuration, request.spans) if request.takes_up and request.record is not None else None
+        recorder = None if request.record is None else Recorder(request.record, request.takes_up)
         self.session = LiveSession(
             self._given or OpenIGTLinkClient(*request.server or ("", 0)),
             recipe,
@@ -85,7 +84,7 @@ class Scan:
             # One core stays with the windows, unless the configuration says how many threads insert
             configuration=replace(configuration, threads=configuration.threads or max(usable_cores() - 1, 1)),
             synchronizer=SynchronizerSettings(image_device=request.image_device),
-            record=request.record,
+            record=recorder,
             predictions_device=request.bone_device,
         )
         self._spans: list[tuple[int, int | None]] = [(0, None)]
@@ -102,15 +101,15 @@ class Scan:
                 self._agreement = AgreementWatch(self.session, BoneField.from_labels(self._labels), self._place)
             if self._growing is not None:
                 # What a network says is recorded beside the scan
-                beside = None if request.record is None or request.bone_from == ECHOES else _free(predictions_beside(request.record))
+                beside = None if recorder is None or request.bone_from == ECHOES else predictions_beside(recorder.path)
                 self._seen_bone = BoneWatch(self.session, self._growing, None if request.bone_device else self._estimator, beside)
             self.guide(request.guidance)
             while self._guidance is not None and not self._guidance.prepared.wait(LOOK_EVERY):
                 report(progress, 0.6, "Finding the surface of bone")
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
-            if earlier is not None:
-                self.session.take_up(earlier)
+            if recorder is not None and recorder.frames:
+                self.session.take_up(TakenUp(recorder.path, configuration, request.spans))
                 self._spans = list(request.spans)
                 if self._spans[-1][1] is not None:
                     self.session.pause()
@@ -157,6 +156,7 @@ class Scan:
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
             bone_lines=self._bone_lines(statistics.frames_received),
             problems=tuple(problem for problem in problems if problem),
+            record=None if session.recorder is None else session.recorder.path,
         )
 
     def put(self, message: StreamMessage, replaced: int = 0) -> None:
@@ -301,7 +301,7 @@ class Scan:
 
     def _recording_problems(self) -> Sequence[str]:
         recorder = self.session.recorder
-        problems = (self.session.recording_failure, None if recorder is None else recorder.loss)
+        problems = () if recorder is None else (recorder.failure, recorder.loss, recorder.note)
         return [problem for problem in problems if problem]
 
     def _recorded(self) -> int:
@@ -323,12 +323,3 @@ class _Given(QueueSource):
     def statistics(self) -> StreamStatistics:
         queued = super().statistics
         return replace(queued, dropped=queued.dropped + self.replaced, dropped_images=queued.dropped_images + self.replaced)
-
-
-def _free(path: Path) -> Path:
-    """The path, or one with a number where a recording to it was not finished."""
-    number, free = 1, path
-    while growing_files(free)[0].exists():
-        number += 1
-        free = path.with_name(f"{path.stem}-{number}{path.suffix}")
-    return free

@@ -47,7 +47,7 @@ class ScanRequest:
         A network in an ONNX file.
     image_device : str or None
     record : Path or None
-        Where every frame is recorded.
+        Where every frame is recorded, or beside it where a recording of that name is there.
     guidance : bool
         Tell what is met of the labels, else of the bone that frames show, and where to look next.
     unseen : (n, 3) array or None, mm
@@ -123,6 +123,8 @@ class Seen:
         How the search for bone in the frames goes.
     problems : tuple of str
         What is wrong beside the stream, the worst first.
+    record : Path or None
+        Where every frame is recorded.
     """
 
     statistics: LiveStatistics
@@ -137,6 +139,7 @@ class Seen:
     compared: int = -1
     bone_lines: tuple[str, ...] = ()
     problems: tuple[str, ...] = ()
+    record: Path | None = None
 
     @property
     def is_scouting(self) -> bool:

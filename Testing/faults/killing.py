@@ -153,45 +153,61 @@ def count(entry: Entry, code: int, state: str, older: bool) -> None:
 
 
 def kill_recording(entry: Entry, writer: Writer, trials: int, chance: random.Random, folder: Path) -> None:
-    """Kill a recording at lines and moments; what had been listed must be readable, in the recording or in the finished file."""
+    """Kill a recording at lines and moments, and twice more while it is taken up; each time every listed frame must be readable."""
     expected = np.stack([frame.image for frame in recorded_frames(1)])
     clean = folder / "old"
     clean.mkdir()
     end_of(start(partial(writer.write, clean, 0)))
     digests = [result_of(partial(writer.digest, clean / writer.file)), ""]
-    (folder / "new").mkdir()
-    end_of(start(partial(writer.write, folder / "new", 1)))
-    digests[1] = result_of(partial(writer.digest, folder / "new" / writer.file))
+
+    def begun(place: Path) -> Path:
+        growing = next(place.glob("*.recording.mhd"), None)
+        return place / (writer.file if growing is None else growing.name.replace(".recording.mhd", Path(writer.file).suffix))
 
     def record(place: Path, listed: mmap.mmap) -> None:
-        recorder = Recorder(place / writer.file)
-        for number, frame in enumerate(recorded_frames(1)):
+        recorder = Recorder(begun(place), takes_up=True)
+        for number, frame in enumerate(recorded_frames(1)[recorder.frames :], recorder.frames):
             recorder.append(frame)
             listed[0] = number + 1
         recorder.finish()
 
-    def readable(place: Path) -> int:
-        header = place / f"{writer.file.rpartition('.')[0]}.recording.mhd"
-        images = np.asarray(read_sequence(header).images)
-        if not np.array_equal(images, expected[: len(images)]):
-            raise ValueError("other pixels")
-        return len(images)
+    def readable(place: Path, older: bool) -> int:
+        """Frames that the file with the most of them has; all others must be right, too."""
+        most = 0
+        for path in place.iterdir():
+            if path.suffix in (".mhd", ".mha", ".nrrd") and not (older and path.name == writer.file):
+                images = np.asarray(read_sequence(path).images)
+                if not np.array_equal(images, expected[: len(images)]):
+                    raise ValueError("other pixels")
+                most = max(most, len(images))
+        return most
 
-    def trial(number: int, older: bool, kill) -> None:
+    def kept_by(place: Path, older: bool) -> int:
+        try:
+            return result_of(partial(readable, place, older))
+        except RuntimeError:
+            return -1
+
+    def trial(number: int, older: bool, kills) -> None:
         place = folder / f"trial-{number}"
         shutil.copytree(clean, place) if older else place.mkdir()
         with mmap.mmap(-1, 1) as listed:
-            code = kill(lambda: record(place, listed))
-            promised = listed[0]
-        state = version_of(place / writer.file, digests, writer.digest)
-        try:
-            kept = RECORDED if state == "new" else result_of(lambda: readable(place)) if promised else 0
-        except RuntimeError:
-            kept = -1
-        if kept < promised or state not in ({"old", "new"} if older else {"absent", "new"}):
-            entry.lost[f"{state}, {promised} frames listed, {kept} readable"] += 1
+            for kill in kills:
+                code = kill(partial(record, place, listed))
+                state, kept = version_of(place / writer.file, digests, writer.digest) if older else "old", kept_by(place, older)
+                if kept < listed[0] or state != "old" or code not in (0, -signal.SIGKILL):
+                    entry.lost[f"exit {code}, {state}, {listed[0]} frames listed, {kept} readable"] += 1
+                    break
+                if code == 0:
+                    break
+            else:
+                code = end_of(start(partial(record, place, listed)))
+            whole = kept_by(place, older)
+        left = {path.name for path in place.glob(f"{PREFIX}*")}
+        if code or whole != RECORDED or left:
+            entry.lost[f"taken up at last: exit {code}, {whole} of {RECORDED} frames, left: {sorted(left)}"] += 1
         else:
-            entry.outcomes["finished before" if code == 0 else f"{state}, every listed frame readable"] += 1
+            entry.outcomes["every listed frame readable, taken up to the end"] += 1
         shutil.rmtree(place)
 
     for older in (True, False):
@@ -205,9 +221,11 @@ def kill_recording(entry: Entry, writer: Writer, trials: int, chance: random.Ran
         shutil.rmtree(probe)
         each = max(trials // 4, 1)
         for number, line in enumerate(chosen_lines(lines, each, chance)):
-            trial(number, older, partial(killed_at_line, line=line))
+            # What is taken up has fewer lines left
+            at = [line, *(chance.randrange(lines // 2) for _ in range(2))]
+            trial(number, older, [partial(killed_at_line, line=line) for line in at])
         for number in range(each):
-            trial(number, older, partial(killed_after, seconds=chance.uniform(0, MOMENTS * lasts)))
+            trial(number, older, [partial(killed_after, seconds=chance.uniform(0, MOMENTS * lasts)) for _ in range(3)])
 
 
 def kill_command(entry: Entry, command: Command, trials: int, chance: random.Random, folder: Path) -> None:

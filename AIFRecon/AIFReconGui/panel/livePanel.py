@@ -44,7 +44,7 @@ class LivePanel(PanelPart):
         self._live, self._paths = None, paths
         self.recorded: list = []  #: The files of the scan that has ended
         self._missing = self._advised = ""
-        self._record = self._shownID = self._words = None
+        self._shownID = self._words = None
         self._sized = self._counted = 0.0
         self._followers = (boneSourceOfScan(ui), PathField(ui.liveBoneModelPathLineEdit, "boneModelPath"))
         self._looking = every(LOOK_EVERY, self._look)
@@ -189,10 +189,10 @@ class LivePanel(PanelPart):
     def _start(self, parameters, progress) -> str:
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
-        self._record, self._shownID, self._words = recordingPath(parameters), None, None
+        self._shownID = self._words = None
         self.recorded, self._ui.liveRebuildButton.visible = [], False
         self._sized = self._counted = 0.0
-        self._live = LiveReconstruction(parameters, progress, self._record, self._paths.unseen)
+        self._live = LiveReconstruction(parameters, progress, recordingPath(parameters), self._paths.unseen)
         settings = slicer.app.userSettings()
         settings.setValue("AIFRecon/LiveHost", parameters.liveHost)
         settings.setValue("AIFRecon/LivePort", parameters.livePort)
@@ -220,8 +220,8 @@ class LivePanel(PanelPart):
             lines.append(_("Canceled: the volume is as it was shown last."))
         if live.lost:
             lines.append(inPanelWords(live.lost))
-            if self._record is not None:
-                lines.append(_("What was recorded is kept unfinished, beside {path}.").format(path=self._record))
+            if live.seen.record is not None:
+                lines.append(_("What was recorded is kept unfinished, beside {path}.").format(path=live.seen.record))
         if ended is not None and ended.recorded is not None:
             lines.append(_("Recorded to {path}.").format(path=ended.recorded))
             self._showSize(ended.recorded)
@@ -246,9 +246,9 @@ class LivePanel(PanelPart):
         words = LiveWords.of(live, self._advised)
         self._showState(words.state, GREEN if words.isWell else RED)
         self._showMove(words.move)
-        if self._record is not None and now - self._sized > SIZE_EVERY:
+        if live.seen.record is not None and now - self._sized > SIZE_EVERY:
             self._sized = now
-            self._showSize(self._record)
+            self._showSize(live.seen.record)
         if words != self._words or now - self._counted >= COUNTED_EVERY:
             self._words, self._counted = words, now
             self._say("\n".join(linesOf(live)))

@@ -186,7 +186,7 @@ class LiveReconstruction:
         if len(self._deaths) <= MOST_DEATHS:
             logging.warning("%s The scan is taken up again.", self.lost)
             grid = seen.grid or self._request.grid
-            self._request = replace(self._request, grid=grid, spans=seen.spans, takes_up=True)
+            self._request = replace(self._request, grid=grid, spans=seen.spans, takes_up=True, record=seen.record or self._request.record)
             self._again = worker.begin(begin_scan, self._request, keep=True)
         else:
             self._giveUp()

@@ -6,6 +6,7 @@ How an echo is told from tissue is the business of `BoneEchoFinder`, which the b
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import islice
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from ...remedies import Remedy
 from ...resolve import resolve_imaging
 from ...sweep.frames import TrackedFrame, TrackedSequence
 from ...sweep.joined import sweeps_of
-from ...sweep.poses import poses_of_each, time_order, tracked_frames
+from ...sweep.poses import poses_of_each, still_images_of, time_order, tracked_frames
 from .finder import LEAST_SCORE, BoneEchoFinder
 from .found import FEWEST, SweepEchoes
 
@@ -74,9 +75,10 @@ def sweep_echoes(
         spacing = pixel_spacing(poses.image_to_reference[chosen[0]])
         finder = BoneEchoFinder(sequence.frame_size, spacing, imaging, least_score)
         share = part(progress, done / len(placed), (done + 1) / len(placed))
+        frames = tracked_frames(sequence, poses, chosen, still_images_of(sequence, poses, chosen))
         for number in range(0, len(chosen), AT_ONCE):
             report(share, number / len(chosen), "Looking for bone in the sweep")
-            found += _read_at_once(finder, list(tracked_frames(sequence, poses, chosen[number : number + AT_ONCE])), before)
+            found += _read_at_once(finder, [frame for frame in islice(frames, AT_ONCE) if frame.status == "OK"], before)
         before += len(sequence)
     echoes = SweepEchoes.joined(found)
     if len(echoes) < FEWEST:

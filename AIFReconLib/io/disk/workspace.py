@@ -18,10 +18,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None  # type: ignore[assignment]  # a module elsewhere
+from .locks import hold
 
 PREFIX = ".aifrecon-"
 _NAME = re.compile(re.escape(PREFIX) + r"(?:([0-9a-f]{8})-)?[a-z0-9_]{8}")
@@ -108,18 +105,17 @@ def _lock(folder: Path) -> int | None:
 
     Raises BlockingIOError when the folder is in use; OSError when it cannot be opened.
     """
-    if fcntl is None:
-        return None
+    if os.name == "nt":
+        return None  # where folders cannot be opened
     descriptor = os.open(folder, os.O_RDONLY)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if hold(descriptor):
+            return descriptor
     except BlockingIOError:
         os.close(descriptor)
         raise
-    except OSError:
-        os.close(descriptor)
-        return None
-    return descriptor
+    os.close(descriptor)
+    return None
 
 
 def _release(lock: int | None) -> None:

@@ -63,7 +63,7 @@ class BoneWatch(Watch):
     estimator : callable from Imaging to BoneEstimator, or None
         What tells bone in a frame, made when region and probe are known; None: the predictions that the session receives.
     record : Path or None
-        A sequence file for the predictions, 8 bit, which `RecordedPredictions` takes with the recorded scan.
+        A sequence file for the predictions, 8 bit, which `RecordedPredictions` takes with the recorded scan. See `Recorder`.
 
     Notes
     -----

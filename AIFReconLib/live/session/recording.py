@@ -10,13 +10,19 @@ an order that allows that: its pixels; behind the last line of the header, where
 number of frames; and at last one byte, which makes the older last line a field. The field `UNFINISHED` tells the reader that the
 pixels may go on behind the frames that the header lists. `finish` makes the file that was asked for, completely or not at all, and only
 then removes the two.
+
+Whose they are: the pixels are locked by the program that appends to them. Nobody else appends to the two, or removes them, and no file that
+is there is replaced: a recording whose name is taken gets another one. Once their program has died they can be taken up.
 """
 
 from __future__ import annotations
 
 import errno
+import itertools
 import logging
+import math
 import os
+import re
 import shutil
 from io import FileIO
 from pathlib import Path
@@ -24,9 +30,10 @@ from pathlib import Path
 import numpy as np
 
 from ...arrays import Numbers, NumberType
-from ...errors import AIFReconError, OutputError
+from ...errors import AIFReconError, SequenceFormatError
 from ...geometry.transform_graph import TransformStatus
 from ...io.disk.atomic import atomic_outputs, check_writable
+from ...io.disk.locks import hold
 from ...io.disk.workspace import workspace
 from ...io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
 from ...io.sequence.fields import frame_entries
@@ -47,6 +54,9 @@ _SIZE_LETTERS = 40
 
 _LAST_LINE = b"ElementDataFile"
 
+_PATIENCE = 2.0
+"""s in which the lock of a program that was killed just now comes free."""
+
 
 def growing_files(path: Path) -> tuple[Path, Path]:
     """Header and pixels of a recording to `path` while it runs."""
@@ -54,50 +64,93 @@ def growing_files(path: Path) -> tuple[Path, Path]:
     return header, pixels
 
 
+def _finished_files(path: Path) -> list[Path]:
+    """Those that a recording to `path` would replace."""
+    files = [path, path.with_suffix(".raw")] if path.suffix.lower() == ".mhd" else [path]
+    return [file for file in files if os.path.lexists(file)]
+
+
+def _why_taken(path: Path) -> str | None:
+    """What is there of another recording to `path`, in words; None where nothing is."""
+    growing = [file for file in growing_files(path) if os.path.lexists(file)]
+    finished = [f"{file.name} is there already" for file in _finished_files(path)]
+    return next(iter([*finished, *(f"{file.name} is there, of a recording that is not finished" for file in growing)]), None)
+
+
+def _free(path: Path) -> Path:
+    """The path with the first number in its name that no recording has."""
+    ending = re.search(r"(\.(igs|seq))?\.[^.]*$", path.name, re.IGNORECASE)
+    start = ending.start() if ending else len(path.name)
+    named = (path.with_name(f"{path.name[:start]}-{number}{path.name[start:]}") for number in itertools.count(2))
+    return next(path for path in named if not _why_taken(path))
+
+
+def _shows_probe(record: FrameRecord) -> bool:
+    return any(sample.status is TransformStatus.OK for sample in record.transforms.values())
+
+
 class Recorder:
     """Appends live frames to a sequence file, tracked or not, with their transforms, statuses and times.
 
-    Raises OutputError when nothing can be written there, or an unfinished recording of that name is there.
+    Raises OutputError when nothing can be written there.
 
     Parameters
     ----------
     path : str or Path
         Where the finished sequence goes: .mha or .nrrd, for which the pixels are copied in the end, or .mhd, for which they are not.
+        Where a recording of that name is there, finished or not, a number is added, and `note` says so.
+    takes_up : bool
+        Go on behind the frames of the unfinished recording of that name, if there is one that can be read and whose program has ended:
+        `frames` counts them.
 
     Notes
     -----
     A failure of the disk stops the recording, not its caller: `failure` then says what happened and where the frames are that were kept.
     A frame whose image differs in size or type from the first is recorded without its image, and counted in `without_image`. But before
-    the probe was seen, images may change as they like: then the new ones are recorded, and it is those before that lose theirs.
+    the probe was seen, images may change as they like: then the new ones are recorded. Those before lose theirs, which a recording of
+    its own keeps.
     """
 
-    def __init__(self, path: str | Path):
-        self.path = Path(path)
+    def __init__(self, path: str | Path, takes_up: bool = False):
+        self._asked = self.path = Path(path)
         check_sequence_name(self.path)
-        check_writable(self.path)
         self.header_path, self._pixels_path = growing_files(self.path)
-        left = next((path for path in (self.header_path, self._pixels_path) if os.path.lexists(path)), None)
-        if left is not None:
-            raise OutputError(
-                f"Cannot record to {self.path}: {left.name} is there, from a recording that was not finished. Keep "
-                f"{self.header_path.name} and its .raw file under another name, or choose one."
-            )
+        self.note: str | None = None
+        self._before: list[str] = []
+        self._cause: str | None = None
+        self._kept = 0
+        self._frames_are_in = self.header_path
+        self._forget()
+        if not (takes_up and self._take_up()):
+            self._find_name()
+            check_writable(self.path)
+
+    def _forget(self) -> None:
+        """Begin with nothing."""
         self.frames = self.without_image = 0
         self._was_seen = False
-        self._cause: str | None = None
-        self._frames_are_in = self.header_path
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
         self._pixels: FileIO | None = None
         self._header: FileIO | None = None
         self._size_at = self._end_at = 0
 
+    def _find_name(self) -> None:
+        """Use the name that was asked for, or one with a number where a recording of that name is there."""
+        why = _why_taken(self._asked)
+        self.path = _free(self._asked) if why else self._asked
+        self.note = f"{why}, so this scan is recorded to {self.path.name}." if why else None
+        self.header_path, self._pixels_path = growing_files(self.path)
+        self._frames_are_in = self.header_path
+
     @property
     def failure(self) -> str | None:
         """Why the recording stopped, and where its frames are; None while all is well."""
         if self._cause is None:
             return None
-        kept = f"{self.frames} frames are kept in {self._frames_are_in}." if self.frames else "No frame was recorded."
+        kept = f"{self._kept} frames are kept in {self._frames_are_in}." if self._kept else "No frame was recorded."
+        if self._kept < self.frames:
+            kept = f"Of {self.frames} frames {self._kept} can still be read, in {self._frames_are_in}: were its files removed?"
         return Sentence(f"Recording stopped: {self._cause} {kept}", self._cause)
 
     @property
@@ -108,6 +161,7 @@ class Recorder:
         return (
             f"{self.without_image} of {self.frames} recorded frames are without their image, which was not of the size and type of the "
             f"others ({self._shape[1]} x {self._shape[0]} pixels, {self._dtype}). Do not change the scanner's mode in the middle of a scan."
+            + (f" Those before the change are in {', '.join(self._before)}." if self._before else "")
         )
 
     def append(self, frame: LiveFrame) -> None:
@@ -118,7 +172,7 @@ class Recorder:
             if self.frames and not self._was_seen and self._differs(frame.image):
                 self._start_anew(frame.image)
             self._append(frame.image, frame.record)
-            self._was_seen |= any(sample.status is TransformStatus.OK for sample in frame.record.transforms.values())
+            self._was_seen = self._was_seen or _shows_probe(frame.record)
         except (AIFReconError, OSError) as error:
             self._fail(error)
 
@@ -127,26 +181,34 @@ class Recorder:
 
         None also where it cannot be made: the recording then stays in the files beside it, and `failure` names them.
         """
-        self.close()
         try:
             if not self.frames:
                 self._remove()
                 return None
-            if self.path.suffix.lower() == ".mhd":
-                self._finish_in_place()
-            else:
-                recorded = read_sequence(self.header_path)
-                fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
-                write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
-            self._remove()
+            self._make(progress)
         except (AIFReconError, OSError) as error:
             self._fail(error)
             return None
-        self._frames_are_in = self.path
+        finally:
+            self.close()
+        self._frames_are_in, self._kept = self.path, self.frames
         return self.path
 
+    def _make(self, progress: Progress | None = None) -> None:
+        """Make the finished file, then remove the growing ones."""
+        if there := _finished_files(self.path):
+            self.path = _free(self._asked)
+            self.note = f"{there[0].name} came about during the scan, which is therefore recorded to {self.path.name}."
+        if self.path.suffix.lower() == ".mhd":
+            self._finish_in_place()
+        else:
+            recorded = read_sequence(self.header_path)
+            fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
+            write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
+        self._remove()
+
     def close(self) -> None:
-        """Close the files as they are; the recording stays unfinished, and readable."""
+        """Close the files as they are; the recording stays unfinished, and readable, and can be taken up."""
         for file in (self._pixels, self._header):
             if file is not None:
                 file.close()
@@ -154,6 +216,10 @@ class Recorder:
     def _fail(self, error: AIFReconError | OSError) -> None:
         cause = "the disk is full" if getattr(error, "errno", None) in _FULL else getattr(error, "strerror", None) or error
         self._cause = said(error) if isinstance(error, AIFReconError) else f"{cause}."
+        try:
+            self._kept = len(read_sequence(self.header_path))
+        except AIFReconError:
+            self._kept = 0
         logger.exception("%s", self.failure)
 
     def _differs(self, image: Numbers) -> bool:
@@ -171,11 +237,10 @@ class Recorder:
             text = TransformStatus.INVALID.value if is_missing and name == "ImageStatus" else value
             lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")
         written = "".join(lines).encode("utf-8", errors="surrogateescape")
-        end = _LAST_LINE + f" = {self._pixels_path.name}\n".encode()
-        # Without buffers of our own, what was written survives the program
         if self._pixels is None:
-            self._pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
+            self._pixels = self._own_pixels()
         self._write(self._pixels, np.ascontiguousarray(pixels, dtype=self._dtype.newbyteorder("<")).data)
+        end = _LAST_LINE + f" = {self._pixels_path.name}\n".encode()
         if self._header is None:
             self._header = self._begin_header(pixels, written + end)
             self._end_at = self._header.seek(0, os.SEEK_END) - len(end)
@@ -186,6 +251,58 @@ class Recorder:
             self._end_at += len(end) + len(written)
         self.frames += 1
         self.without_image += is_missing
+
+    def _own_pixels(self) -> FileIO:
+        """The file of pixels, which nobody else has, under a name that is free by now."""
+        while True:
+            try:
+                # Without buffers of our own, what was written survives the program
+                pixels = open(self._pixels_path, "xb", buffering=0)  # noqa: SIM115 (closed in close)
+            except FileExistsError:
+                self._find_name()
+            else:
+                hold(pixels.fileno())
+                return pixels
+
+    def _take_up(self) -> bool:
+        """Go on behind the frames of the unfinished recording; False where there is none, or it cannot be read or is somebody's."""
+        if not self.header_path.exists():
+            return False
+        try:
+            self._pixels = open(self._pixels_path, "r+b", buffering=0)  # noqa: SIM115 (closed in close)
+            hold(self._pixels.fileno(), _PATIENCE)
+            self._go_on(self._pixels)
+        except (AIFReconError, OSError) as error:
+            logger.warning("%s is kept, but not taken up: %s", self.header_path, said(error))
+            self.close()
+            self._forget()
+            return False
+        return True
+
+    def _go_on(self, pixels: FileIO) -> None:
+        """Find where the next frame belongs. The last one is there if all of it was written, or not at all."""
+        recorded = read_sequence(self.header_path)
+        if UNFINISHED not in recorded.fields or os.fstat(pixels.fileno()).st_nlink > 1:
+            # Its program died in the middle of finishing: the finished file has the same pixels
+            raise SequenceFormatError(f"{self.header_path}: this recording is finished.")
+        self._shape, self._dtype = recorded.images.shape[1:], np.dtype(recorded.images.dtype)
+        self.without_image = sum(record.image_status is not TransformStatus.OK for record in recorded.records)
+        self._was_seen = any(_shows_probe(record) for record in recorded.records)
+        header = self.header_path.read_bytes()
+        self._size_at = header.index(b"\n" + _SIZE.encode()) + 1
+        self._end_at = header.index(b"\n" + _LAST_LINE) + 1
+        end = header[self._end_at : header.index(b"\n", self._end_at) + 1]
+        self.frames = header.count(b"\n" + FORMER_LAST_LINE.encode(), 0, self._end_at) + 1
+        size = math.prod(self._shape) * self._dtype.itemsize
+        self._header = open(self.header_path, "r+b", buffering=0)  # noqa: SIM115 (closed in close)
+        if header[self._end_at + len(end) :].endswith(b"\n" + end) and pixels.seek(0, os.SEEK_END) >= size * (self.frames + 1):
+            self.frames += 1
+            self._write_at(self._header, self._size_at, self._size(self.frames))
+            self._write_at(self._header, self._end_at, FORMER_LAST_LINE[:1].encode())
+            self._end_at = len(header) - len(end)
+        self._header.truncate(self._end_at + len(end))
+        pixels.truncate(size * self.frames)
+        pixels.seek(0, os.SEEK_END)
 
     def _begin_header(self, image: Numbers, lines_of_frame: bytes) -> FileIO:
         """The header of one frame as the sequence writer makes it, but for the lines of that frame."""
@@ -205,14 +322,17 @@ class Recorder:
         return _SIZE.encode() + f"{self._shape[1]} {self._shape[0]} {frames}".ljust(_SIZE_LETTERS).encode()
 
     def _start_anew(self, image: Numbers) -> None:
-        """Record images of another size or type from now on, and the frames so far without theirs."""
-        before = list(read_sequence(self.header_path).records)
-        self.close()
-        self._remove()
-        self._pixels = self._header = None
+        """Record images of another size or type from now on, and the frames so far without theirs: a recording of its own keeps it."""
+        records, path = list(read_sequence(self.header_path).records), self.path
+        self.path = _free(self._asked)
+        try:
+            self._make()
+            self._before.append(self.path.name)
+        finally:
+            self.path = path
+        self._forget()
         self._shape, self._dtype = image.shape, image.dtype
-        self.frames = self.without_image = 0
-        for record in before:
+        for record in records:
             self._append(None, record)
 
     def _write_at(self, file: FileIO, offset: int, data: bytes) -> None:
@@ -244,5 +364,8 @@ class Recorder:
                 file.write(_LAST_LINE + f" = {target.name}\n".encode())
 
     def _remove(self) -> None:
-        for path in (self.header_path, self._pixels_path):
-            path.unlink(missing_ok=True)
+        """Remove the growing files, if they are ours."""
+        self.close()
+        if self._pixels is not None:
+            for path in (self.header_path, self._pixels_path):
+                path.unlink(missing_ok=True)

@@ -22,6 +22,7 @@ from ...provenance.record import with_origin
 from ...recipe.recipe import Recipe
 from ...resolve import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import ImageMessage
 from ..wire.sources import ENDED, MessageSource
@@ -60,8 +61,8 @@ class LiveSession:
     configuration : PlusConfiguration or None
         Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
     synchronizer : SynchronizerSettings
-    record : str, Path or None
-        A sequence file for every frame that is received, tracked or not. See `Recorder`.
+    record : str, Path, Recorder or None
+        A sequence file for every frame that is received, tracked or not.
     frame_limit : int or None
         End after so many frames.
     predictions_device : str or None
@@ -95,7 +96,7 @@ class LiveSession:
         *,
         configuration: PlusConfiguration | None = None,
         synchronizer: SynchronizerSettings | None = None,
-        record: str | Path | None = None,
+        record: str | Path | Recorder | None = None,
         frame_limit: int | None = None,
         predictions_device: str | None = None,
         longest_delay: float | None = 1.0,
@@ -117,7 +118,7 @@ class LiveSession:
         self._asked, self._made_before = asked, False
         self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
         self._synchronizer = Synchronizer(synchronizer, configuration)
-        self.recorder = Recorder(record) if record is not None else None
+        self.recorder = record if record is None or isinstance(record, Recorder) else Recorder(record)
         self.recorded: Path | None = None
         self.finished = threading.Event()
         self.latest: LiveFrame | None = None
@@ -144,7 +145,7 @@ class LiveSession:
         self._phase = SCOUTING if grid is None else LOOKING if self._must_look else RECONSTRUCTING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
-        self._heard = Heard()
+        self._heard, self._still = Heard(), StillImages()
         self._collect_error: Exception | None = None
         self._earlier: Iterable[tuple[LiveFrame, bool]] = ()
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
@@ -173,7 +174,7 @@ class LiveSession:
         return (self._inserter.ready if self._made_before else self._inserter.warm).wait(timeout)
 
     def take_up(self, earlier: Iterable[tuple[LiveFrame, bool]]) -> None:
-        """Before `start`: let these frames come before those of the source, those that do not count into the recording only."""
+        """Before `start`: let these frames, which are recorded already, come before those of the source; not all of them count."""
         self._earlier = earlier
 
     def pause(self) -> None:
@@ -350,15 +351,18 @@ class LiveSession:
         for frame in frames:
             if self._frame_limit is not None and frame.number >= self._frame_limit:
                 break
-            self.latest = frame
-            self.recent.append(frame)
             self._take_one(frame)
             if frame.number + 1 == self._frame_limit:
                 self.finished.set()
 
     def _take_one(self, frame: LiveFrame, live: bool = True, counts: bool = True) -> None:
-        if self.recorder is not None:
+        if live and self.recorder is not None:
             self.recorder.append(frame)
+        if not frame.number % (self.settings.skip or 1):
+            frame = self._still.judged(frame)
+        if live:
+            self.latest = frame
+            self.recent.append(frame)
         with self._lock:
             self._meter.receive(frame.received)
             self._hand_on(frame, self._meter, live, counts and not (live and self._paused))

@@ -1,13 +1,11 @@
-"""A recording that was not finished, because its program has died, taken up again: its frames come before those of the stream."""
+"""Frames of a recording that was not finished, because its program has died: they come before those of the stream."""
 
 from __future__ import annotations
 
 import logging
-import os
-import shutil
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +14,7 @@ from ...errors import AIFReconError
 from ...io.sequence.files import read_sequence
 from ...message import said
 from ...sweep.configuration import PlusConfiguration
-from ...sweep.poses import sweep_poses
+from ...sweep.poses import SweepPoses, sweep_poses
 from ..pairing.synchronizer import LiveFrame
 from .recording import growing_files
 from .statistics import ALL, Spans
@@ -24,8 +22,9 @@ from .statistics import ALL, Spans
 logger = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True)
 class TakenUp:
-    """Sets the files of an unfinished recording aside, so that another of its name can begin, and gives their frames.
+    """The frames of an unfinished recording, which stays as it is: a `Recorder` that takes it up goes on behind them.
 
     Parameters
     ----------
@@ -35,41 +34,29 @@ class TakenUp:
         As for the session.
     spans : Spans
         Which frames enter the volume; others are recorded only.
-
-    Notes
-    -----
-    They lie in a folder beside it until the last frame was given: if the program dies again before that, they are all there is.
     """
 
-    def __init__(self, record: Path, configuration: PlusConfiguration, spans: Spans = ALL):
-        self._configuration, self._spans = configuration, spans
-        growing = growing_files(record)
-        self._folder = record.with_name(f"{record.stem}.taken-up")
-        self._header = self._folder / growing[0].name
-        if not self._header.exists() and growing[0].exists():
-            self._folder.mkdir(exist_ok=True)
-            for path in reversed(growing):  # the header last: where it is, the pixels are
-                os.replace(path, self._folder / path.name)
-        for path in growing:
-            path.unlink(missing_ok=True)
+    record: Path
+    configuration: PlusConfiguration
+    spans: Spans = ALL
 
     def __iter__(self) -> Iterator[tuple[LiveFrame, bool]]:
-        """The frames in their order, placed as a session places them, and whether each counts; none where the recording cannot be read."""
+        """The frames in their order, placed as a session places them, and whether each counts; none where there is no such recording."""
+        header = growing_files(self.record)[0]
         try:
-            sequence = replace(read_sequence(self._header), configuration=self._configuration)
+            sequence = replace(read_sequence(header), configuration=self.configuration)
+        except AIFReconError as error:
+            if header.exists():
+                logger.warning("The frames of %s are kept, but not taken up: %s", header, said(error))
+            return
+        try:
             poses = sweep_poses(sequence)
         except AIFReconError as error:
-            if self._header.exists():
-                logger.warning("The frames of %s are kept, but not taken up: %s", self._header, said(error))
-            return
+            # Of a scan before the tracker was connected, for example
+            poses = SweepPoses(np.full((len(sequence), 4, 4), np.nan), (said(error),) * len(sequence), ())
         for number, record in enumerate(sequence.records):
             problem = poses.problems[number]
             pose = None if problem else poses.image_to_reference[number]
             image, now = np.array(sequence.images[number]), time.monotonic()
-            counts = any(first <= number and (stop is None or number < stop) for first, stop in self._spans)
+            counts = any(first <= number and (stop is None or number < stop) for first, stop in self.spans)
             yield LiveFrame(image, pose, record.timestamp or 0.0, problem or "OK", number, record, now), counts
-
-        # Every frame is in the new recording
-        del sequence
-        self._header.unlink(missing_ok=True)
-        shutil.rmtree(self._folder, ignore_errors=True)

@@ -84,6 +84,25 @@ def test_a_live_scan_writes_the_volume_of_its_recording(serve, live, patient, re
     assert f"recorded 10 frames to {record}" in out
 
 
+def test_a_recording_that_is_there_is_not_replaced_and_that_is_said_before_and_after(serve, live, results, capsys):
+    older, output = results / "scan.igs.mha", results / "v.nrrd"
+    older.write_bytes(b"precious")
+    assert main(live(serve(loop=True), "--frames", "5", "--output", output, "--record", older)) == 0
+    assert older.read_bytes() == b"precious"
+    assert len(read_sequence(results / "scan-2.igs.mha")) == 5
+    captured = capsys.readouterr()
+    note = "scan.igs.mha is there already, so this scan is recorded to scan-2.igs.mha."
+    assert captured.err.startswith(note)
+    assert f"recorded 5 frames to {results / 'scan-2.igs.mha'}. {note}" in captured.out
+
+
+def test_a_volume_does_not_replace_the_recording_that_took_another_name(serve, live, results, capsys):
+    (results / "scan.nrrd").write_bytes(b"precious")
+    assert main(live(serve(loop=True), "--frames", "5", "--output", results / "scan-2.nrrd", "--record", results / "scan.nrrd")) == 2
+    assert "scan-2.nrrd would overwrite another output" in capsys.readouterr().err
+    assert [path.name for path in results.iterdir()] == ["scan.nrrd"]
+
+
 def test_scouting_finds_the_box_and_what_was_seen_enters_the_volume(serve, live, results, capsys):
     arguments = live(serve(loop=True), "--frames", "30", "--scout-seconds", "0.2", "--output", results / "v.nrrd", grid=False)
     assert main(arguments) == 0

@@ -202,18 +202,6 @@ def test_a_recording_needs_no_folder_for_temporary_files(tmp_path, monkeypatch):
     assert recorder.finish() == tmp_path / "scan.mha"
 
 
-def test_a_recording_over_an_older_pair_replaces_both(tmp_path):
-    for version in (1.0, 2.0):
-        synchronizer = Synchronizer()
-        frames = [frame for message in tracked_messages(version) for frame in synchronizer.feed(message)] + synchronizer.flush()
-        recorder = Recorder(tmp_path / "scan.mhd")
-        for frame in frames:
-            recorder.append(frame)
-        recorder.finish()
-    assert read_sequence(tmp_path / "scan.mhd").records[0].timestamp == 2.0
-    assert {path.name for path in tmp_path.iterdir()} == {"scan.mhd", "scan.raw"}
-
-
 class TestKeptCodeOfKernels:
     @pytest.fixture
     def kernel(self):

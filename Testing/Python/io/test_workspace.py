@@ -86,7 +86,7 @@ with module.workspace(Path(sys.argv[1])) as folder:
 @needs_locks
 def test_a_folder_in_use_on_another_computer_whose_lock_is_not_seen_stays(tmp_path, monkeypatch):
     # As on a network disk: whoever asks gets the lock
-    monkeypatch.setattr(module.fcntl, "flock", lambda *_: None)
+    monkeypatch.setattr(module, "hold", lambda _: True)
     other = subprocess.Popen([sys.executable, "-c", OTHER, str(tmp_path), "elsewhere"], stdout=subprocess.PIPE, text=True)
     with other:
         folder = tmp_path / other.stdout.readline().strip().rpartition(os.sep)[2]
@@ -99,7 +99,7 @@ def test_a_folder_in_use_on_another_computer_whose_lock_is_not_seen_stays(tmp_pa
 
 @pytest.mark.parametrize(("age", "stays"), [(LEFT_BEHIND - 60, True), (LEFT_BEHIND + 60, False)], ids=["younger", "older than a day"])
 def test_where_folders_cannot_be_locked_their_age_tells(tmp_path, monkeypatch, age, stays):
-    monkeypatch.setattr(module, "fcntl", None)
+    monkeypatch.setattr(module, "hold", lambda _: False)
     folder = left_behind(tmp_path)
     for path in (folder / "half.nrrd", folder):
         os.utime(path, (time.time() - age,) * 2)

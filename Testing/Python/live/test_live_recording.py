@@ -24,6 +24,8 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session import recording
 from AIFReconLib.live.session.recording import Recorder
+from AIFReconLib.live.session.taken_up import TakenUp
+from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -41,8 +43,8 @@ def record():
     """Records frames; what a test leaves open is closed."""
     recorders = []
 
-    def start(path, stream):
-        recorders.append(Recorder(path))
+    def start(path, stream, takes_up=False):
+        recorders.append(Recorder(path, takes_up))
         append_all(recorders[-1], stream)
         return recorders[-1]
 
@@ -139,6 +141,15 @@ def test_a_crash_between_any_two_writes_leaves_a_file_that_can_be_read(moment, t
     assert len(images) == 1 + (moment + 2) // 4
     np.testing.assert_array_equal(images, [SMALL + n for n in range(len(images))])
     assert sitk.ReadImage(str(recorder.header_path)).GetSize() == (SMALL.shape[1], SMALL.shape[0], len(images))
+    monkeypatch.undo()
+    recorder.close()
+    again = record(tmp_path / "scan.mha", [], takes_up=True)
+    # Of a frame all of which was written, nothing is lost
+    assert again.frames == 1 + (moment + 2) // 4
+    append_all(again, frames(9)[again.frames :])
+    images = np.asarray(read_sequence(again.finish()).images)
+    np.testing.assert_array_equal(images, [SMALL + n for n in range(9)])
+    assert [path.name for path in tmp_path.iterdir()] == ["scan.mha"]
 
 
 CHILD = """
@@ -168,10 +179,123 @@ def test_a_killed_program_leaves_a_recording_that_can_be_read(delay_ms, tmp_path
     assert len(sequence) > 0
 
 
-def test_an_unfinished_recording_is_not_overwritten(tmp_path, record):
-    record(tmp_path / "scan.mha", frames())
-    with pytest.raises(OutputError, match="not finished"):
-        Recorder(tmp_path / "scan.mha")
+def finished(record, path):
+    record(path, frames(2)).finish()
+
+
+def unfinished(record, path):
+    record(path, frames(2)).close()
+
+
+def a_file(record, path):
+    path.write_bytes(b"precious")
+
+
+NOT_FINISHED = "is there, of a recording that is not finished"
+TAKEN = [
+    ("scan.mha", "scan.mha", finished, "scan.mha is there already"),
+    ("scan.igs.mha", "scan.igs.mha", finished, "scan.igs.mha is there already"),
+    ("scan.mhd", "scan.mhd", finished, "scan.mhd is there already"),
+    ("scan.raw", "scan.mhd", a_file, "scan.raw is there already"),
+    ("scan.recording.raw", "scan.mha", a_file, f"scan.recording.raw {NOT_FINISHED}"),
+    ("scan.mha", "scan.nrrd", unfinished, f"scan.recording.mhd {NOT_FINISHED}"),
+    (
+        "scan.mha",
+        "scan.mha",
+        lambda record, path: record(path, frames(2)),
+        "scan.recording.mhd is there, of a recording that is not finished",
+    ),
+]
+
+
+# What is unfinished can be taken up
+WITH_AND_WITHOUT = [(*case, takes_up) for case in TAKEN for takes_up in (False, True) if not (takes_up and case[2] is unfinished)]
+
+
+@pytest.mark.parametrize(("there", "asked", "make", "why", "takes_up"), WITH_AND_WITHOUT)
+def test_a_recording_whose_name_is_taken_gets_another_and_touches_nothing(there, asked, make, why, takes_up, tmp_path, record, monkeypatch):
+    monkeypatch.setattr(recording, "_PATIENCE", 0.0)
+    make(record, tmp_path / there)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    other = tmp_path / asked.replace("scan", "scan-2")
+    recorder = record(tmp_path / asked, frames(3), takes_up)
+    assert recorder.note == f"{why}, so this scan is recorded to {other.name}."
+    assert recorder.finish() == other
+    assert len(read_sequence(other)) == 3
+    assert before == {name: (tmp_path / name).read_bytes() for name in before}
+
+
+def test_of_two_that_begin_under_one_name_each_records_all_and_removes_nothing_of_the_other(tmp_path, record):
+    """The second has begun before the first had a frame, and ends without one: it has nothing to remove."""
+    first, second, third = (record(tmp_path / "scan.mha", []) for _ in range(3))
+    append_all(first, frames(4))
+    assert second.finish() is None
+    append_all(third, frames(2))
+    assert [len(read_sequence(each.finish())) for each in (first, third)] == [4, 2]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["scan-2.mha", "scan.mha"]
+    assert third.note == "scan.recording.mhd is there, of a recording that is not finished, so this scan is recorded to scan-2.mha."
+
+
+@pytest.mark.parametrize("name", ["scan.mha", "scan.mhd", "scan.raw"])
+def test_a_file_that_comes_about_during_the_scan_is_not_replaced(name, tmp_path, record):
+    recorder = record(tmp_path / name.replace("raw", "mhd"), frames())
+    (tmp_path / name).write_bytes(b"precious")
+    assert len(read_sequence(recorder.finish())) == 5
+    assert recorder.path.name.startswith("scan-2.")
+    assert (tmp_path / name).read_bytes() == b"precious"
+    assert f"{name} came about during the scan" in recorder.note
+
+
+def test_a_recording_is_taken_up_twice_and_all_frames_are_there_poses_or_not(tmp_path, record):
+    path, told = tmp_path / "scan.mhd", {}
+    stream = [of_size(8, 1.0 + n, seen=n >= 3) for n in range(9)]
+    for first in (0, 3, 6):
+        recorder = record(path, stream[first : first + 3], takes_up=first > 0)
+        told[first] = [frame.timestamp for frame, _ in TakenUp(path, NO_CONFIGURATION)]
+        recorder.close()
+    assert told == {first: [1.0 + n for n in range(first + 3)] for first in told}
+    recorder = record(path, [], takes_up=True)
+    assert [each.timestamp for each in read_sequence(recorder.finish()).records] == [frame.timestamp for frame in stream]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["scan.mhd", "scan.raw"]
+
+
+@pytest.mark.parametrize("writes", range(4))
+def test_a_full_disk_takes_nothing_of_what_is_taken_up(writes, tmp_path, monkeypatch, record):
+    record(tmp_path / "scan.mha", frames(4)).close()
+    full_after(monkeypatch, writes)
+    recorder = record(tmp_path / "scan.mha", frames(6)[4:], takes_up=True)
+    recorder.close()
+    assert recorder.failure.endswith(f"4 frames are kept in {recorder.header_path}.") == (writes < 2)
+    images = np.asarray(read_sequence(recorder.header_path).images)
+    assert len(images) >= 4
+    np.testing.assert_array_equal(images, [SMALL + n for n in range(len(images))])
+
+
+def test_what_died_while_it_was_finished_is_left_as_it_is_and_both_can_be_read(tmp_path, monkeypatch, record):
+    monkeypatch.setattr(Recorder, "_remove", Recorder.close)
+    assert record(tmp_path / "scan.mhd", frames(3)).finish() == tmp_path / "scan.mhd"
+    monkeypatch.undo()
+    recorder = record(tmp_path / "scan.mhd", frames(5), takes_up=True)
+    assert recorder.finish() == tmp_path / "scan-2.mhd"
+    assert [len(read_sequence(tmp_path / name)) for name in ("scan.mhd", "scan.recording.mhd", "scan-2.mhd")] == [3, 3, 5]
+
+
+def test_a_recording_that_cannot_be_read_is_kept_and_not_taken_up(tmp_path, record):
+    record(tmp_path / "scan.mha", frames()).close()
+    damaged = (tmp_path / "scan.recording.mhd").read_bytes().replace(b"DimSize = ", b"DimSize = x")
+    (tmp_path / "scan.recording.mhd").write_bytes(damaged)
+    recorder = record(tmp_path / "scan.mha", frames(), takes_up=True)
+    assert recorder.finish() == tmp_path / "scan-2.mha"
+    assert (tmp_path / "scan.recording.mhd").read_bytes() == damaged
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files that are open cannot be removed there")
+def test_a_recording_whose_files_were_removed_says_that_nothing_is_left(tmp_path, record):
+    recorder = record(tmp_path / "scan.mha", frames())
+    for path in tmp_path.iterdir():
+        path.unlink()
+    assert recorder.finish() is None
+    assert f"Of 5 frames 0 can still be read, in {recorder.header_path}" in recorder.failure
 
 
 def full_after(monkeypatch, count):
@@ -276,6 +400,9 @@ def test_images_that_change_before_the_probe_was_seen_are_recorded_and_the_other
     assert [r.image_status is TransformStatus.OK for r in recorded.records] == [False, False, True, True]
     assert [r.timestamp for r in recorded.records] == [1.0, 2.0, 3.0, 4.0]
     assert [int(image.max()) for image in np.asarray(recorded.images)] == [0, 0, 8, 8]
+    # Nothing is lost: what was recorded before is there, too
+    assert "Those before the change are in scan-2.mha, scan-3.mha." in str(recorder.loss)
+    assert [np.asarray(read_sequence(tmp_path / f"scan-{n}.mha").images).max(axis=(1, 2)).tolist() for n in (2, 3)] == [[4], [0, 5]]
 
 
 def test_images_that_change_in_the_middle_of_a_scan_are_counted(tmp_path, record):

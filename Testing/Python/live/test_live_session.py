@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
 from igtl_streams import recorded
-from live_messages import image, streamed, tracked
+from live_messages import SMALL, image, streamed, tracked
 from sweeps import sphere_bone
 
 from AIFReconLib.compounding.methods.table import METHODS, method_named
@@ -210,7 +210,7 @@ def test_the_probe_is_recognized_in_the_first_images(session_of):
 
 
 def test_a_probe_that_cannot_be_told_is_reported_and_frames_are_accounted_for(session_of):
-    messages = [m for n in range(30) for m in tracked(1.0 + n / 30)]
+    messages = [m for n in range(30) for m in tracked(1.0 + n / 30, pixels=SMALL + n % 2)]
     session = session_of(messages, ReconstructionSettings(method="aif"), sphere_bone(), configuration=None)
     run(session)
     assert isinstance(session.error, BeamGeometryError)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 from dataclasses import replace
 from functools import partial
@@ -23,7 +22,6 @@ from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.session.recording import growing_files
-from AIFReconLib.live.session.taken_up import TakenUp
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
@@ -173,11 +171,8 @@ def test_a_recording_that_was_being_taken_up_when_the_worker_died_again_is_whole
     give(worker, scan, 0, 24)
     assert until(lambda: worker.call("look", scan).statistics.recorded == 24)
     killed(worker, scan)
-    # As it is left where that happens in the middle: all set aside, and a beginning of the new one
-    TakenUp(request.record, request.configuration)
-    aside = next(path for path in request.record.parent.iterdir() if path.is_dir())
-    for path in growing_files(request.record):
-        shutil.copy(aside / path.name, path)
+    scan = worker.keep(begin_scan, replace(request, takes_up=True))
+    killed(worker, scan)
     scan = worker.keep(begin_scan, replace(request, takes_up=True))
     ended = worker.call("finish", scan)
     assert len(read_sequence(ended.recorded)) == 24
