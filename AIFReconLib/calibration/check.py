@@ -93,7 +93,8 @@ def checked(
     if labels is not None:
         require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else as_matrix(start, "start")
-    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sweeps = sweeps_of(sequences, recipe)
     bone = None if labels is None else BoneField.from_labels(labels)
     echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2), known)
     if len(np.unique(echoes.angles)) < 2:

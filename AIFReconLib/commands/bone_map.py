@@ -12,7 +12,7 @@ from ..io.volume.files import check_volume_path
 from ..progress import part
 from ..recipe.recipe import AUTOMATIC
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_labels_options, labels_inputs, refuse_to_overwrite, required_labels
+from ..terminal.options import Commands, add_labels_options, refuse_to_overwrite, required_labels
 from ..terminal.reconstruction_options import add_width_options
 from ..terminal.remedies import in_options
 
@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, smooth, write."""
     if arguments.given is not None:
         arguments.bone_labels = [arguments.given, *(arguments.bone_labels or [])]
-    refuse_to_overwrite([arguments.output], list(labels_inputs(arguments)))
+    refuse_to_overwrite(arguments, "output")
     check_volume_path(arguments.output)
     if arguments.bone_sigma_mm == AUTOMATIC:
         raise SettingsError("--bone-sigma-mm auto compares the CT with a sweep, and there is none. Give a number.")

@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> None:
     of_sweep = [*arguments.sweep, *(arguments.config or [])]
     inputs = [*arguments.volumes, *labels_inputs(arguments), arguments.bone_transform, arguments.mask, *of_sweep]
     outputs = [path for path in (arguments.csv, arguments.report) if path]
-    refuse_to_overwrite(outputs, inputs)
+    refuse_to_overwrite(arguments, "csv", "report")
     for path in outputs:
         check_writable(path)
     if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):

@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.methods.table import method_named
@@ -27,7 +26,7 @@ from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.joint_source import JointSource
 from ..live.wire.sources import MessageSource, StreamStatistics
 from ..message import one_line, shorten
-from ..recipe.recipe import LONGEST_GAP, Recipe
+from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
@@ -139,8 +138,9 @@ def run(arguments: argparse.Namespace) -> int:
             raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, *bone_inputs(arguments), arguments.importance_mask]
-    of_the_run = [*outputs.values(), arguments.preview, arguments.record, predictions_path(arguments), arguments.save_settings]
-    refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
+    predictions = predictions_path(arguments)
+    more = [] if predictions is None else [predictions]
+    refuse_to_overwrite(arguments, "output", *SIDE_OUTPUTS, "preview", "record", "save_settings", more=more)
     check_preview(arguments.preview)
     check_save_settings(arguments)
     for path in filter(None, outputs.values()):
@@ -161,7 +161,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 128 + told_by
     with ProgressBar() as progress:
         stream = {name: getattr(arguments, name) for name in OF_A_STREAM}
-        result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None, stream)
+        result = with_provenance(result, arguments, inputs, stream)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
@@ -203,7 +203,7 @@ def _session(
     client = OpenIGTLinkClient(arguments.host, arguments.port, takes_readings=arguments.mechanism is not None)
     session = LiveSession(
         _with_poses(client, arguments.mechanism),
-        replace(recipe, time_offset=0.0, longest_gap=LONGEST_GAP),
+        recipe,
         bone,
         grid_from(arguments),
         configuration=configuration,

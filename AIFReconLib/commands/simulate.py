@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Simulate and write."""
     planned = None
     if arguments.plan:
-        refuse_to_overwrite([arguments.output / name for name in FILES], [arguments.plan])
+        refuse_to_overwrite(arguments, "output", more=[arguments.output / name for name in FILES])
         planned = planned_path(arguments.plan)
     name, frames = ("planned", len(planned)) if planned else (arguments.path, arguments.frames)
     with ProgressBar() as progress:

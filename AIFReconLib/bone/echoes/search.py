@@ -62,7 +62,8 @@ def sweep_echoes(
     least_brightness : float
         How many times the frame's mean it must be.
     """
-    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sweeps = sweeps_of(sequences, recipe)
     placed = []
     for sequence, poses in zip(sweeps, poses_of_each(sweeps, recipe.image_to_reference, recipe.reference), strict=True):
         usable = poses.usable

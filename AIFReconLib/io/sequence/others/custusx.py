@@ -195,4 +195,10 @@ def _is_folder(path: Path) -> bool:
     return next(path.glob("*.fts"), None) is not None
 
 
-CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=_is_folder)
+def _files(path: Path) -> list[Path]:
+    """All files of the acquisition; the data of its frames are called as these."""
+    of_it = re.compile(re.escape(path.stem) + r"(_[0-9]{1,9})?[.].+", re.IGNORECASE)
+    return [file for file in path.parent.iterdir() if of_it.fullmatch(file.name)]
+
+
+CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=_is_folder, files=_files)
