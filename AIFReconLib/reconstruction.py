@@ -12,6 +12,7 @@ import numpy as np
 from .arrays import Integers, NumberType
 from .bone.echoes.surface import bone_from_sweep, bone_unasked
 from .bone.map import BoneMap
+from .calibration.check import known_without_ct
 from .compounding.compiled.aside import compiled_aside
 from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from .compounding.finishing.results import Results, bytes_of_results
@@ -279,6 +280,8 @@ def reconstruct(
         asked, bone, unasked = bone_unasked(sequence, asked, part(progress, 0.0, 0.1))
     require_kinds(bone=bone)
     require_map_as_asked(asked, bone)
+    if bone is not None and "bone_from_sweep" in bone.made:
+        unasked = known_without_ct(sequence, asked)
     progress = part(progress, 0.1, 1.0)
     prepared = _prepare(sequence, asked, bone is not None, grid, beside)
     settings, order, imaging = prepared.settings, prepared.order, prepared.imaging

@@ -10,7 +10,7 @@ Vision Computing 10:145-155.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
@@ -39,6 +39,9 @@ of the variance along their narrower side."""
 
 GAIN = 0.85
 """Part of the distance as given that may be left on frames which the solution has not seen."""
+
+CONTRADICTED, PLAINLY, WIDE = 3.0, 1.0, 4.0
+"""How many times as far as angles, and mm, parts of a recording lie apart that contradict each other; mm, the scale of neighbors there."""
 
 CROSSING_ECHOES = 2000
 """By which angles are compared."""
@@ -82,16 +85,21 @@ def calibrate_by_crossing(
         For input that cannot be used. A calibration that must not be used is no error: see `CrossedCalibration.refusal`.
     """
     echoes = imaged_echoes(sequences, recipe, part(progress, 0.0, 0.6))
+    return calibrate_crossing_echoes(echoes, part(progress, 0.6, 1.0))
+
+
+def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = None) -> CrossedCalibration:
+    """`calibrate_by_crossing`, for echoes that are there already."""
     none = Correction.none(echoes.center)
     if len(np.unique(echoes.angles)) < FEWEST_ANGLES:
         return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, ONE_ANGLE, echoes)
-    report(progress, 0.6, "Solving the calibration")
+    report(progress, 0.0, "Solving the calibration")
     found = _solve(echoes)
     sides = halves(echoes)
     ends = [_solve(side) for side in sides]
-    report(progress, 0.9, "Judging the calibration")
-    before = float(np.mean([_distance(side, none) for side in sides]))
-    after = float(np.mean([_distance(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
+    report(progress, 0.8, "Judging the calibration")
+    before = float(np.mean([off_the_surface(side, none) for side in sides]))
+    after = float(np.mean([off_the_surface(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
     compared = Halves(before, after, _apart(echoes, *ends))
     said = doubt_of_halves(compared.apart) or doubt_of_size(found, ASKED)
     if not np.isfinite(before + after):
@@ -102,7 +110,7 @@ def calibrate_by_crossing(
         )
     report(progress, 1.0, "Calibrated")
     changed = _apart(echoes, none, found)
-    return CrossedCalibration(found, _distance(echoes, none), _distance(echoes, found), compared, changed, said, echoes)
+    return CrossedCalibration(found, off_the_surface(echoes, none), off_the_surface(echoes, found), compared, changed, said, echoes)
 
 
 def crossing(echoes: ImagedEchoes) -> float:
@@ -114,6 +122,25 @@ def crossing(echoes: ImagedEchoes) -> float:
         others = scipy.spatial.cKDTree(points[angles != angle])
         distances[angles == angle] = others.query(points[angles == angle])[0]
     return float(np.median(distances))
+
+
+def contradiction(echoes: ImagedEchoes) -> Sentence | None:
+    """What is said where parts of a recording show the bone at places of their own, which no calibration explains; None where none do.
+
+    The yardstick is the sweep's own: how far the echoes of different angles lie off each other's surface.
+    """
+    several = len(echoes.tracks) > 1
+    half = np.arange(len(echoes.angles)) * 2 // len(echoes.angles)
+    parts = "sweeps" if several else "first and the second half of the recording"
+    none = Correction.none(echoes.center)
+    alike = off_the_surface(echoes, none, WIDE)
+    apart = off_the_surface(replace(echoes, angles=echoes.sweeps if several else half), none, WIDE)
+    if not apart > max(CONTRADICTED * alike, PLAINLY):
+        return None
+    return Sentence(
+        f"WARNING: The {parts} contradict each other: they show the bone {apart:.1f} mm apart, and different angles {alike:.1f} mm. "
+        "Check that they are of one patient who did not move against the reference, with one calibration and one depth."
+    )
 
 
 def _solve(echoes: ImagedEchoes) -> Correction:
@@ -175,10 +202,12 @@ def _off(points: Floats, rows: Integers, neighbors: Integers, normals: Floats) -
     return off
 
 
-def _distance(echoes: ImagedEchoes, correction: Correction) -> float:
-    """mm. Median distance of the echoes to the planes of other angles, without sign."""
+def off_the_surface(echoes: ImagedEchoes, correction: Correction, scale: float = SCALES[-1]) -> float:
+    """mm. Median distance of the echoes to the planes of other angles, without sign; NaN where they have none in common."""
     few = echoes.spread(FINE_ECHOES)
-    planes = _planes(few, correction, SCALES[-1])
+    if len(np.unique(few.angles[few.frames])) < 2:
+        return np.nan
+    planes = _planes(few, correction, scale)
     return float(np.median(np.abs(_off(few.placed(correction).points, *planes)))) if len(planes[0]) else np.nan
 
 

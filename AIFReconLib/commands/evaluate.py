@@ -129,6 +129,8 @@ def run(arguments: argparse.Namespace) -> None:
     print(columns(table(results)))
     print(f"\n  {achieved(results, frames)}")
     print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
+    if mask is None:
+        print("  Measured where a volume is not 0. batch and the panel measure where frames entered or gaps were filled, as with --mask.")
     for line in (*map(in_options, given.notes), *(f"wrote {path}" for path in outputs)):
         print(f"  {line}")
 

@@ -354,6 +354,8 @@ def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Rec
         lines.append(statistics.note)
     if stream.refused:
         lines.append(f"{stream.refused} messages were refused: {' '.join(stream.refusals.values())}")
+    if stream.damaged:
+        lines.append(f"{stream.damaged} messages were damaged on the way, and left out")
     if statistics.dropped:
         images = f", {statistics.dropped_images} of them images," if statistics.dropped_images else ""
         lines.append(f"{statistics.dropped} messages{images} were dropped before they could be looked at")

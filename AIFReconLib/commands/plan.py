@@ -19,6 +19,7 @@ from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, p
 from ..guidance.probe import ProbeOnBack
 from ..guidance.window import NOT_SEEN, unseen_of, window
 from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.small_files import read_json
 from ..message import columns
 from ..progress import part
 from ..terminal.console import ProgressBar
@@ -120,8 +121,9 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _unseen(path: Path) -> Floats:
     """The places of a report of paths; FileFormatError when the file is none."""
+    table = read_json(path, FileFormatError)
     try:
-        return unseen_of(json.loads(path.read_text("utf-8")))
+        return unseen_of(table)
     except (ValueError, AIFReconError) as error:
         raise FileFormatError(f"{path}: it is no report of paths ({error}). Make one with aifrecon paths --report.") from None
 

@@ -9,6 +9,7 @@ from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..message import listed
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, OF_READING, Recipe
+from ..remedies import Remedy
 from .methods.table import BUILT_IN, method_named
 
 
@@ -32,7 +33,7 @@ def require_bone(name: str, settings: Recipe, has_bone: bool) -> bool:
     uses_bone = needs_bone(name, settings)
     if uses_bone and not has_bone:
         wish = f"Method {name}" if method_named(name).needs_bone else "The cosine of incidence"
-        raise SettingsError(f"{wish} needs to know where bone is. Give labels or a bone probability, or choose method average.")
+        raise SettingsError(f"{wish} needs to know where bone is.", Remedy.SAY_WHERE_BONE_IS)
     return uses_bone
 
 

@@ -246,7 +246,7 @@ class MethodSettings(Branch):
     method: str | None = setting(
         None,
         f"how pixels of a voxel are combined. {IN_WORDS}; the last: a method of your own "
-        f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, that of a CT or else of the sweep's own echoes; where there is none, or the "
+        f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, a CT's or else a recorded sweep's own; where there is none, or the "
         f"configuration names one, the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,

@@ -15,6 +15,7 @@ from ..bone.ct.from_ct import labels_from_ct
 from ..errors import AIFReconError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.labels import Labels
+from ..io.disk.regular_files import files_in
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
 from ..io.sequence.files import recording_kind
@@ -187,7 +188,7 @@ def names_labels(arguments: argparse.Namespace) -> bool:
 def labels_inputs(arguments: argparse.Namespace) -> list[Path]:
     """The files of labels and CT, those within folders one by one."""
     given = [*(arguments.bone_labels or []), *([arguments.ct] if getattr(arguments, "ct", None) else [])]
-    return [file for path in given for file in (sorted(each for each in path.iterdir() if each.is_file()) if path.is_dir() else [path])]
+    return [file for path in given for file in (files_in(path) if path.is_dir() else [path])]
 
 
 def labels_from(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels | None:

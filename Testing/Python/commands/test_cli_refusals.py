@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,9 @@ from files import refused, tracked_sequence, write_patient
 from sweeps import rigid
 from waiting import until
 
+from AIFReconLib.commands import reconstruct as reconstruct_command
 from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.frames import FrameRecord
@@ -260,3 +263,36 @@ def test_what_is_read_beside_the_named_files_is_not_overwritten(case, tmp_path, 
     before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
     assert "would overwrite an input" in refused(words, capsys, results)
     assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == before
+
+
+DEEP = "[" * 100_000 + "]" * 100_000
+OBJECT = "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 99999999999999999999999\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "says"),
+    [
+        (DEEP, ["simulate", "--output", "{results}/x", "--plan"], "it is nested too deeply"),
+        (DEEP, ["plan", "--bone-labels", "{labels}", "--output", "{results}/p.json", "--unseen"], "it is nested too deeply"),
+        (OBJECT, ["bone-map", "--output", "{results}/p.nrrd"], "it cannot be read as a surface model"),
+    ],
+    ids=["plan", "unseen", "model"],
+)
+def test_damaged_files_are_one_sentence(text, words, says, patient, results, tmp_path, capsys):
+    path = tmp_path / ("damaged.obj" if text is OBJECT else "damaged.json")
+    path.write_text(text)
+    words = [word.format(results=results, labels=patient.labels) for word in words]
+    assert says in refused([*words, path], capsys, results)
+
+
+def test_a_warning_of_numpy_is_for_the_log(patient, results, capsys, tmp_path, monkeypatch):
+    def warning(*_, **__):
+        warnings.warn_explicit("invalid value", RuntimeWarning, "module.py", 1)
+        raise SettingsError("It ends here.")
+
+    monkeypatch.setattr(reconstruct_command, "sequence_from", warning)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        words = [*patient.reconstruct, "--output", results / "v.nrrd", "--log", tmp_path / "log.txt"]
+        assert refused(words, capsys, results) == "aifrecon: It ends here.\n"
+    assert "RuntimeWarning: invalid value" in (tmp_path / "log.txt").read_text()
