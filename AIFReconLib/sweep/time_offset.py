@@ -32,8 +32,8 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
     time_offset : float, s
         `LocalTimeOffsetSec` of the images: image time = time stamp + offset. 0 returns the sequence as it is.
     longest_gap : float, s
-        Where valid poses are farther apart than this, frames between them get none (status MISSING), and neither do frames before the
-        first and after the last; frames that had another status than OK keep it.
+        Where valid poses are farther apart than this, or one between them was lost, frames between them get none (status MISSING), and
+        neither do frames before the first and after the last; frames that had another status than OK keep it.
 
     Raises
     ------
