@@ -10,13 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .arrays import Integers, NumberType
+from .bone.echoes.surface import bone_from_sweep, bone_unasked
 from .bone.map import BoneMap
+from .calibration.check import known_without_ct
 from .compounding.compiled.aside import compiled_aside
 from .compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from .compounding.finishing.results import Results, bytes_of_results
 from .compounding.intake import ImageKind, require_kinds
 from .compounding.methods.table import method_named
-from .compounding.needs import bone_on_grid, needs_beams, needs_bone
+from .compounding.needs import bone_on_grid, needs_beams, needs_bone, require_grid_as_asked, require_map_as_asked
 from .compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor
 from .compounding.splat_engine import uses_shares
 from .compounding.state import BESIDE, Reconstruction, bytes_per_voxel, part_bytes
@@ -29,12 +31,12 @@ from .imaging.region import ImageRegion
 from .imaging.sound_speed import depth_factor, depth_scale
 from .machine.read_ahead import read_ahead
 from .progress import Progress, part, report
-from .provenance.record import input_files, with_origin, with_settings
+from .provenance.record import input_files, with_origin
 from .recipe.recipe import Recipe
 from .registration.comparison import warn_of_disagreement
 from .registration.labeled_bone import LabeledBone
 from .remedies import Remedy
-from .resolve import Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
+from .resolve import BEFORE_FRAMES, Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.joined import joined, shares
 from .sweep.poses import SweepPoses, describe_skipped, still_images_of, sweep_poses, time_order, tracked_frames
@@ -97,6 +99,7 @@ def _prepare(
         grid = grid_around_sweep(
             placed, sequence.frame_size, imaging.region, settings.spacing_xyz(), costs.results, scale, parts.fits_spacing
         )
+    require_grid_as_asked(asked, grid)
     return _Prepared(settings, parts, poses, order, chosen, imaging, uses_bone, grid, costs)
 
 
@@ -147,8 +150,9 @@ def plan(
 
     `poses` are those that `sweep_poses` finds, where they are known already.
     """
-    sequence = joined(sequence)
-    prepared = _prepare(sequence, recipe or Recipe(), has_bone, poses=poses)
+    recipe = recipe or Recipe()
+    sequence = joined(sequence, recipe)
+    prepared = _prepare(sequence, recipe, has_bone, poses=poses)
     shown = prepared.imaging.region.mask(*sequence.frame_size)
     placed = prepared.poses.image_to_reference[prepared.chosen][:, :3]
     chosen, notes = with_limit(prepared.settings, prepared.parts.holes, placed, shown, prepared.grid)
@@ -183,7 +187,7 @@ def _worked(
         placing = 0.15 if prepared.uses_bone else 0.0
         reconstructor = Reconstructor(
             grid,
-            prepared.settings,
+            prepared.settings.left_open(*BEFORE_FRAMES),
             bone,
             probe=imaging.probe,
             region=imaging.region,
@@ -239,11 +243,13 @@ def reconstruct(
         As `read_sequence` returns it; its configuration gives what the recipe leaves open. Several enter in the order given, each placed by
         its own configuration's transforms; the first one's says how the volume is made.
     recipe : Recipe
-        What of it says how a file is read (`orientation`, `time_offset`, `longest_gap`) counts where that is read, and what says how a bone
-        map is made where that is made.
+        Each of its settings is obeyed, or named in a note where it does not concern the method, or refused: what says how a file is read
+        (`orientation`, `time_offset`, `longest_gap`) where that was read otherwise, what says how a bone map is made where there is one.
     bone : BoneMap, LabeledBone, Volume of labels, or None
         Needed by methods that weight by incidence. Of labels (in Reference; `LabeledBone` takes the CT's transform) the map is made here:
-        as wide as CT and sweep agree, and a `DisagreementWarning` tells where they do not.
+        as wide as CT and sweep agree, and a `DisagreementWarning` tells where they do not. Without any it is the sweep's own
+        (`bone_from_sweep`) where the recipe asks for that, or where neither it nor a configuration names a method and the images show bone;
+        a note says which.
     grid : VoxelGrid or None
         Where to reconstruct; by default the recipe's, else the configuration's box, else the one around the sweep, along Reference's axes.
     beside : names of "score" and "hits"
@@ -263,18 +269,27 @@ def reconstruct(
     AIFReconError
         One of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
     """
-    sequence, asked = joined(sequence), recipe or Recipe()
+    require_kinds(recipe=recipe, grid=grid)
+    asked = recipe or Recipe()
+    sequence = joined(sequence, asked)
     if isinstance(bone, LabeledBone | Volume):
-        require_kinds(recipe=recipe, grid=grid)
         labeled = (LabeledBone(bone) if isinstance(bone, Volume) else bone).of_sweep(sequence, asked)
         with compiled_aside(asked, sequence.images.dtype):
             bone = labeled.map(asked.method_for(True), part(progress, 0.0, 0.1))
             result = reconstruct(sequence, recipe, bone, grid, beside=beside, memory=memory, progress=part(progress, 0.1, 1.0))
-        result = with_settings(result, labeled.settings(result.method))
         warn_of_disagreement(labeled.comparison())
         return replace(result, said=(*result.said, *labeled.labels.notes, *labeled.lines(result.method)))
-    require_kinds(recipe=recipe, bone=bone, grid=grid)
     report(progress, 0.0, "Looking at the sweep")
+    unasked: tuple[str, ...] = ()
+    if bone is None and asked.bone_from_sweep and needs_bone(asked.method_for(True), asked):
+        bone = bone_from_sweep(sequence, asked, part(progress, 0.0, 0.1))
+    elif bone is None:
+        asked, bone, unasked = bone_unasked(sequence, asked, part(progress, 0.0, 0.1))
+    require_kinds(bone=bone)
+    require_map_as_asked(asked, bone)
+    if bone is not None and "bone_from_sweep" in bone.made:
+        unasked = known_without_ct(sequence, asked)
+    progress = part(progress, 0.1, 1.0)
     prepared = _prepare(sequence, asked, bone is not None, grid, beside)
     settings, order, imaging = prepared.settings, prepared.order, prepared.imaging
     memory = memory_to_use(memory)
@@ -301,6 +316,6 @@ def reconstruct(
     result = with_origin(result, imaging, asked, settings, sequence.configuration, input_files(sequence))
     return replace(
         result,
-        said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *gray_notes, *result.said),
+        said=(*warnings, *prepared.parts.notes, *prepared.poses.notes, *imaging.notes, *gray_notes, *result.said, *unasked),
         sweeps=shares(sequence, order, result.skipped),
     )

@@ -18,6 +18,7 @@ class Remedy(Enum):
     WHOLE_FAN = auto()
 
     BONE_OF_CT = auto()
+    SAY_WHERE_BONE_IS = auto()
     TAKE_AS_LABELS = auto()
     TAKE_AS_PROBABILITY = auto()
     TAKE_AS_CT = auto()
@@ -97,6 +98,7 @@ IN_PYTHON = {
     Remedy.TAKE_AS_PROBABILITY: "If these are bone probabilities, give them to BoneMap.from_probability.",
     Remedy.TAKE_AS_CT: "If this is a CT, give it to labels_from_ct.",
     Remedy.HOUNSFIELD: "Give the CT as the scanner's DICOM files have it, or say which values are bone with labels_from_ct(ct, above=...).",
+    Remedy.SAY_WHERE_BONE_IS: 'Give bone, or bone_from_sweep=True for what the echoes show, or choose method="average".',
     Remedy.CHOOSE_LABELS: "Say which labels are bone with read_labels(path, labels=...).",
     Remedy.PREDICTIONS_FOR_EACH: "Give one for each, in their order.",
     Remedy.PREDICTED_RECTANGLE: "Say with rectangle=(x, y, width, height) which rectangle of the frame they cover.",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,17 +23,17 @@ from .imaging.recognized import learned_gray_levels, recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import Sentence, said
-from .recipe.recipe import ImagingSettings, Recipe
+from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
 from .remedies import Remedy
+from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of
 from .sweep.poses import SweepPoses
 
-if TYPE_CHECKING:
-    from .sweep.configuration import PlusConfiguration
-
-
 Value = TypeVar("Value")
+
+BEFORE_FRAMES = (*OF_READING, *OF_REGION, "importance_mask", *OF_GRID)
+"""Settings that are at work before the first frame enters: a `Reconstructor` is given what came of them."""
 
 MOST_OF_AN_IMAGE = 0.9
 """Where ultrasound fills more of an image than this, its surround does no harm."""
@@ -104,7 +104,7 @@ def reconstructor_parts(asked: Recipe, resolved: Recipe, configuration: PlusConf
 
     Raises FileFormatError when the importance mask cannot be read.
     """
-    importance = read_importance_mask(mask) if isinstance(mask := asked.importance_mask, str | Path) else mask
+    importance = _asked_importance(asked)
     notes = []
     method = method_named(resolved.method or DEFAULT_METHOD_WITHOUT_BONE)
     if importance is None and configuration.uses_importance_mask:
@@ -127,6 +127,11 @@ def reconstructor_parts(asked: Recipe, resolved: Recipe, configuration: PlusConf
         configuration.grid(resolved.spacing_xyz()),
         tuple(notes),
     )
+
+
+def _asked_importance(asked: ImagingSettings) -> Reals | None:
+    mask = asked.importance_mask
+    return read_importance_mask(mask) if isinstance(mask, str | Path) else mask
 
 
 @dataclass(frozen=True)
@@ -163,6 +168,23 @@ class Imaging:
         if self.probe is None:
             raise BeamGeometryError("The directions of the beams are not known.", Remedy.NAME_THE_PROBE)
         return self.probe
+
+
+def given_imaging(
+    asked: ImagingSettings, region: ImageRegion | None, probe: ProbeGeometry | None, importance: Reals | None
+) -> tuple[Imaging, Reals | None]:
+    """Region, probe and weights of pixels that are given, else those that are asked for; without either every pixel counts alike.
+
+    Raises SettingsError when both are there and differ.
+    """
+    asked_region, asked_probe = asked_imaging(asked, NO_CONFIGURATION)
+    for name, own, other in (("region", region, asked_region), ("probe", probe, asked_probe)):
+        if own is not None and other is not None and own != other:
+            raise SettingsError(f"Input {name} is given, and the recipe asks for another. Leave out one of them.")
+    if importance is not None and asked.importance_mask is not None:
+        raise SettingsError("Input importance is given, and the recipe has an importance_mask. Leave out one of them.")
+    known = known_imaging(NO_CONFIGURATION, False, region or asked_region or ImageRegion(), probe or asked_probe)
+    return known or Imaging(ImageRegion(), None), _asked_importance(asked) if importance is None else importance
 
 
 def known_imaging(

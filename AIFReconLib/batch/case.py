@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..bone.echoes.surface import bone_unasked
 from ..bone.map import BoneMap
 from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
@@ -257,18 +256,14 @@ class _Work:
         if method is not None and is_own_method(method):
             load_method_here(method)
         recipe = recipe_from(arguments)
-        bone, of_map, name = self._bone, {}, recipe.method_for(True)
-        if self._labeled is not None:
-            bone, of_map = self._labeled.map(name), self._labeled.settings(name)
-        unasked: tuple[str, ...] = ()
-        if bone is None:
-            recipe, bone, unasked = bone_unasked(self._sequence, recipe)
+        bone = self._bone if self._labeled is None else self._labeled.map(recipe.method_for(True))
         beside = [name for name in BESIDE if getattr(arguments, name)]
         share = own_memory()
         memory = None if share is None else max(int(share / OVER_PLAN), 1)
         result = reconstruct(self._sequence, recipe, bone, grid, beside=beside, memory=memory)
         files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]
-        result = with_provenance(replace(result, said=(*result.said, *unasked)), arguments, files, of_map)
+        result = with_provenance(result, arguments, files)
+        width = result.bone.get("bone_sigma_mm")
         stem = result.method.replace(":", "-")
         volume = self._folder / f"{stem}.nrrd"
         result.intensity.write(volume)
@@ -285,7 +280,7 @@ class _Work:
             "spacing_mm": " x ".join(f"{mm:.3g}" for mm in result.grid.spacing),
             "size": " x ".join(map(str, result.grid.size)),
             "hole_limit_mm": float(result.hole_limit),
-            "bone_sigma_mm": of_map.get("bone_sigma_mm"),
+            "bone_sigma_mm": width if isinstance(width, float) else None,
             "volume": f"{self._case.name}/{volume.name}",
             "preview": self._drawn(stem, result, labels, ct, notes),
             **self._numbers,

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import __version__
 from ..errors import OutputError, SettingsError
+from ..io.disk.workspace import workspace
 from ..message import shorten
 
 if TYPE_CHECKING:
@@ -97,7 +98,7 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
     require("cryptography")
     with ExitStack() as stack:
         stack.enter_context(config.set(_SETTINGS))
-        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="aifrecon-", ignore_cleanup_errors=True))
+        folder = stack.enter_context(workspace(Path(tempfile.gettempdir())))
         stack.enter_context(_quiet())
         cluster = stack.enter_context(
             distributed.LocalCluster(
@@ -110,7 +111,7 @@ def local_workers(count: int, threads: int = 1, memory: int | None = None) -> It
                 host="127.0.0.1",
                 dashboard_address="127.0.0.1:0",
                 worker_dashboard_address=None,
-                local_directory=folder,
+                local_directory=str(folder),
                 silence_logs=logging.CRITICAL,
                 preload=["AIFReconLib.batch.worker"],
                 env=dict.fromkeys(THREADS, str(threads)),

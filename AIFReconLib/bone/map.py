@@ -5,7 +5,8 @@ The recipe for the probability is the paper's; `surface` directions and the insi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
@@ -60,6 +61,8 @@ class BoneMap(Described):
     slopes: Singles | None = None
     """(3, k, j, i), along i, j, k of the map: V_dir before it is normalized, into bone, where that is known otherwise than by a gradient of
     the probability, which turns over on the surface. Then `gradient` and `surface` directions are one."""
+    made: Mapping[str, object] = field(default_factory=dict)
+    """The settings by which it was made, by name: what repeats it from the same labels, sweep or predictions."""
     grows: ClassVar[bool] = False
     """Whether it is told more while it is read, and then has to lie on the grid of the reconstruction."""
 
@@ -129,7 +132,8 @@ class BoneMap(Described):
         probability /= probability.max()
         report(progress, 0.9, "Making the bone map")
         placed = _matrix_of_box(labels.placed_by(labels_to_reference), box)
-        bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed))
+        made = {"bone_sigma_voxels": float(sigma_voxels)} if sigma_mm is None else {"bone_sigma_mm": float(sigma_mm)}
+        bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed), made=made)
         report(progress, 1.0, "Made the bone map")
         return bone_map
 
@@ -150,7 +154,7 @@ class BoneMap(Described):
         probability[np.abs(away) > FIELD_REACH * width] = 0.0
         slopes = -np.stack([np.gradient(away, axis=2 - axis) for axis in range(3)])
         inside = Volume((away < 0).astype(np.uint8), distance.ijk_to_reference)
-        return cls(Volume(probability, distance.ijk_to_reference), inside, slopes=slopes)
+        return cls(Volume(probability, distance.ijk_to_reference), inside, slopes=slopes, made={"bone_sigma_mm": float(width)})
 
     @classmethod
     def from_probability(

@@ -20,6 +20,7 @@ from .echoes.found import BoneEchoes, SweepEchoes
 from .echoes.surface import LEAST_SCORE, surface_of
 from .map import BoneMap
 from .predictions import Prediction, PredictionReader
+from .recorded_predictions import RecordedPredictions
 from .scan_line_reader import ForEachKind
 
 
@@ -87,7 +88,8 @@ def bone_from_frames(
     recipe : Recipe or None
         As in `reconstruct`; what `poses` or `imaging` tell comes before it.
     """
-    sequence, recipe = joined(sequence), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sequence = joined(sequence, recipe)
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if poses is None else poses
     usable = poses.require_usable(sequence.name)
     imaging = resolve_imaging(sequence, poses, True, recipe) if imaging is None else imaging
@@ -108,4 +110,5 @@ def bone_from_frames(
     notes = list(estimator.notes())
     if silent:
         notes.append(f"Nothing is said of bone in {silent} of {len(usable)} frames.")
-    return replace(surface_of(echoes, part(progress, 0.9, 1.0)), notes=tuple(notes))
+    made = estimator.made if isinstance(estimator, RecordedPredictions) else {}
+    return replace(surface_of(echoes, part(progress, 0.9, 1.0)), notes=tuple(notes), made=made)

@@ -56,6 +56,7 @@ class RecordedPredictions:
                 f"Predictions must be one sequence for each sweep; got {len(of_each)} for {len(sweeps)}.", Remedy.PREDICTIONS_FOR_EACH
             )
         self._rectangle = checked_rectangle(rectangle)
+        self.made: dict[str, object] = {} if self._rectangle is None else {"bone_frames_px": self._rectangle}
         self._notes: list[str] = []
         self._of_frame: list[tuple[TrackedSequence, int] | None] = []
         for sweep, predicted in zip(sweeps, of_each, strict=True):

@@ -97,11 +97,15 @@ class Calibration(Mending):
     @property
     def advice(self) -> str | None:
         """Which movement of the probe would tell what this sweep does not; None where it tells all."""
-        missing = self.names(~self.held)
-        moves = [move for move, tells in MOVEMENTS.items() if set(tells) & set(missing)]
-        if not missing:
-            return None
-        return f"Not told by this sweep, and left as given: {listed(missing)}. Scan the same bone with the probe also {listed(moves)}."
+        return advice_for(self.names(~self.held))
+
+
+def advice_for(missing: list[str]) -> str | None:
+    """What is said of numbers, by their names, that a sweep does not hold; None of none."""
+    moves = [move for move, tells in MOVEMENTS.items() if set(tells) & set(missing)]
+    if not missing:
+        return None
+    return f"Not told by this sweep, and left as given: {listed(missing)}. Scan the same bone with the probe also {listed(moves)}."
 
 
 def calibrate(

@@ -26,8 +26,8 @@ from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
 from .calibration import FARTHEST, Calibration, calibrate_echoes
-from .crossing import crossing
-from .echoes import ImagedEchoes, imaged_echoes, replaced
+from .crossing import GAIN, calibrate_crossing_echoes, contradiction, crossing, off_the_surface
+from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
 from .solve import EXPECTED, PARAMETERS, UNITS, as_vector, in_words
 
 SURE = 3.0
@@ -93,7 +93,8 @@ def checked(
     if labels is not None:
         require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else as_matrix(start, "start")
-    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sweeps = sweeps_of(sequences, recipe)
     bone = None if labels is None else BoneField.from_labels(labels)
     echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2), known)
     if len(np.unique(echoes.angles)) < 2:
@@ -102,9 +103,12 @@ def checked(
     given = crossing(echoes)
     better = sorted(_better(echoes, list(repairs(echoes, sweeps, recipe)), given), key=lambda one: one[0])
     if bone is None:
+        # Fewer echoes may lie near each other for chance: the surface that they show must be the better one, too
+        none = Correction.none(echoes.center)
+        better = [one for one in better if off_the_surface(one[2], none) < CLEARLY * off_the_surface(echoes, none)]
         if better:
             return _told(better[0][1], f"echoes of different angles lie {given:.1f} mm apart, {better[0][0]:.1f} mm with that mended")
-        return Checked(None, f"nothing usual is wrong by echoes of different angles: they lie {given:.1f} mm apart. A CT tells more.")
+        return _by_crossing(echoes, part(progress, 0.3, 1.0))
     found = calibrate_echoes(echoes, bone, start, part(progress, 0.3, 0.5))
     if found.accepted:
         return _near(found)
@@ -129,6 +133,19 @@ def checked(
     )
 
 
+def known_without_ct(sequences: TrackedSequence | Iterable[TrackedSequence], recipe: Recipe | None = None) -> tuple[str, ...]:
+    """What the echoes of a sweep tell of its calibration in passing, where there is no CT: a sentence, or nothing."""
+    try:
+        echoes = imaged_echoes(sequences, recipe)
+    except AIFReconError:
+        return ()
+    if (contradicted := contradiction(echoes)) is not None:
+        return (contradicted,)
+    apart = off_the_surface(echoes, Correction.none(echoes.center))
+    how = f"echoes of different angles lie {apart:.1f} mm off each other's surface" if apart == apart else "bone is shown from one angle"
+    return (f"Calibration: not checked, as there is no CT; {how}.",)
+
+
 def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Repair, ImagedEchoes]]:
     """The repairs with which angles agree clearly better than as given."""
     for repair in tried:
@@ -139,6 +156,23 @@ def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator
         apart = crossing(mended)
         if apart < CLEARLY * given:
             yield apart, repair, mended
+
+
+def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> Checked:
+    """What is said without a CT: the yardstick is how near to each other another calibration lays the echoes."""
+    contradicted = contradiction(echoes)
+    if contradicted is not None:
+        return Checked(False, "cannot be told of frames that contradict each other.", (contradicted,))
+    found = calibrate_crossing_echoes(echoes, progress)
+    before, after = found.halves.before, found.halves.after
+    lie = f"echoes of different angles lie {before:.2f} mm off each other's surface"
+    if after <= GAIN * before:
+        return Checked(False, Sentence(f"{lie}, and {after:.2f} mm with another calibration.", Remedy.CALIBRATE))
+    return Checked(
+        None,
+        f"{lie}, and another calibration lays them no nearer. Whether that is near enough cannot be told without a CT or a phantom, nor "
+        "whether pixels have their true size.",
+    )
 
 
 def _size(echoes: ImagedEchoes, found: Calibration) -> Checked:

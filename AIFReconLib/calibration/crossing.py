@@ -10,7 +10,7 @@ Vision Computing 10:145-155.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
@@ -22,7 +22,7 @@ from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.refine import welsch
 from ..sweep.frames import TrackedSequence
-from .calibration import FEWEST_ANGLES, ONE_ANGLE, doubt_of_halves, doubt_of_size
+from .calibration import FEWEST_ANGLES, ONE_ANGLE, advice_for, doubt_of_halves, doubt_of_size
 from .certainty import Halves, halves
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
 from .solve import EXPECTED, FINE_ECHOES, KNOWN, NOISE, PARAMETERS, SEEN_TOGETHER, UNITS, as_correction, as_vector, in_words
@@ -40,6 +40,14 @@ of the variance along their narrower side."""
 GAIN = 0.85
 """Part of the distance as given that may be left on frames which the solution has not seen."""
 
+NOT_IN_COMMON = Sentence("Frames of different angles show no bone in common. Scan the same bone with the probe tilted to all sides.")
+
+HELD = 0.35
+"""Part of what is expected of a number within which crossing frames must tell it, one standard deviation; tilts about one axis do not."""
+
+CONTRADICTED, PLAINLY, WIDE = 3.0, 1.0, 4.0
+"""How many times as far as angles, and mm, parts of a recording lie apart that contradict each other; mm, the scale of neighbors there."""
+
 CROSSING_ECHOES = 2000
 """By which angles are compared."""
 
@@ -55,6 +63,8 @@ class CrossedCalibration(Mending):
     changed: float  #: mm. How far the correction moves echoes against each other, in the median.
     said: str | None  #: Why it must not be used; None where it may be
     echoes: ImagedEchoes = field(repr=False)
+    held: Mask = field(default_factory=lambda: np.zeros(len(ASKED), bool))
+    """(9,). Which numbers of the correction the sweep holds, in the order of `solve.PARAMETERS`; the others stay as given."""
 
     @property
     def placed_echoes(self) -> tuple[Floats, Floats]:
@@ -82,27 +92,42 @@ def calibrate_by_crossing(
         For input that cannot be used. A calibration that must not be used is no error: see `CrossedCalibration.refusal`.
     """
     echoes = imaged_echoes(sequences, recipe, part(progress, 0.0, 0.6))
+    return calibrate_crossing_echoes(echoes, part(progress, 0.6, 1.0))
+
+
+def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = None) -> CrossedCalibration:
+    """`calibrate_by_crossing`, for echoes that are there already."""
     none = Correction.none(echoes.center)
     if len(np.unique(echoes.angles)) < FEWEST_ANGLES:
         return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, ONE_ANGLE, echoes)
-    report(progress, 0.6, "Solving the calibration")
-    found = _solve(echoes)
+    report(progress, 0.0, "Solving the calibration")
+    if not np.isfinite(off_the_surface(echoes, none)):
+        return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, NOT_IN_COMMON, echoes)
+    asked = ASKED if echoes.timed else ASKED & (np.arange(len(ASKED)) < len(ASKED) - 1)
+    found, deviation = _solve(echoes, asked)
+    held = asked & (deviation <= HELD)
+    if not held.any():
+        why = Sentence(advice_for(_names(asked)) or "")
+        return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, why, echoes, held)
+    if (held != asked).any():
+        # Along what is not held, any answer would do
+        found, _ = _solve(echoes, held)
     sides = halves(echoes)
-    ends = [_solve(side) for side in sides]
-    report(progress, 0.9, "Judging the calibration")
-    before = float(np.mean([_distance(side, none) for side in sides]))
-    after = float(np.mean([_distance(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
+    ends = [_solve(side, held)[0] for side in sides]
+    report(progress, 0.8, "Judging the calibration")
+    before = float(np.mean([off_the_surface(side, none) for side in sides]))
+    after = float(np.mean([off_the_surface(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
     compared = Halves(before, after, _apart(echoes, *ends))
-    said = doubt_of_halves(compared.apart) or doubt_of_size(found, ASKED)
+    said = doubt_of_halves(compared.apart) or doubt_of_size(found, held)
     if not np.isfinite(before + after):
-        said = Sentence("Frames of different angles show no bone in common. Scan the same bone with the probe tilted to all sides.")
+        said = NOT_IN_COMMON
     elif after > GAIN * before:
         said = Sentence(
             f"Frames of other angles bear the calibration as given out as well: {before:.2f} mm between them, {after:.2f} mm with another."
         )
     report(progress, 1.0, "Calibrated")
     changed = _apart(echoes, none, found)
-    return CrossedCalibration(found, _distance(echoes, none), _distance(echoes, found), compared, changed, said, echoes)
+    return CrossedCalibration(found, off_the_surface(echoes, none), off_the_surface(echoes, found), compared, changed, said, echoes, held)
 
 
 def crossing(echoes: ImagedEchoes) -> float:
@@ -116,9 +141,34 @@ def crossing(echoes: ImagedEchoes) -> float:
     return float(np.median(distances))
 
 
-def _solve(echoes: ImagedEchoes) -> Correction:
-    """Shift, turn and delay with which each echo lies on the plane through its neighbors of other angles."""
-    asked = ASKED if echoes.timed else ASKED & (np.arange(len(ASKED)) < len(ASKED) - 1)
+def contradiction(echoes: ImagedEchoes) -> Sentence | None:
+    """What is said where parts of a recording show the bone at places of their own, which no calibration explains; None where none do.
+
+    The yardstick is the sweep's own: how far the echoes of different angles lie off each other's surface.
+    """
+    several = len(echoes.tracks) > 1
+    half = np.arange(len(echoes.angles)) * 2 // len(echoes.angles)
+    parts = "sweeps" if several else "first and the second half of the recording"
+    none = Correction.none(echoes.center)
+    alike = off_the_surface(echoes, none, WIDE)
+    apart = off_the_surface(replace(echoes, angles=echoes.sweeps if several else half), none, WIDE)
+    if not apart > max(CONTRADICTED * alike, PLAINLY):
+        return None
+    return Sentence(
+        f"WARNING: The {parts} contradict each other: they show the bone {apart:.1f} mm apart, and different angles {alike:.1f} mm. "
+        "Check that they are of one patient who did not move against the reference, with one calibration and one depth."
+    )
+
+
+def _names(chosen: Mask) -> list[str]:
+    return [name for name, one in zip(PARAMETERS, chosen, strict=True) if one]
+
+
+def _solve(echoes: ImagedEchoes, asked: Mask) -> tuple[Correction, Floats]:
+    """The numbers that are asked for with which each echo lies on the plane through its neighbors of other angles.
+
+    Beside them their standard deviations, (9,), in units of `EXPECTED`; infinite where nothing was asked.
+    """
     few, center = echoes.spread(FINE_ECHOES), echoes.center
     vector = np.zeros(len(asked))
     pull = np.sqrt(KNOWN * SEEN_TOGETHER * NOISE)
@@ -142,7 +192,10 @@ def _solve(echoes: ImagedEchoes) -> Correction:
             ftol=1e-5,
         )
         vector = _whole(solution.x, asked)
-    return as_correction(vector, center)
+    deviation = np.full(len(asked), np.inf)
+    information = solution.jac.T @ solution.jac / (SEEN_TOGETHER * NOISE)
+    deviation[asked] = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
+    return as_correction(vector, center), deviation
 
 
 def _whole(steps: Floats, asked: Mask) -> Floats:
@@ -175,10 +228,12 @@ def _off(points: Floats, rows: Integers, neighbors: Integers, normals: Floats) -
     return off
 
 
-def _distance(echoes: ImagedEchoes, correction: Correction) -> float:
-    """mm. Median distance of the echoes to the planes of other angles, without sign."""
+def off_the_surface(echoes: ImagedEchoes, correction: Correction, scale: float = SCALES[-1]) -> float:
+    """mm. Median distance of the echoes to the planes of other angles, without sign; NaN where they have none in common."""
     few = echoes.spread(FINE_ECHOES)
-    planes = _planes(few, correction, SCALES[-1])
+    if len(np.unique(few.angles[few.frames])) < 2:
+        return np.nan
+    planes = _planes(few, correction, scale)
     return float(np.median(np.abs(_off(few.placed(correction).points, *planes)))) if len(planes[0]) else np.nan
 
 
@@ -197,9 +252,11 @@ def crossing_findings(found: CrossedCalibration) -> list[str]:
         f"the calibrations of both halves place echoes {found.halves.apart:.1f} mm apart",
         f"the change is {found.changed:.1f} mm; sizes of pixels stay as given, which needs a CT or a phantom",
     ]
-    for name, value, unit, asked in zip(PARAMETERS, in_words(as_vector(found.correction)), UNITS, ASKED, strict=True):
-        if asked:
+    for name, value, unit, held in zip(PARAMETERS, in_words(as_vector(found.correction)), UNITS, found.held, strict=True):
+        if held:
             lines.append(f"{name}: {value:+.2f} {unit}")
+    advice = advice_for(_names(ASKED & ~found.held))
+    lines += [] if advice is None else [advice]
     if abs(found.correction.delay) > 0.005:
         lines.append(f"the delay is not part of a calibration: mend recordings with a time offset of {found.correction.delay:.3f} s")
     return lines

@@ -203,7 +203,8 @@ def imaged_echoes(
 
     `known` are those that it has found of the same sweeps already.
     """
-    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sweeps = sweeps_of(sequences, recipe)
     found = known or sweep_echoes(sweeps, recipe, most_frames=MOST_FRAMES, progress=progress)
     poses = poses_of_each(sweeps, recipe.image_to_reference, recipe.reference)
     sizes = [pixel_spacing(pose.image_to_reference[pose.usable[0]]) for pose in poses]
@@ -236,7 +237,8 @@ def imaged_echoes(
 
 def replaced(echoes: ImagedEchoes, sequences: TrackedSequence | Iterable[TrackedSequence], recipe: Recipe | None = None) -> ImagedEchoes:
     """The same echoes of the same images, placed by the poses of other sequences; raises as `sweep_poses` where those place nothing."""
-    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sweeps = sweeps_of(sequences, recipe)
     planes, tracks = _planes(sweeps, poses_of_each(sweeps, recipe.image_to_reference, recipe.reference), echoes.spacing)
     shown = planes[echoes.numbers]
     lost = ~np.isfinite(shown).all(axis=(1, 2))

@@ -27,10 +27,10 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import JoinedImages
 from ..sweep.poses import chain_ends
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, refuse_to_overwrite
+from ..terminal.options import Commands, add_labels_options, labels_from, names_labels, refuse_to_overwrite
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
 
 EXAMPLE = """examples:
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
@@ -84,11 +84,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.phantom and not arguments.config:
         arguments.config = [arguments.phantom]
     each = of_each(arguments, arguments.sequences)
-    inputs = [path for one in each for path in sequence_inputs(one)]
-    refuse_to_overwrite(
-        [arguments.output, arguments.report, arguments.preview],
-        [*inputs, *labels_inputs(arguments), arguments.bone_transform, arguments.phantom],
-    )
+    refuse_to_overwrite(arguments, "output", "report", "preview")
     for path in (arguments.output, arguments.report, arguments.preview):
         if path:
             check_writable(path)

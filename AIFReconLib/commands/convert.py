@@ -30,7 +30,7 @@ from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, sequence_from
 
 EXAMPLE = """examples:
   aifrecon convert sweep.igs.mha sweep.nrrd
@@ -85,8 +85,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, change, write, and say what was done."""
     check_sequence_name(arguments.output)
-    calibrations = [_named_file(text) for text in (arguments.calibration, arguments.wrong_calibration) if text]
-    refuse_to_overwrite([arguments.output], [*sequence_inputs(arguments), *(path for _, path in calibrations), arguments.correction])
+    refuse_to_overwrite(arguments, "output")
     sequence = changed(sequence_from(arguments), arguments)
     with ProgressBar() as progress:
         write_sequence(sequence, arguments.output, arguments.compress, progress)

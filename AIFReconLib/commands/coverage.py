@@ -19,13 +19,12 @@ from ..terminal.options import (
     add_beam_option,
     add_labels_options,
     labels_from,
-    labels_inputs,
     place_from,
     refuse_to_overwrite,
 )
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
 
 EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
@@ -69,8 +68,7 @@ def add_placed_labels_options(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, follow the beams, say what was met."""
     each = of_each(arguments, arguments.sequences)
-    inputs = [path for one in each for path in sequence_inputs(one)]
-    refuse_to_overwrite([arguments.surface, arguments.report], [*inputs, *labels_inputs(arguments), arguments.bone_transform])
+    refuse_to_overwrite(arguments, "surface", "report")
     if arguments.surface:
         check_surface_path(arguments.surface)
     if arguments.report:

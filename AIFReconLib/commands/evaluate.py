@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> None:
     of_sweep = [*arguments.sweep, *(arguments.config or [])]
     inputs = [*arguments.volumes, *labels_inputs(arguments), arguments.bone_transform, arguments.mask, *of_sweep]
     outputs = [path for path in (arguments.csv, arguments.report) if path]
-    refuse_to_overwrite(outputs, inputs)
+    refuse_to_overwrite(arguments, "csv", "report")
     for path in outputs:
         check_writable(path)
     if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
@@ -129,6 +129,8 @@ def run(arguments: argparse.Namespace) -> None:
     print(columns(table(results)))
     print(f"\n  {achieved(results, frames)}")
     print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
+    if mask is None:
+        print("  Measured where a volume is not 0. batch and the panel measure where frames entered or gaps were filled, as with --mask.")
     for line in (*map(in_options, given.notes), *(f"wrote {path}" for path in outputs)):
         print(f"  {line}")
 

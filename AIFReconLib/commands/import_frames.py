@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ..inspection.imported import calibration_file, check_import, import_files
+from ..inspection.imported import check_import, import_files
 from ..io.disk.atomic import check_writable, write_text
 from ..io.foreign.importing import REFERENCE_FRAME
 from ..io.foreign.options import RULES, ImportOptions
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> None:
     check_sequence_name(arguments.output)
     drawing = arguments.drawing or arguments.output.with_name(arguments.output.name.split(".")[0] + "-sweep.svg")
     options = ImportOptions(**{name: getattr(arguments, name) for name in RULES if getattr(arguments, name) is not None})
-    refuse_to_overwrite([arguments.output, drawing], [*arguments.images, arguments.poses, calibration_file(options), options.mechanism])
+    refuse_to_overwrite(arguments, "output", "drawing", more=[drawing])
     check_writable(drawing)
     imported = import_files(arguments.images, arguments.poses, options)
     with ProgressBar() as progress:

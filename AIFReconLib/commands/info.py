@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..bone.echoes.found import SweepEchoes
+from ..bone.echoes.surface import bone_unasked
 from ..compounding.methods.table import method_named
 from ..errors import AIFReconError
 from ..geometry.volume import Volume
@@ -79,7 +80,12 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     text, as_dict = report.to_text(), report.to_dict()
     if not report.ready:
         return text, as_dict
+    unasked: tuple[str, ...] = ()
     try:
+        if labels is None:
+            # As the reconstruction will decide
+            recipe, shown, unasked = bone_unasked(sequence, recipe, progress)
+            has_bone, unasked = shown is not None, unasked if shown is None else shown.notes
         planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
@@ -101,7 +107,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         "first": first,
         "command": command,
     }
-    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, planned.notes), *bone]
+    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone]
     if first:
         lines += ["", "First place the CT on the sweep:", f"  {first[0]}"]
     return "\n".join([*lines, "", "Then:" if first else "To do so:", f"  {command}"]), as_dict

@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.methods.table import method_named
@@ -27,7 +26,7 @@ from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.joint_source import JointSource
 from ..live.wire.sources import MessageSource, StreamStatistics
 from ..message import one_line, shorten
-from ..recipe.recipe import LONGEST_GAP, Recipe
+from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
@@ -70,6 +69,9 @@ SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
 
 POLL = 0.1
+
+WRITTEN = ("output", *SIDE_OUTPUTS, "preview", "record", "save_settings")
+"""Options that name files that are written."""
 
 
 def add_to(commands: Commands) -> None:
@@ -139,8 +141,9 @@ def run(arguments: argparse.Namespace) -> int:
             raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, *bone_inputs(arguments), arguments.importance_mask]
-    of_the_run = [*_outputs(arguments), arguments.record, predictions_path(arguments)]
-    refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
+    predictions = predictions_path(arguments)
+    more = [] if predictions is None else [predictions]
+    refuse_to_overwrite(arguments, *WRITTEN, more=more)
     check_preview(arguments.preview)
     check_save_settings(arguments)
     for path in filter(None, outputs.values()):
@@ -161,7 +164,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 128 + told_by
     with ProgressBar() as progress:
         stream = {name: getattr(arguments, name) for name in OF_A_STREAM}
-        result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None, stream)
+        result = with_provenance(result, arguments, inputs, stream)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.1 * number, f"Writing {path.name}")
             getattr(result, name).write(path)
@@ -181,11 +184,6 @@ def run(arguments: argparse.Namespace) -> int:
     if told_by is not None:
         print("Scan ended, volume saved.")
     return 0
-
-
-def _outputs(arguments: argparse.Namespace) -> list[Path | None]:
-    """What may replace files, as a recording never does."""
-    return [arguments.output, *(getattr(arguments, name) for name in SIDE_OUTPUTS), arguments.preview, arguments.save_settings]
 
 
 def _session(
@@ -208,7 +206,7 @@ def _session(
     client = OpenIGTLinkClient(arguments.host, arguments.port, takes_readings=arguments.mechanism is not None)
     session = LiveSession(
         _with_poses(client, arguments.mechanism),
-        replace(recipe, time_offset=0.0, longest_gap=LONGEST_GAP),
+        recipe,
         bone,
         grid_from(arguments),
         configuration=configuration,
@@ -219,7 +217,8 @@ def _session(
     )
     if session.recorder is not None:
         # Its name may be another than was asked for
-        refuse_to_overwrite([*_outputs(arguments), session.recorder.path, session.recorder.header_path], [])
+        recorded = {session.recorder.path, session.recorder.header_path} - {arguments.record}
+        refuse_to_overwrite(arguments, *WRITTEN, more=sorted(recorded))
     client.start(wait=True)
     return session, client, seen
 
@@ -364,6 +363,8 @@ def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Rec
         lines.append(statistics.note)
     if stream.refused:
         lines.append(f"{stream.refused} messages were refused: {' '.join(stream.refusals.values())}")
+    if stream.damaged:
+        lines.append(f"{stream.damaged} messages were damaged on the way, and left out")
     if statistics.dropped:
         images = f", {statistics.dropped_images} of them images," if statistics.dropped_images else ""
         lines.append(f"{statistics.dropped} messages{images} were dropped before they could be looked at")

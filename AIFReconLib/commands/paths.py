@@ -20,7 +20,7 @@ from ..paths.shown import markups, paths_figure, write_skin_map
 from ..progress import part
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, labels_from, labels_inputs, place_from, refuse_to_overwrite
+from ..terminal.options import Commands, labels_from, place_from, refuse_to_overwrite
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_tracking_options, of_each
@@ -90,8 +90,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, look along the lines, write, and say what was found."""
     outputs = [arguments.output, arguments.skin_map, arguments.report, arguments.preview]
-    inputs = [arguments.volume, arguments.mask, arguments.score, arguments.skin, *arguments.sweep, *(arguments.config or [])]
-    refuse_to_overwrite(outputs, [*inputs, *labels_inputs(arguments), arguments.bone_transform])
+    refuse_to_overwrite(arguments, "output", "skin_map", "report", "preview")
     if not arguments.output.name.lower().endswith(MARKUPS):
         raise OutputError(f"Cannot write {arguments.output}: Slicer's markups end in {MARKUPS}. Choose another name.")
     if bool(arguments.sweep) == bool(arguments.skin):

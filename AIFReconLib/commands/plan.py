@@ -19,13 +19,14 @@ from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, p
 from ..guidance.probe import ProbeOnBack
 from ..guidance.window import NOT_SEEN, unseen_of, window
 from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.small_files import read_json
 from ..message import columns
 from ..progress import part
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, labels_inputs, place_from, refuse_to_overwrite, required_labels
+from ..terminal.options import Commands, place_from, refuse_to_overwrite, required_labels
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from
 from .coverage import add_placed_labels_options
 from .preview import check_preview
 
@@ -86,9 +87,7 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Read, plan, write, and say what each pass adds."""
     arguments.sequence = arguments.probe_like
-    inputs = sequence_inputs(arguments) if arguments.probe_like else [arguments.config]
-    inputs += [*labels_inputs(arguments), arguments.bone_transform, arguments.unseen]
-    refuse_to_overwrite([arguments.output, arguments.preview], inputs)
+    refuse_to_overwrite(arguments, "output", "preview")
     if arguments.frames < 1:
         raise SettingsError(f"Input frames must be 1 or more; got {arguments.frames!r}. Give --frames N.")
     check_writable(arguments.output)
@@ -122,8 +121,9 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _unseen(path: Path) -> Floats:
     """The places of a report of paths; FileFormatError when the file is none."""
+    table = read_json(path, FileFormatError)
     try:
-        return unseen_of(json.loads(path.read_text("utf-8")))
+        return unseen_of(table)
     except (ValueError, AIFReconError) as error:
         raise FileFormatError(f"{path}: it is no report of paths ({error}). Make one with aifrecon paths --report.") from None
 

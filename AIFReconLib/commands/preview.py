@@ -21,7 +21,7 @@ from ..message import Sentence
 from ..remedies import Remedy
 from ..sweep.poses import SweepPoses
 from ..terminal.console import ProgressBar, program, shell_words
-from ..terminal.options import Commands, add_labels_options, labels_from, labels_inputs, names_labels, place_from, refuse_to_overwrite
+from ..terminal.options import Commands, add_labels_options, labels_from, names_labels, place_from, refuse_to_overwrite
 from ..terminal.remedies import in_options
 
 
@@ -61,8 +61,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.labels and not arguments.bone_labels and Path(arguments.labels).exists():
         # What --bone-labels was called here once
         arguments.bone_labels, arguments.labels = [Path(arguments.labels)], None
-    inputs = [arguments.volume, *labels_inputs(arguments), arguments.bone_transform, arguments.mask]
-    refuse_to_overwrite([arguments.output], inputs)
+    refuse_to_overwrite(arguments, "output")
     check_preview(arguments.output)
     if arguments.bone_transform and not (arguments.bone_labels or arguments.ct):
         raise SettingsError("--bone-transform places labels or a CT, and there are none. Give --bone-labels or --ct.")

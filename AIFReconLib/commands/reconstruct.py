@@ -6,12 +6,10 @@ import argparse
 import json
 import time
 from contextlib import nullcontext
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from ..bone.echoes.surface import bone_unasked
 from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import method_named
 from ..compounding.state import BESIDE, Reconstruction
@@ -118,8 +116,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.importance_mask,
         arguments.dicom_study,
     ]
-    of_the_run = [*outputs.values(), arguments.preview, arguments.report, arguments.save_settings]
-    refuse_to_overwrite(of_the_run, [*inputs, arguments.grid_like, arguments.settings])
+    refuse_to_overwrite(arguments, "output", *SIDE_OUTPUTS, "preview", "report", "save_settings")
     recipe = recipe_from(arguments)
     for name, path in outputs.items():
         if path:
@@ -135,9 +132,6 @@ def run(arguments: argparse.Namespace) -> None:
         with compiled_aside(recipe, sequence.images.dtype) if names_labels(arguments) else nullcontext():
             labeled = labeled_bone_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
             bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.05, 0.1))
-            unasked: tuple[str, ...] = ()
-            if labeled is None and bone is None:
-                recipe, bone, unasked = bone_unasked(sequence, recipe, part(progress, 0.05, 0.1))
             result = reconstruct(
                 sequence,
                 recipe,
@@ -147,8 +141,7 @@ def run(arguments: argparse.Namespace) -> None:
                 memory=arguments.memory,
                 progress=part(progress, 0.1, 0.95),
             )
-        result = replace(result, said=(*result.said, *unasked))
-        result = with_provenance(result, arguments, inputs, labeled.settings(result.method) if labeled else None)
+        result = with_provenance(result, arguments, inputs)
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             write_volume(getattr(result, name), path, arguments.dicom_study)

@@ -27,14 +27,13 @@ from ..terminal.options import (
     Commands,
     add_labels_options,
     add_placing_options,
-    labels_inputs,
     place_from,
     refuse_to_overwrite,
     required_labels,
 )
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
+from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
 from .info import calibration_lines, reconstruct_command
 
 EXAMPLE = """examples:
@@ -89,10 +88,8 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, register, write, and say how sure it is."""
-    outputs = [arguments.output, *arguments.labels_output, arguments.report, arguments.preview]
     each = of_each(arguments, arguments.sequences)
-    inputs = [path for one in each for path in sequence_inputs(one)]
-    refuse_to_overwrite(outputs, [*inputs, *labels_inputs(arguments), arguments.bone_transform])
+    refuse_to_overwrite(arguments, "output", "labels_output", "report", "preview")
     for path in (arguments.output, arguments.report, arguments.preview):
         if path:
             check_writable(path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from ..errors import AIFReconError, FileFormatError, OutputError, SettingsError
 from ..geometry.transforms import invert, pixel_spacing
 from ..guidance.plan import passes_of
 from ..io.disk.atomic import write_text
+from ..io.disk.small_files import read_json
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
 from ..machine.threads import usable_cores
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Simulate and write."""
     planned = None
     if arguments.plan:
-        refuse_to_overwrite([arguments.output / name for name in FILES], [arguments.plan])
+        refuse_to_overwrite(arguments, "output", more=[arguments.output / name for name in FILES])
         planned = planned_path(arguments.plan)
     name, frames = ("planned", len(planned)) if planned else (arguments.path, arguments.frames)
     with ProgressBar() as progress:
@@ -96,8 +96,9 @@ def planned_path(path: Path) -> ProbePath:
 
     Raises FileFormatError when the file is no plan, or one for another probe.
     """
+    table = read_json(path, FileFormatError)
     try:
-        passes = passes_of(json.loads(path.read_text("utf-8")))
+        passes = passes_of(table)
     except (ValueError, AIFReconError) as error:
         raise FileFormatError(f"{path}: it is no plan ({error}). Make one with aifrecon plan.") from None
     probe = PhasedArray()

@@ -24,6 +24,7 @@ from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import Remedy
+from ..resolve import given_imaging
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engine import Engine, Job
@@ -33,7 +34,16 @@ from .finishing.results import Results
 from .intake import OUTSIDE, ImageKind, Intake, require_kinds, why_not
 from .layout import MostHits, most_in_a_voxel
 from .methods.table import method_named
-from .needs import bone_on_grid, needs_beams, require_bone
+from .needs import (
+    bone_on_grid,
+    needs_beams,
+    needs_bone,
+    refuse_reading,
+    require_bone,
+    require_grid_as_asked,
+    require_map_as_asked,
+    unused_settings,
+)
 from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import Method
@@ -85,12 +95,14 @@ class Reconstructor:
     ----------
     grid : VoxelGrid
         The voxels to fill.
+    settings : Recipe or None
+        What of it says how a recording is read is refused, and so is what asks for other voxels or another bone map than those given.
     bone : BoneMap or None
         Needed by the methods that weight by incidence.
     probe : ProbeGeometry or None
-        Where the beams go; needed where `bone` is used, and where a method looks for shadows.
-    region : ImageRegion
-        Pixels outside it never enter.
+        Where the beams go; needed where `bone` is used, and where a method looks for shadows. By default the settings'.
+    region : ImageRegion or None
+        Pixels outside it never enter. By default the settings'.
     threads : int or None
         How many the numba engine uses; by default every core.
     importance : (rows, columns) array, 0 to 1, or None
@@ -107,8 +119,8 @@ class Reconstructor:
     Raises
     ------
     SettingsError
-        When the method needs a bone map and there is none, the engine asked for is not there, or the method fits neither linear
-        interpolation nor an importance mask.
+        When settings do not go with what is given, the method needs a bone map and there is none, the engine asked for is not there, or
+        the method fits neither linear interpolation nor an importance mask.
     MethodError
         When the method is one of the user's own and is not registered.
     BeamGeometryError
@@ -143,11 +155,18 @@ class Reconstructor:
     ):
         require_kinds(recipe=settings, bone=bone, grid=grid, region=region, probe=probe)
         self.settings = settings or Recipe()
+        refuse_reading(self.settings)
+        require_grid_as_asked(self.settings, grid)
+        require_map_as_asked(self.settings, bone)
         self.grid = grid
         self.method = self.settings.method_for(bone is not None)
         self.counts = FrameCounts()
-        self._region = region or ImageRegion()
-        self.notes: list[str] = []
+        imaging, importance = given_imaging(self.settings, region, probe, importance)
+        self._region, probe = imaging.region, imaging.probe
+        self._made = bone.made if bone is not None and needs_bone(self.method, self.settings) else {}
+        unused = unused_settings(self.method, self.settings, bone)
+        self._unused = frozenset(unused)
+        self.notes: list[str] = [f"{name} is not used: {unused[name]}." for name in self.settings.given(*unused)]
         method = method_named(self.method)
         uses_bone = require_bone(self.method, self.settings, bone is not None)
         uses_beams = needs_beams(self.method, self.settings)
@@ -267,6 +286,8 @@ class Reconstructor:
             skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
             said=(*notes, *said),
             hole_limit=hole_limit,
+            bone=self._made,
+            unused=self._unused,
         )
 
     def _unfinished(self) -> VoxelState:

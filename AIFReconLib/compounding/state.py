@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -289,6 +289,10 @@ class Reconstruction(Described):
         Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
     sweeps : tuple of SweepShare
         What each recorded sweep gave; none where frames came one by one.
+    bone : mapping
+        Settings by which the bone map was made, by name; nothing where none was read.
+    unused : frozenset of str
+        Settings that were of no concern to it.
     """
 
     intensity: Volume
@@ -302,6 +306,8 @@ class Reconstruction(Described):
     said: tuple[str, ...] = ()
     hole_limit: float = 0.0
     sweeps: tuple[SweepShare, ...] = ()
+    bone: Mapping[str, object] = field(default_factory=dict)
+    unused: frozenset[str] = frozenset()
 
     def _facts(self) -> list[tuple[str, str]]:
         skipped = sum(map(len, self.skipped.values()))

@@ -95,7 +95,8 @@ class SweepBeams:
         thickness: float = BEAM_THICKNESS,
     ) -> SweepBeams:
         """The beams of one or more sequences, with the recipe of `reconstruct`; `thickness` in mm across the image plane."""
-        sequence, recipe = joined(sequence), recipe or Recipe()
+        recipe = recipe or Recipe()
+        sequence = joined(sequence, recipe)
         poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
         usable = poses.require_usable(sequence.name)
         imaging = resolve_imaging(sequence, poses, True, recipe)

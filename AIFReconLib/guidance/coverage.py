@@ -92,7 +92,8 @@ def coverage(
     names : mapping of int to str or None
         What the labels are called; by default what `Labels` know themselves.
     """
-    sequence, recipe = joined(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sequence = joined(sequences, recipe)
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     usable = poses.require_usable(sequence.name)
     if labels is None:

@@ -163,7 +163,8 @@ def guidance_of_sweep(
     unseen : (n, 3) array, mm in Reference, or None
         Places that the next move leads to in place of bone, as `FreePaths.unseen` has them.
     """
-    sequence, recipe = joined(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sequence = joined(sequences, recipe)
     place = np.eye(4) if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
     found = coverage(sequence, labels, place, recipe=recipe, progress=part(progress, 0.0, 0.5))
     colored = ColoredBone.of(found.met.bone).placed_by(invert(place))

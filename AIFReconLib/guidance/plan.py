@@ -18,6 +18,7 @@ from ..remedies import Remedy
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
+from ..sweep.time_offset import as_asked
 from .bone import GuidedBone, guided_bone
 from .candidates import Candidates, geometry_of
 from .coverage import bone_before
@@ -131,6 +132,7 @@ def patient_and_probe(
         bone = guided_bone(labels, labels_to_reference)
         assumed = ("the probe is taken for a phased array of 84 degrees and 88 mm, and the skin to lie 15 mm behind the spinous processes",)
         return bone, ProbeOnBack(ProbeImages.simulated(), Skin.over(bone), bone.patient_to_reference), assumed
+    like = as_asked(like, recipe)
     poses = sweep_poses(like, recipe.image_to_reference, recipe.reference)
     usable = poses.image_to_reference[poses.require_usable(like.name)]
     imaging = resolve_imaging(like, poses, True, recipe)

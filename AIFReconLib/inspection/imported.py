@@ -61,11 +61,6 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
     return Imported(sequence, understood, settings.transform, mechanism)
 
 
-def calibration_file(options: ImportOptions) -> Path | None:
-    """The file of the calibration, which may be named in front of it."""
-    return None if options.calibration is None else Path(_named(options.calibration)[1])
-
-
 def _named(calibration: str) -> tuple[str, str]:
     """Name, which may be empty, and file."""
     name, equals, file = calibration.partition("=")

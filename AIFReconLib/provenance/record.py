@@ -9,14 +9,14 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 from .. import __version__
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..geometry.volume import Volume
-from ..recipe.recipe import AUTOMATIC, KEPT, RULES, ReadingSettings, Recipe
+from ..recipe.recipe import AUTOMATIC, KEPT, OF_READING, OF_REGION, RULES, Recipe
 from ..resolve import Imaging, imaging_fields
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
@@ -25,11 +25,6 @@ SETTINGS, INPUTS, VERSION = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_ve
 """Keys of a volume's header."""
 
 VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
-
-_OF_REGION_AND_PROBE = ("probe", "apex_px", "clip_px", *(name for name in KEPT if name.startswith("fan_")))
-"""What is kept as it was chosen: the whole of it, whatever a configuration says later."""
-
-_OF_READING = tuple(spec.name for spec in fields(ReadingSettings))
 
 _BY_CONFIGURATION = ("method", "spacing", "skip", "interpolation", "pixel_rejection")
 """What a configuration may say of a reconstruction, by its names there and in the settings."""
@@ -55,9 +50,10 @@ def kept_settings(
     configuration : PlusConfiguration
         What it says is left to it.
     """
-    given = {name: getattr(asked, name) for name in KEPT if name not in _OF_REGION_AND_PROBE}
+    given = {name: getattr(asked, name) for name in KEPT if name not in OF_REGION and name not in result.unused}
     kept = {name: value for name, value in given.items() if value is not None and value is not False}
-    for name in _OF_READING:
+    kept |= result.bone
+    for name in OF_READING:
         if kept.get(name) == RULES[name]["default"]:
             # Nothing was asked for, or it was done before the recording came here
             kept.pop(name, None)
@@ -120,12 +116,6 @@ def signed(
     }
     if stream:
         fields["AIFRecon_stream"] = json.dumps(stream, sort_keys=True)
-    return _with_fields(result, fields)
-
-
-def with_settings(result: Reconstruction, more: Mapping[str, object]) -> Reconstruction:
-    """The result with volumes that know further settings, by which its inputs were made."""
-    fields = {**result.intensity.fields, SETTINGS: json.dumps({**settings_of(result.intensity), **more}, sort_keys=True)}
     return _with_fields(result, fields)
 
 

@@ -6,9 +6,10 @@ a table of cases, and the panel's fields follow from its declaration.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -248,7 +249,7 @@ class MethodSettings(Branch):
     method: str | None = setting(
         None,
         f"how pixels of a voxel are combined. {IN_WORDS}; the last: a method of your own "
-        f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, that of a CT or else of the sweep's own echoes; where there is none, or the "
+        f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, a CT's or else a recorded sweep's own; where there is none, or the "
         f"configuration names one, the configuration's, else {DEFAULT_METHOD_WITHOUT_BONE})",
         choices=METHODS,
         own=True,
@@ -342,10 +343,17 @@ class Recipe(OutputSettings, MethodSettings, VolumeSettings, BoneSettings, Imagi
     """
 
     def __repr__(self) -> str:
-        given = [
-            f"{spec.name}={getattr(self, spec.name)!r}" for spec in fields(self) if repr(getattr(self, spec.name)) != repr(spec.default)
-        ]
-        return f"Recipe({', '.join(given)})"
+        given = self.given(*(spec.name for spec in fields(self)))
+        return f"Recipe({', '.join(f'{name}={value!r}' for name, value in given.items())})"
+
+    def given(self, *names: str) -> dict[str, Any]:
+        """Those of these settings that are not at their defaults; of all without names."""
+        values = {name: getattr(self, name) for name in names or RULES}
+        return {name: value for name, value in values.items() if repr(value) != repr(RULES[name]["default"])}
+
+    def left_open(self, *names: str) -> Recipe:
+        """The same with these settings at their defaults."""
+        return replace(self, **{name: RULES[name]["default"] for name in names})
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -372,6 +380,13 @@ ReconstructionSettings = Recipe
 BRANCHES = (ReadingSettings, ImagingSettings, BoneSettings, VolumeSettings, MethodSettings, OutputSettings)
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for branch in BRANCHES for spec in fields(branch)}
 """The rule of every setting."""
+
+OF_READING, OF_IMAGES = (tuple(spec.name for spec in fields(branch)) for branch in (ReadingSettings, ImagingSettings))
+OF_REGION = ("probe", "apex_px", "clip_px", *(name for name in OF_IMAGES if name.startswith("fan_")))
+OF_GRID = ("spacing", "grid_size", "grid_to_reference")
+OF_LABELS = ("bone_sigma_voxels", "bone_sigma_mm", "bone_belief", "bone_frames_px")
+"""Names of settings: how a recording is read; what its images show, and which of that says region and probe; which voxels there are; how
+labels or predictions become a bone map."""
 
 KEPT = tuple(name for name, rule in RULES.items() if rule["kept"])
 """What volumes and settings files say."""

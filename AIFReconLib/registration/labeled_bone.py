@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +20,7 @@ from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..message import Described, said
 from ..progress import Progress, part
-from ..recipe.recipe import AUTOMATIC, Recipe
+from ..recipe.recipe import AUTOMATIC, OF_LABELS, Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import sweeps_of
 from .agreement import Comparison
@@ -68,15 +69,17 @@ class LabeledBone(Described):
         self.labels, self.labels_to_reference, self._belief = given, labels_to_reference, recipe.bone_belief
         self._sequence, self._sigma_voxels, self._sigma_mm = sequence, recipe.bone_sigma_voxels, recipe.bone_sigma_mm
         self._comparison: Comparison | None = None
-        self._last: tuple[dict[str, float | str], BoneMap] | None = None
+        self._last: tuple[tuple[dict[str, float | str], bool], BoneMap] | None = None
 
     def _facts(self) -> list[tuple[str, str]]:
         place = "in Reference" if self.labels_to_reference is None else "by its transform"
         return [("labels", self.labels.in_words()), ("placed", place)]
 
     def of_sweep(self, sequence: TrackedSequence, recipe: Recipe) -> LabeledBone:
-        """The same for this sweep and recipe, where it knows no sweep yet."""
-        return self if self._sequence is not None else LabeledBone(self.labels, self.labels_to_reference, sequence, recipe)
+        """The same for this sweep and recipe, where it knows no sweep yet; what its own recipe says of labels comes first."""
+        if self._sequence is not None:
+            return self
+        return LabeledBone(self.labels, self.labels_to_reference, sequence, replace(recipe, **self._recipe.given(*OF_LABELS)))
 
     def in_reference(self) -> Labels:
         """The labels where they lie in Reference."""
@@ -118,13 +121,15 @@ class LabeledBone(Described):
     def map(self, method: str, progress: Progress | None = None) -> BoneMap:
         """The bone map for a method; the last one is kept."""
         settings = self.settings(method, part(progress, 0.0, 0.5))
-        if self._last is None or self._last[0] != settings:
+        # Of one width there are two kinds
+        kind = settings, method_named(method).follows_agreement
+        if self._last is None or self._last[0] != kind:
             # Gone before the next is made: each may be as large as the CT
             self._last = None
             made = self._made(method, settings, part(progress, 0.5, 1.0))
             if "bone_belief" in settings:
                 np.multiply(made.probability.array, np.float32(settings["bone_belief"]), out=made.probability.array)
-            self._last = settings, made
+            self._last = kind, replace(made, made=settings)
         return self._last[1]
 
     def _made(self, method: str, settings: dict[str, float | str], progress: Progress | None) -> BoneMap:

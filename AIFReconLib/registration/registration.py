@@ -21,6 +21,7 @@ from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
 from .certainty import HELD_MM, Loose, not_held, restart_spread
+from .comparison import check
 from .search import Place, anywhere, around, beside, distinct, finished, level_shifts, mirrored, motion_between, search, shifted
 from .segments import Segments, fields_of_labels, fit_segments
 
@@ -179,6 +180,9 @@ def register_echoes(
 
 
 def _places(echoes: SweepEchoes, bone: BoneField, start: Floats | None, progress: Progress | None) -> list[Place]:
+    if start is None and check(echoes, bone, np.eye(4)).enough:
+        # The CT lies on the sweep as it is
+        start = np.eye(4)
     if start is None:
         return search(echoes, bone, anywhere(echoes, bone), progress)
     report(progress, 0.0, "Refining the CT's place")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections import Counter, defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -145,6 +145,7 @@ class TrackedSequence(Described):
     """What was given with the recording; an empty one where nothing was (None is taken for that)."""
     path: Path | None = None  #: Where it was read from, for messages
     notes: tuple[str, ...] = ()  #: What a user should know about how it was read or changed, one sentence each
+    reading: Mapping[str, object] = field(default_factory=dict)  #: Settings of `ReadingSettings` that it was read by already
 
     def __post_init__(self) -> None:
         if self.configuration is None:

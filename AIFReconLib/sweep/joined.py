@@ -12,8 +12,10 @@ import numpy as np
 from ..arrays import Integers, Numbers
 from ..errors import GeometryError, require_kind
 from ..imaging.images import ImagesOnDemand, ImageStack
+from ..recipe.recipe import ReadingSettings
 from .configuration import PlusConfiguration
 from .frames import FrameRecord, TrackedSequence, records_from
+from .time_offset import as_asked
 
 OF_THE_VOLUME = (
     "spacing",
@@ -71,10 +73,10 @@ def names_of(sequences: Iterable[TrackedSequence]) -> list[str]:
     return [f"{name} ({long[:n].count(name) + 1})" if name in long[:n] else name for n, name in enumerate(long)]
 
 
-def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence]) -> list[TrackedSequence]:
-    """One or more sequences as the sweeps that they are made of.
+def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence], asked: ReadingSettings | None = None) -> list[TrackedSequence]:
+    """One or more sequences as the sweeps that they are made of, each read as `asked`.
 
-    Raises InputTypeError when one is something else, such as the path of a file.
+    Raises InputTypeError when one is something else, such as the path of a file; SettingsError as `as_asked`.
     """
     advice = "Read it first: read_sequence(path); of arrays make one: TrackedSequence.from_arrays(images, image_to_reference)."
     if isinstance(sequences, str) or hasattr(sequences, "shape") or not isinstance(sequences, Iterable):
@@ -82,18 +84,19 @@ def sweeps_of(sequences: TrackedSequence | Iterable[TrackedSequence]) -> list[Tr
     sequences = [sequences] if isinstance(sequences, TrackedSequence) else list(sequences)
     for sequence in sequences:
         require_kind("sequence", sequence, TrackedSequence, advice)
-    return [sweep for sequence in sequences for sweep in sequence.sweeps]
+    sweeps = [sweep for sequence in sequences for sweep in sequence.sweeps]
+    return sweeps if asked is None else [as_asked(sweep, asked) for sweep in sweeps]
 
 
-def joined(sequences: TrackedSequence | Iterable[TrackedSequence]) -> TrackedSequence:
-    """One or more sweeps as one, in the order given.
+def joined(sequences: TrackedSequence | Iterable[TrackedSequence], asked: ReadingSettings | None = None) -> TrackedSequence:
+    """One or more sweeps as one, in the order given, each read as `asked`.
 
     Raises GeometryError when there is none, or their images differ in size or type; InputTypeError when one is something else, such as
-    the path of a file.
+    the path of a file; SettingsError as `as_asked`.
     """
-    if isinstance(sequences, TrackedSequence):
+    sweeps = tuple(sweeps_of(sequences, asked))
+    if isinstance(sequences, TrackedSequence) and sweeps == sequences.sweeps:
         return sequences
-    sweeps = tuple(sweeps_of(sequences))
     if not sweeps:
         raise GeometryError("Input sequence must be one or more sweeps; got none.")
     if len(sweeps) == 1:

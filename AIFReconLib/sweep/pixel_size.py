@@ -39,3 +39,21 @@ def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: 
 
 def _size(spacing: Floats) -> str:
     return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
+
+
+SMALLEST_IMAGE, SMALLEST_SWEEP, FRAMES_THAT_MOVE = 1.0, 1.0, 20
+"""mm across an image, and between the images of so many frames, below which poses are likely in meters."""
+
+
+def about_extent(matrices: Matrix, frame_size: tuple[int, int]) -> list[str]:
+    """A note on images or a sweep of hardly any size; `matrices` (frames, 4, 4), pixels to mm, NaN where there is no pose."""
+    placed = matrices[np.isfinite(matrices).all(axis=(1, 2))]
+    if not len(placed):
+        return []
+    across = np.median(np.linalg.norm(placed[:, :3, :2], axis=1), axis=0) * frame_size
+    if across.max() < SMALLEST_IMAGE:
+        return [f"WARNING: Images are {across[0]:.2g} x {across[1]:.2g} mm by their poses. If these are in meters, give them in mm."]
+    apart = float(np.ptp(placed[:, :3, 3], axis=0).max())
+    if 0 < apart < SMALLEST_SWEEP and len(placed) >= FRAMES_THAT_MOVE:
+        return [f"WARNING: All {len(placed)} frames lie within {apart:.2g} mm. If their poses are in meters, give them in mm."]
+    return []

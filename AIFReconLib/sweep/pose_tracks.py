@@ -23,16 +23,20 @@ SLICERS_TIME = 1.1e-3
 class PoseTrack:
     """The usable poses of one transform, in order of time.
 
-    Samples come in any order, each with its time in s. Poses that are not OK or not finite are left out; of several at one time, the first
-    counts.
+    Samples come in any order, each with its time in s. Poses that are not OK or not finite are left out, and none is made up between two
+    others where one was; of several at one time, the first counts.
     """
 
     def __init__(self, samples: Iterable[tuple[float, TransformSample]]):
-        usable = [
-            (time, sample.matrix)
-            for time, sample in samples
-            if sample.status is TransformStatus.OK and np.isfinite(time) and not why_not_affine(sample.matrix)
-        ]
+        usable, lost = [], []
+        for time, sample in samples:
+            if not np.isfinite(time):
+                continue
+            if sample.status is TransformStatus.OK and not why_not_affine(sample.matrix):
+                usable.append((time, sample.matrix))
+            else:
+                lost.append(time)
+        self._lost = np.unique(np.array(lost, dtype=np.float64))
         times = np.array([time for time, _ in usable], dtype=np.float64)
         self.times, first = np.unique(times, return_index=True)
         self._matrices = [usable[index][1] for index in first]
@@ -68,7 +72,8 @@ class PoseTrack:
         if after == len(self.times):
             return None, f"no pose after {self.times[-1]:.3f} s"
         start, stop = self.times[after - 1], self.times[after]
-        if stop - start > longest_gap + SAME_TIME:
+        was_lost = np.searchsorted(self._lost, start, side="right") < np.searchsorted(self._lost, stop)
+        if was_lost or stop - start > longest_gap + SAME_TIME:
             return None, f"no valid pose between {start:.3f} and {stop:.3f} s"
         fraction = (time - start) / (stop - start)
         try:

@@ -26,7 +26,7 @@ from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
-from .pixel_size import about_pixel_size
+from .pixel_size import about_extent, about_pixel_size
 from .still_images import STILL, StillImages, are_equal
 
 FARTHEST_APART = 1000.0
@@ -166,7 +166,9 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     for seen, frames in pairs.items():
         require_agreement(f"{sequence.name}: ", sequence.frame_size, seen, frames)
     path = tuple(link.name for link in ways.path)
-    return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(stated, wanted, matrices)))
+    return SweepPoses(
+        matrices, tuple(problems), path, (*notes, *about_pixel_size(stated, wanted, matrices), *about_extent(matrices, sequence.frame_size))
+    )
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ..recipe.recipe import LONGEST_GAP
+from ..recipe.recipe import LONGEST_GAP, ReadingSettings
 from ..remedies import Remedy
 from .frames import TrackedSequence
 from .pose_tracks import PoseTrack
@@ -32,8 +32,8 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
     time_offset : float, s
         `LocalTimeOffsetSec` of the images: image time = time stamp + offset. 0 returns the sequence as it is.
     longest_gap : float, s
-        Where valid poses are farther apart than this, frames between them get none (status MISSING), and neither do frames before the
-        first and after the last; frames that had another status than OK keep it.
+        Where valid poses are farther apart than this, or one between them was lost, frames between them get none (status MISSING), and
+        neither do frames before the first and after the last; frames that had another status than OK keep it.
 
     Raises
     ------
@@ -65,7 +65,26 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
         was = {name for name, sample in record.transforms.items() if sample.status is TransformStatus.OK}
         lost += any(transforms[name].status is not TransformStatus.OK for name in was)
         records.append(replace(record, transforms=transforms))
-    return replace(sequence, records=records, notes=(*sequence.notes, _note(time_offset, lost)))
+    reading = {**sequence.reading, "time_offset": time_offset, "longest_gap": longest_gap}
+    return replace(sequence, records=records, notes=(*sequence.notes, _note(time_offset, lost)), reading=reading)
+
+
+def as_asked(sequence: TrackedSequence, asked: ReadingSettings) -> TrackedSequence:
+    """The sequence as settings ask for it: poses are taken at another time where that was not done when it was read.
+
+    Raises SettingsError when it was read otherwise than asked, which cannot be mended any more.
+    """
+    if asked.time_offset and "time_offset" not in sequence.reading:
+        sequence = with_time_offset(sequence, asked.time_offset, asked.longest_gap)
+    for name in ("orientation", "time_offset", "longest_gap"):
+        value, done = getattr(asked, name), sequence.reading.get(name)
+        if value not in (done, getattr(ReadingSettings, name)):
+            how = "without it" if done is None else f"with {done!r}"
+            raise SettingsError(
+                f"{sequence.name}: {name} counts where a recording is read. It is to be {value!r}, and this one was read {how}. "
+                "Read it again, or leave that out."
+            )
+    return sequence
 
 
 def _note(time_offset: float, lost: int) -> str:

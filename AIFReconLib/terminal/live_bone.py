@@ -40,7 +40,8 @@ class LiveBone:
     """What looks for bone beside a session."""
 
     def __init__(self, arguments: argparse.Namespace):
-        self.bone = GrowingBone(least_a_frame=LEAST_A_FRAME if arguments.bone_from_sweep else 0.0)
+        by_echoes = arguments.bone_from_sweep
+        self.bone = GrowingBone(least_a_frame=LEAST_A_FRAME if by_echoes else 0.0, made={"bone_from_sweep": True} if by_echoes else {})
         self._device: str | None = arguments.bone_image
         # Refused before the scan, not in it
         self._model = OnnxModel(arguments.bone_model) if arguments.bone_model else None

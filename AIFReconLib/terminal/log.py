@@ -74,7 +74,8 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
     handlers: list[tuple[logging.Logger, logging.Handler]] = [(shown, _Terminal(level))]
     if arguments.log is not None:
         others = [path for name, value in vars(arguments).items() if name != "log" for path in _paths(value)]
-        handlers.append((logger, _log_file(arguments.log, others)))
+        kept = _log_file(arguments.log, others)
+        handlers += [(logger, kept), (logging.getLogger("py.warnings"), kept)]
     level, propagate = logger.level, logger.propagate
     if arguments.verbose or arguments.log is not None:
         logger.setLevel(logging.DEBUG if arguments.log is not None else logging.INFO)
@@ -82,6 +83,8 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
         logger.propagate = False
     for where, handler in handlers:
         where.addHandler(handler)
+    # What packages warn of with lines of their source is for the log
+    logging.captureWarnings(True)
     try:
         logger.debug("AIFRecon %s: aifrecon %s", __version__, one_line(shlex.join(words)))
         yield
@@ -90,6 +93,7 @@ def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterato
         logger.debug("ended by %s", type(error).__name__, exc_info=True)
         raise
     finally:
+        logging.captureWarnings(False)
         logger.setLevel(level)
         logger.propagate = propagate
         for where, handler in handlers:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
@@ -13,10 +15,12 @@ from ..bone.ct.from_ct import labels_from_ct
 from ..errors import AIFReconError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.labels import Labels
+from ..io.disk.regular_files import files_in
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
+from ..io.sequence.files import recording_kind
 from ..io.transform.files import read_transform
-from ..io.volume.dicom_series import read_ct
+from ..io.volume.dicom_series import read_ct, series_files
 from ..io.volume.files import sidecar_of, suffix_of
 from ..io.volume.label_files import LABEL_SUFFIXES, doubts, read_labels
 from ..io.volume.models import LPS, RAS
@@ -48,31 +52,73 @@ def add_beam_option(group: argparse._ActionsContainer) -> None:
     )
 
 
-def refuse_to_overwrite(outputs: list[Path | None], inputs: list[Path | None]) -> None:
-    """Stop before work begins when an output is an input, or two outputs are one file.
+LONGEST_NAME = 4096
+"""Characters of a path, at most."""
 
-    What an input names is an input too, a header's data file and a configuration's importance mask, and so is each file of a folder.
+
+def refuse_to_overwrite(arguments: argparse.Namespace, *outputs: str, more: Iterable[Path] = ()) -> None:
+    """Stop before work begins when an output is a file that is read, or two outputs are one file.
+
+    What any other option names is read, and so are the files that its reader opens beside it: see `_opened_with`.
+
+    Parameters
+    ----------
+    arguments : Namespace
+    outputs : str
+        Names of the options that say what is written.
+    more : iterable of Path
+        What else is written.
     """
-    given = [path for path in inputs if path is not None]
-    seen = {as_compared(file): "an input" for path in given for file in [real_path(path), *data_files(path), *_importance_mask(path)]}
-    folders = {as_compared(real_path(path)) for path in given if path.is_dir()}
-    for path in outputs:
-        if path is None:
-            continue
-        for name, file in {as_compared(file): file for file in [real_path(path), *_companions(path)]}.items():
-            within = file.exists() and any(as_compared(parent) in folders for parent in file.parents)
-            if name in seen or within:
-                raise OutputError(f"{path} would overwrite {seen.get(name, 'an input')} ({file.name}). Choose another name.")
-            seen[name] = "another output"
+    inputs = [path for name, value in vars(arguments).items() if name not in outputs for path in _paths(value)]
+    seen = {each: "an input" for path in inputs for file in [path, *_opened_with(path)] for each in _identities(file)}
+    folders = {each for path in inputs if path.is_dir() for each in _identities(path)}
+    for path in [*(path for name in outputs for path in _paths(getattr(arguments, name))), *more]:
+        files = {each: file for file in [path, *_companions(path)] for each in _identities(file)}
+        for each, file in files.items():
+            within = file.exists() and any(folders & _identities(parent) for parent in real_path(file).parents)
+            if each in seen or within or _is_slice_of(file, inputs):
+                raise OutputError(f"{path} would overwrite {seen.get(each, 'an input')} ({file.name}). Choose another name.")
+        seen |= dict.fromkeys(files, "another output")
 
 
-def _importance_mask(path: Path) -> list[Path]:
-    """The mask that a Plus configuration names, without links; nothing for other files."""
+def _paths(value: object) -> list[Path]:
+    """The paths in the value of an option; a text is one where there is a file of that name, behind its NAME= too."""
+    if isinstance(value, Path):
+        return [value]
+    if isinstance(value, str):
+        return [path for word in {value, value.partition("=")[2]} if word and len(word) < LONGEST_NAME and (path := Path(word)).is_file()]
+    if isinstance(value, dict):
+        value = list(value.values())
+    return [path for each in value for path in _paths(each)] if isinstance(value, list | tuple) else []
+
+
+def _identities(path: Path) -> set[object]:
+    """By what a file is known: its name without links and, where it is there, what the disk calls it under all its names."""
+    names: set[object] = {as_compared(real_path(path))}
+    with contextlib.suppress(OSError, ValueError):
+        status = path.stat()
+        if status.st_ino:
+            names.add((status.st_dev, status.st_ino))
+    return names
+
+
+def _opened_with(path: Path) -> list[Path]:
+    """What is read with a file: the rest of a recording, a header's data, what NIfTI has no room for, a network's description, a mask."""
+    kind = None if path.is_dir() else recording_kind(path)
+    files = [*([] if kind is None else kind.files(path)), *data_files(path)]
+    if path.name.lower().endswith((".nii", ".nii.gz", ".onnx")):
+        files.append(sidecar_of(path))
     try:
         mask = read_plus_configuration(path).importance_mask if path.suffix.lower() == ".xml" else None
     except AIFReconError:
-        return []
-    return [real_path(mask)] if mask is not None else []
+        mask = None
+    return [file for file in (*files, mask) if file is not None and file.is_file()]
+
+
+def _is_slice_of(file: Path, inputs: list[Path]) -> bool:
+    """Whether a file is there and belongs to the DICOM series of which an input is one file."""
+    beside = [path for path in inputs if file.is_file() and path.is_file() and real_path(path).parent == real_path(file).parent]
+    return any(real_path(file) in map(real_path, series_files(path)) for path in beside)
 
 
 def as_compared(path: Path) -> str:
@@ -142,7 +188,7 @@ def names_labels(arguments: argparse.Namespace) -> bool:
 def labels_inputs(arguments: argparse.Namespace) -> list[Path]:
     """The files of labels and CT, those within folders one by one."""
     given = [*(arguments.bone_labels or []), *([arguments.ct] if getattr(arguments, "ct", None) else [])]
-    return [file for path in given for file in (sorted(each for each in path.iterdir() if each.is_file()) if path.is_dir() else [path])]
+    return [file for path in given for file in (files_in(path) if path.is_dir() else [path])]
 
 
 def labels_from(arguments: argparse.Namespace, progress: Progress | None = None) -> Labels | None:

@@ -7,7 +7,6 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import bone_from_frames
@@ -188,8 +187,6 @@ def bone_from(
         if recipe.bone_from_sweep:
             raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
         return None
-    if recipe.bone_from_sweep:
-        return bone_from_sweep(sequence, recipe=recipe, progress=progress)
     if arguments.bone_frames:
         predicted = [read_sequence(path) for path in arguments.bone_frames]
         return bone_from_frames(sequence, RecordedPredictions(sequence, predicted, recipe.bone_frames_px), recipe=recipe, progress=progress)

@@ -18,6 +18,7 @@ IN_OPTIONS = {
     Remedy.TAKE_AS_PROBABILITY: "If these are bone probabilities, give them as --bone-probability.",
     Remedy.TAKE_AS_CT: "If this is a CT, give it as --ct.",
     Remedy.HOUNSFIELD: "Give the CT as the scanner's DICOM files have it.",
+    Remedy.SAY_WHERE_BONE_IS: "Give --bone-labels or --ct, or --bone-from-sweep for what the echoes show, or choose --method average.",
     Remedy.CHOOSE_LABELS: "Say which labels are bone with --labels.",
     Remedy.PREDICTIONS_FOR_EACH: "Give --bone-frames once for each, in their order.",
     Remedy.PREDICTED_RECTANGLE: "Say with --bone-frames-px X Y W H which rectangle of the frame they cover.",

@@ -92,7 +92,6 @@ def with_provenance(
     result: Reconstruction,
     arguments: argparse.Namespace,
     inputs: list[Path | None],
-    bone: Mapping[str, object] | None = None,
     stream: Mapping[str, object] | None = None,
 ) -> Reconstruction:
     """The result with volumes that know all settings and inputs; notes say what differs from the volume that was to be repeated.
@@ -104,16 +103,13 @@ def with_provenance(
     arguments : Namespace
     inputs : list of Path or None
         Files that were read.
-    bone : mapping or None
-        Width of the bone map, where it was made of labels.
     stream : mapping or None
         See `signed`.
     """
-    settings = {**settings_of(result.intensity), **(bone or {})}
     files = [path for path in inputs if path is not None]
     kept: KeptSettings | None = arguments.kept
     notes = () if kept is None else (*_about_version(kept), *other_inputs(kept.path.name, kept.inputs, files))
-    return replace(signed(result, settings, files, stream), said=(*result.said, *notes))
+    return replace(signed(result, settings_of(result.intensity), files, stream), said=(*result.said, *notes))
 
 
 def _about_version(kept: KeptSettings) -> list[str]:

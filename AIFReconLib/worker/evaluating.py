@@ -19,6 +19,7 @@ from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.seen import GuidanceSeen, Share
 from ..inspection.verdicts import Verdict, calibration_verdict
+from ..io.disk.workspace import workspace
 from ..machine.threads import usable_cores
 from ..message import Sentence
 from ..progress import Progress, part, report
@@ -172,8 +173,8 @@ def simulated_patient(
     sweep = simulate_sweep(
         phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, processes=usable_cores(), progress=part(progress, 0.55, 1.0)
     )
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "PlusDeviceSet.xml"
+    with workspace(Path(tempfile.gettempdir())) as folder:
+        path = folder / "PlusDeviceSet.xml"
         path.write_text(plus_configuration_xml(probe), encoding="utf-8")
         configuration = read_plus_configuration(path)
     sweep = replace(sweep, configuration=configuration, path=Path("lumbar phantom"))

@@ -291,16 +291,11 @@ def _one(
     progress: Progress | None,
 ) -> Reconstruction:
     """One volume, which knows how it was made."""
-    from ..provenance.record import with_settings
     from ..reconstruction import reconstruct
 
-    of_map: dict[str, float | str] = {}
     if labeled is not None:
-        method = recipe.method_for(True)
-        bone = labeled.map(method, part(progress, 0.0, 0.1))
-        of_map = labeled.settings(method)
-    result = reconstruct(asked.sequence, recipe, bone, asked.grid, beside=beside, progress=part(progress, 0.1, 1.0))
-    return with_settings(result, of_map)
+        bone = labeled.map(recipe.method_for(True), part(progress, 0.0, 0.1))
+    return reconstruct(asked.sequence, recipe, bone, asked.grid, beside=beside, progress=part(progress, 0.1, 1.0))
 
 
 def plain_mean(sequence: TrackedSequence, recipe: Recipe, result: Reconstruction, progress: Progress | None = None) -> Volume:

@@ -35,7 +35,6 @@ from ..live.wire.sources import QueueSource, StreamStatistics
 from ..machine.threads import usable_cores
 from ..message import said
 from ..progress import Progress, part, report
-from ..provenance.record import with_settings
 from ..registration.labeled_bone import LabeledBone
 from ..registration.live import SECONDS
 from ..resolve import Imaging
@@ -70,8 +69,9 @@ class Scan:
         know_method(recipe.method, request.search_path)
         self._given = None if request.server is not None else _Given()
         self._labeled: LabeledBone | None = None
-        least = LEAST_A_FRAME if request.bone_from == ECHOES else 0.0
-        self._growing = GrowingBone(least_a_frame=least) if request.bone_from is not None else None
+        made: dict[str, object] = {"bone_from_sweep": True} if request.bone_from == ECHOES else {}
+        least = LEAST_A_FRAME if made else 0.0
+        self._growing = GrowingBone(least_a_frame=least, made=made) if request.bone_from is not None else None
         # Refused before the scan, not in it
         self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
         self._method = recipe.method_for(True)
@@ -285,9 +285,7 @@ class Scan:
         return self._model or EchoEstimator(imaging)
 
     def _shown(self, result: Reconstruction) -> Reconstruction:
-        """What a window shows of a volume, with the settings of its bone map."""
-        if self._labeled is not None and self._growing is None:
-            result = with_settings(result, self._labeled.settings(self._method))
+        """What a window shows of a volume."""
         return replace(result, score=None, hits=None, cosine=None)
 
     def _bone_lines(self, frames: int) -> tuple[str, ...]:

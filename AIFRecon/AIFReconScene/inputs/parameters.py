@@ -183,7 +183,10 @@ def settingsFrom(parameterNode) -> Recipe:
         elif rule["default"] is None and value == 0:
             value = None
         values[name] = value
-    width = {parameterNode.boneSigmaUnit: parameterNode.boneSigma}
+    # What the panel does not ask for now is left open
+    width = {parameterNode.boneSigmaUnit: parameterNode.boneSigma} if parameterNode.boneSource.name == "CT" else {}
+    if parameterNode.region == Region.LIKE_VOLUME:
+        values["spacing"] = None
     return Recipe(
         **{**values, "method": methodOf(parameterNode) or None, **regionFrom(parameterNode)},
         probe=parameterNode.probe.value or AUTOMATIC,

@@ -60,7 +60,8 @@ def sweep_echoes(
     least_score : float, 0 to 1
         From which an echo counts.
     """
-    sweeps, recipe = sweeps_of(sequences), recipe or Recipe()
+    recipe = recipe or Recipe()
+    sweeps = sweeps_of(sequences, recipe)
     placed = []
     for sequence, poses in zip(sweeps, poses_of_each(sweeps, recipe.image_to_reference, recipe.reference), strict=True):
         usable = poses.usable

@@ -97,7 +97,7 @@ def bone_from_sweep(
     GeometryError
         When too few echoes of bone are found, as in water or in tissue alone.
     """
-    sweeps = sweeps_of(sequence)
+    sweeps = sweeps_of(sequence, recipe)
     found = sweep_echoes(sweeps, recipe, most_frames=None, least_score=LEAST_SCORE, progress=part(progress, 0.0, 0.9))
     frames = sum(len(sweep) for sweep in sweeps)
     if len(found) < LEAST_A_FRAME * frames or not found.show_bone:
@@ -107,7 +107,7 @@ def bone_from_sweep(
         )
     if may_be is not None:
         found = found[may_be(found.points)]
-    return surface_of(found, part(progress, 0.9, 1.0))
+    return replace(surface_of(found, part(progress, 0.9, 1.0)), made={"bone_from_sweep": True})
 
 
 def bone_unasked(
@@ -117,7 +117,7 @@ def bone_unasked(
 
     That is `bone_from_sweep` where the images show bone, and nothing of it where they do not or the probe is not known.
     """
-    asked = recipe.method or recipe.importance_mask or recipe.speed_of_sound or sequence.configuration.method
+    asked = recipe.given("method", "importance_mask", "speed_of_sound") or sequence.configuration.method
     if asked or sequence.configuration.uses_importance_mask:
         return recipe, None, ()
     try:

@@ -100,6 +100,7 @@ AIF = BuiltInMethod(
     insert=partial(_insert, compensated=False),
     reads_bone="everywhere",
     compared=True,
+    uses=frozenset({"alpha", "intensity_maximum"}),
 )
 
 AIF_COMPENSATED = BuiltInMethod(
@@ -109,4 +110,5 @@ AIF_COMPENSATED = BuiltInMethod(
     insert=partial(_insert, compensated=True),
     reads_bone="everywhere",
     compared=True,
+    uses=frozenset({"alpha", "beta", "intensity_maximum"}),
 )

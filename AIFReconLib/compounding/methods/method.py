@@ -126,6 +126,8 @@ class Method:
         Whether comparisons in pictures, and the study's tables of wrong CTs and poses, show it, where all would be too many.
     in_plus : str
         Plus's word for it, its CompoundingMode.
+    uses : frozenset of str
+        Settings that only some methods obey, by name.
     """
 
     name: str
@@ -144,6 +146,7 @@ class Method:
     follows_agreement: bool = False
     compared: bool = False
     in_plus: str = ""
+    uses: frozenset[str] = frozenset()
 
     @property
     def needs_bone(self) -> bool:

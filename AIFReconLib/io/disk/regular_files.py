@@ -31,6 +31,11 @@ def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
+def files_in(folder: Path, pattern: str = "*") -> list[Path]:
+    """The files in a folder, by name, but for hidden ones: a Mac lays ``._scan.mha`` beside what it copies to other disks."""
+    return sorted(file for file in folder.glob(pattern) if file.is_file() and not file.name.startswith("."))
+
+
 def file_stamp(path: Path) -> tuple[int, int] | None:
     """`stamp` of the file at `path`; None where there is none."""
     try:

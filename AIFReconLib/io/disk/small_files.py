@@ -10,7 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import FileFormatError
+from ...message import shorten
 from .regular_files import file_stamp, require_regular_file, stamp
+from .tables import JSON, parse_table
+from .workspace import workspace
+
+MOST_JSON = 2**25
+"""Bytes."""
 
 
 def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
@@ -35,6 +41,21 @@ def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
     return data
 
 
+def read_json(path: Path, error: type[FileFormatError]) -> object:
+    """What a file of JSON holds, of at most `MOST_JSON` bytes.
+
+    Raises FileFormatError, the given one, when it cannot be read, or is damaged or nested too deeply.
+    """
+    data = read_bytes(path, MOST_JSON + 1, error)
+    if len(data) > MOST_JSON:
+        raise error(f"{path}: it is longer than {MOST_JSON // 2**20} MiB, which none of ours is. Give another file.")
+    try:
+        return parse_table(data.decode("utf-8-sig"), JSON)
+    except (ValueError, RecursionError) as cause:
+        reason = "it is nested too deeply" if isinstance(cause, RecursionError) else shorten(str(cause), 200)
+        raise error(f"{path}: it cannot be read as JSON ({reason}). Give another file.") from None
+
+
 @contextlib.contextmanager
 def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] | None, beside: Path | None = None) -> Iterator[Path]:
     """A whole copy of the file on this computer's own disk, while the block runs; its name has the same suffixes.
@@ -56,7 +77,7 @@ def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] |
     require_regular_file(path, error)
     with contextlib.ExitStack() as stack:
         try:
-            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="aifrecon-"))
+            folder = stack.enter_context(workspace(Path(tempfile.gettempdir())))
             copy = Path(folder, "copy").with_suffix("".join(path.suffixes[-2:]).lower())
             shutil.copyfile(path, copy)
             if beside is not None:

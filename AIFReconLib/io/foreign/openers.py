@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import FileFormatError
 from ...remedies import Remedy
-from ..disk.regular_files import require_regular_file
+from ..disk.regular_files import files_in, require_regular_file
 from ..metafile.opening import METAIMAGE_SUFFIXES
 from ..sequence.decoded_images import DecodedImages
 from ..sequence.files import recording_kind
@@ -64,7 +64,7 @@ def _listed(paths: list[Path]) -> list[Path]:
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
-            inside = sorted((p for p in path.iterdir() if p.is_file() and p.suffix.lower() in known), key=natural_order)
+            inside = sorted((file for file in files_in(path) if file.suffix.lower() in known), key=natural_order)
             if not inside:
                 raise FileFormatError(f"{path}: there are no images in this folder. Give a folder of pictures or DICOM files.")
             files += inside

@@ -118,6 +118,7 @@ def read_sequence(
         frame = image_frame or (configuration.image_frame if configuration is not None else None) or IMAGE_FRAME
         records, said = _placed(records, frame, recorded.pixel_to_node)
         notes += (said,)
+    oriented = {} if orientation is None else {"orientation": orientation}
     return TrackedSequence(
         images=recorded.images,
         records=records,
@@ -126,6 +127,7 @@ def read_sequence(
         configuration=NO_CONFIGURATION if configuration is None else configuration,
         path=path,
         notes=notes,
+        reading={**oriented, "longest_gap": longest_gap},
     )
 
 

@@ -54,6 +54,8 @@ class RecordingKind:
         The names of fields that frames have; None for a file of these suffixes that is no recording, but a volume.
     is_folder : callable of path
         Whether a folder is one.
+    files : callable of path
+        What else is opened where a file is: those beside it that belong to it.
     """
 
     name: str
@@ -61,3 +63,4 @@ class RecordingKind:
     read: Callable[[Path, str | None], Recorded]
     frame_fields: Callable[[Path], Set[str] | None] = lambda _: frozenset()
     is_folder: Callable[[Path], bool] = lambda _: False
+    files: Callable[[Path], Sequence[Path]] = lambda _: ()

@@ -65,14 +65,26 @@ def _header(path: Path) -> sitk.ImageFileReader:
     return reader
 
 
-def _series(folder: Path, wanted: str | None) -> Volume:
-    """The series of that number in a folder; without one, the one of most slices."""
+def series_files(path: Path) -> list[Path]:
+    """The files of the series that a file of DICOM belongs to; nothing for other files."""
+    try:
+        wanted = _said(_header(path), SERIES) if suffix_of(path) not in READABLE_SUFFIXES else ""
+    except VolumeFormatError:
+        return []
+    return [file for files in _series_in(path.parent, wanted) for file in files] if wanted else []
+
+
+def _series_in(folder: Path, wanted: str | None) -> list[list[Path]]:
+    """The files of each series in a folder, or of those of that number."""
     name = itk_path(folder, VolumeFormatError)
     with without_warnings():
-        numbers = sitk.ImageSeriesReader.GetGDCMSeriesIDs(name)
-        series = [[Path(file) for file in sitk.ImageSeriesReader.GetGDCMSeriesFileNames(name, number)] for number in numbers]
-    if wanted is not None:
-        series = [files for files, number in zip(series, numbers) if number.startswith(wanted)] or series
+        numbers = [number for number in sitk.ImageSeriesReader.GetGDCMSeriesIDs(name) if number.startswith(wanted or "")]
+        return [[Path(file) for file in sitk.ImageSeriesReader.GetGDCMSeriesFileNames(name, number)] for number in numbers]
+
+
+def _series(folder: Path, wanted: str | None) -> Volume:
+    """The series of that number in a folder; without one, the one of most slices."""
+    series = _series_in(folder, wanted) or _series_in(folder, None)
     if not series:
         raise VolumeFormatError(
             f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT; a folder of masks is one of labels."

@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import FileFormatError, OutputError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
+from ..disk.regular_files import files_in
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -66,7 +67,7 @@ def check_dicom(path: Path, dtype: np.dtype[Any] | type | str) -> None:
 
 def _of_study(study: Path) -> Dataset:
     pydicom = import_module("pydicom")
-    files = sorted(file for file in study.rglob("*") if file.is_file()) if study.is_dir() else [study]
+    files = files_in(study, "**/*") if study.is_dir() else [study]
     for file in files:
         try:
             found = pydicom.dcmread(file, stop_before_pixels=True, specific_tags=[*OF_THE_STUDY])

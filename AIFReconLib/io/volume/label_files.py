@@ -20,6 +20,7 @@ from ...geometry.transforms import LPS_FROM_RAS, transform_points
 from ...geometry.volume import Volume, VoxelGrid
 from ...message import listed, said
 from ...remedies import Remedy
+from ..disk.regular_files import files_in
 from ..metafile.opening import NRRD_SUFFIXES, read_metafile
 from .files import NIFTI_SUFFIXES, READABLE_SUFFIXES, label_volume, suffix_of
 from .label_names import bone_name, is_no_bone, out_of_order, with_known_names
@@ -115,7 +116,7 @@ def _nifti_names(path: Path) -> dict[int, str]:
 
 def _within(folder: Path) -> list[Path]:
     """The files of labels in a folder, in the order of their names."""
-    found = sorted(file for file in folder.iterdir() if file.is_file() and suffix_of(file) in LABEL_SUFFIXES)
+    found = [file for file in files_in(folder) if suffix_of(file) in LABEL_SUFFIXES]
     if not found:
         raise VolumeFormatError(f"{folder}: it holds no labels. Give a folder of masks or models ({listed(LABEL_SUFFIXES)}).")
     return found

@@ -72,11 +72,11 @@ def read_model(path: Path) -> SurfaceModel:
     reader = {".stl": _stl, ".ply": _ply, ".obj": _obj, ".vtp": _vtp}[path.suffix.lower()]
     try:
         points, triangles, said = reader(path, data)
+        points, triangles = np.asarray(points, np.float64).reshape(-1, 3), np.asarray(triangles, np.int64).reshape(-1, 3)
     except (ValueError, IndexError, KeyError, OverflowError, MemoryError, zlib.error) as cause:
         if isinstance(cause, FileFormatError):
             raise
         raise VolumeFormatError(f"{path}: it cannot be read as a surface model. Export the model again.") from cause
-    points, triangles = np.asarray(points, np.float64).reshape(-1, 3), np.asarray(triangles, np.int64).reshape(-1, 3)
     if not len(triangles):
         raise VolumeFormatError(f"{path}: it holds no triangles. Export the closed surface of the bone.")
     if triangles.min() < 0 or triangles.max() >= len(points) or not np.isfinite(points).all():

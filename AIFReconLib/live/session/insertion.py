@@ -21,7 +21,7 @@ from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...progress import Progress
 from ...recipe.recipe import Recipe
-from ...resolve import Imaging, ReconstructorParts
+from ...resolve import BEFORE_FRAMES, Imaging, ReconstructorParts
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame
 from .statistics import Meter, Rhythm
@@ -67,7 +67,7 @@ class Inserter:
         sign: Callable[[Reconstruction, Imaging], Reconstruction],
         parts: ReconstructorParts | None = None,
     ):
-        self._settings, self._bone, self._sign = settings, bone, sign
+        self._settings, self._bone, self._sign = settings.left_open(*BEFORE_FRAMES), bone, sign
         self._parts = parts or ReconstructorParts()
         self._imaging = Imaging(ImageRegion(), None)
         self.error: Exception | None = None

@@ -13,13 +13,14 @@ from pathlib import Path
 
 from ...bone.map import BoneMap
 from ...compounding.methods.table import method_named
-from ...compounding.needs import needs_beams, require_bone
+from ...compounding.needs import needs_beams, require_bone, require_grid_as_asked, require_map_as_asked
 from ...compounding.state import Reconstruction, bytes_per_voxel
+from ...errors import SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.sound_speed import depth_factor
 from ...progress import Progress, part
 from ...provenance.record import with_origin
-from ...recipe.recipe import Recipe
+from ...recipe.recipe import OF_READING, Recipe
 from ...resolve import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.still_images import StillImages
@@ -42,6 +43,20 @@ MOST_PREDICTIONS = 64
 
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
+
+
+def _read_as_asked(synchronizer: SynchronizerSettings, asked: Recipe) -> tuple[SynchronizerSettings, Recipe]:
+    """How a stream is read, what a recipe says of it included, and the recipe for frames that are read so.
+
+    Raises SettingsError when both say it and differ, or for what a stream says itself.
+    """
+    given = asked.left_open("skip").given(*OF_READING)
+    if "orientation" in given:
+        raise SettingsError("Input orientation is for files: a stream's server says how its pixels run. Leave it out.")
+    for name, value in given.items():
+        if getattr(synchronizer, name) not in (value, getattr(SynchronizerSettings, name)):
+            raise SettingsError(f"Input {name} must be that of the synchronizer, {getattr(synchronizer, name)!r}; got {value!r}.")
+    return replace(synchronizer, **given), asked.left_open("time_offset", "longest_gap")
 
 
 class LiveSession:
@@ -103,7 +118,10 @@ class LiveSession:
     ):
         self._source = source
         self._configuration = configuration = configuration or NO_CONFIGURATION
-        asked = settings or Recipe()
+        synchronizer, asked = _read_as_asked(synchronizer or SynchronizerSettings(), settings or Recipe())
+        require_map_as_asked(asked, bone)
+        if grid is not None:
+            require_grid_as_asked(asked, grid)
         self.settings = resolve_settings(asked, configuration, bone is not None)
         parts = reconstructor_parts(asked, self.settings, configuration)
         region, probe = asked_imaging(asked, configuration)

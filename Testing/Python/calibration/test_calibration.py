@@ -179,7 +179,7 @@ def test_echoes_mended_by_a_correction_lie_where_it_places_them(true):
 
 def test_pixels_of_quite_another_size_are_told(true, monkeypatch):
     wide = wrongly_calibrated(true, 0.0, 0.0, (1.2, 1.0))
-    monkeypatch.setattr(check, "sweeps_of", list)
+    monkeypatch.setattr(check, "sweeps_of", lambda sequences, _: list(sequences))
     monkeypatch.setattr(check, "imaged_echoes", lambda *given: wide)
     monkeypatch.setattr(check, "repairs", lambda *given: [])
     finding = check.checked([], spine().labels, start(wide)).finding
@@ -205,7 +205,7 @@ def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_cali
     before, wide = Agreement(0.9, 0.3, 1000, 0, closeness=close), as_correction(np.array([0, 0, 0, 0, 0, 0, 0.2, 0, 0]), true.center)
     refused = SimpleNamespace(accepted=False, said="Two fit as well.", before=before, correction=wide, labels_to_reference=np.eye(4))
     calls = []
-    monkeypatch.setattr(check, "sweeps_of", list)
+    monkeypatch.setattr(check, "sweeps_of", lambda sequences, _: list(sequences))
     monkeypatch.setattr(check, "imaged_echoes", lambda *given: true)
     monkeypatch.setattr(check, "repairs", lambda *given: [Repair("the images look mirrored", Remedy.MIRROR, {}, lambda: true)])
     monkeypatch.setattr(check, "calibrate_echoes", lambda *given: calls.append(given) or refused)

@@ -79,3 +79,12 @@ def test_angles_that_show_nothing_in_common_are_refused():
     apart = echoes.planes.copy()
     apart[echoes.angles == 1, :3, 3] += 500.0
     assert "no bone in common" in (calibrated(replace(echoes, planes=apart, times=np.full(len(apart), np.nan))).refusal or "")
+
+
+def test_what_tilts_about_one_axis_leave_open_is_said_and_stays_as_given():
+    tilted = wrongly_calibrated(made_echoes([angle for angle in ANGLES if angle[1] == 0]), 4.0, 2.5)
+    found = calibrated(tilted)
+    open_numbers = ASKED & ~found.held
+    assert open_numbers.any()
+    assert as_vector(found.correction)[open_numbers] == pytest.approx(0.0)
+    assert any("Not told by this sweep, and left as given: " in line for line in [*crossing_findings(found), found.refusal or ""])

@@ -6,16 +6,22 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import SimpleITK as sitk
 from files import refused, tracked_sequence, write_patient
 from sweeps import rigid
 from waiting import until
 
+from AIFReconLib.commands import reconstruct as reconstruct_command
 from AIFReconLib.commands.parser import main
+from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
+from AIFReconLib.sweep.frames import FrameRecord
 
 
 def test_a_grid_that_the_sweep_misses_is_refused(patient, results, capsys, tmp_path):
@@ -201,3 +207,92 @@ def test_ctrl_c_stops_with_130_and_leaves_no_partial_file(results):
     assert demo.returncode == 130, error
     assert error.count("\n") == 1, error
     assert not [path for path in output.rglob("*") if path.name.startswith(".") or path.name in ("sweep.igs.mha", "comparison.png")]
+
+
+# ---- files that are read and not named
+
+
+def _acquisition(folder):
+    """Of CustusX: frames with data files of their own, times, poses."""
+    base = folder / "US-Acq_1_Probe"
+    frames = tracked_sequence(count=3)
+    for number in range(3):
+        write_sequence(replace(frames, images=frames.images[[number]], records=[FrameRecord()]), folder / f"{base.name}_{number}.mhd")
+    base.with_suffix(".fts").write_text("1000\n1050\n1100\n")
+    base.with_suffix(".fp").write_text("1 0 0 0\n0 1 0 0\n0 0 1 0\n" * 3)
+    return ["convert", base.with_suffix(".fts"), folder / f"{base.name}_2.mhd"]
+
+
+def _slices(folder):
+    """A CT of one file a slice, one of which is named."""
+    series = sitk.ImageFileWriter()
+    series.KeepOriginalImageUIDOn()
+    for number in range(4):
+        image = sitk.GetImageFromArray(np.zeros((8, 8), np.int16))
+        tags = {"0008|0060": "CT", "0020|000e": "1.2.3", "0020|000d": "1.2", "0008|0018": f"1.2.3.{number}"}
+        for tag, value in {**tags, "0020|0032": f"0\\0\\{number}", "0020|0013": str(number)}.items():
+            image.SetMetaData(tag, value)
+        series.SetFileName(str(folder / f"{number}.dcm"))
+        series.Execute(image)
+    return ["preview", folder / "0.dcm", "--ct", folder / "1.dcm", "--output", folder / "3.dcm"]
+
+
+def _other_name(folder):
+    patient = write_patient(folder)
+    (folder / "other.igs.mha").hardlink_to(patient.sweep)
+    return ["convert", patient.sweep, folder / "other.igs.mha"]
+
+
+def _mechanism(folder):
+    file = folder / "array.toml"
+    file.write_text("")
+    return [
+        "live",
+        "--mechanism",
+        f"ProbeToBase={folder / 'array.toml'}",
+        "--output",
+        folder / "v.nrrd",
+        "--save-settings",
+        folder / "array.toml",
+    ]
+
+
+@pytest.mark.parametrize("case", [_acquisition, _slices, _other_name, _mechanism])
+def test_what_is_read_beside_the_named_files_is_not_overwritten(case, tmp_path, results, capsys):
+    words = case(tmp_path)
+    before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
+    assert "would overwrite an input" in refused(words, capsys, results)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == before
+
+
+DEEP = "[" * 100_000 + "]" * 100_000
+OBJECT = "v 0 0 0\nv 10 0 0\nv 0 10 0\nf 1 2 99999999999999999999999\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "says"),
+    [
+        (DEEP, ["simulate", "--output", "{results}/x", "--plan"], "it is nested too deeply"),
+        (DEEP, ["plan", "--bone-labels", "{labels}", "--output", "{results}/p.json", "--unseen"], "it is nested too deeply"),
+        (OBJECT, ["bone-map", "--output", "{results}/p.nrrd"], "it cannot be read as a surface model"),
+    ],
+    ids=["plan", "unseen", "model"],
+)
+def test_damaged_files_are_one_sentence(text, words, says, patient, results, tmp_path, capsys):
+    path = tmp_path / ("damaged.obj" if text is OBJECT else "damaged.json")
+    path.write_text(text)
+    words = [word.format(results=results, labels=patient.labels) for word in words]
+    assert says in refused([*words, path], capsys, results)
+
+
+def test_a_warning_of_numpy_is_for_the_log(patient, results, capsys, tmp_path, monkeypatch):
+    def warning(*_, **__):
+        warnings.warn_explicit("invalid value", RuntimeWarning, "module.py", 1)
+        raise SettingsError("It ends here.")
+
+    monkeypatch.setattr(reconstruct_command, "sequence_from", warning)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        words = [*patient.reconstruct, "--output", results / "v.nrrd", "--log", tmp_path / "log.txt"]
+        assert refused(words, capsys, results) == "aifrecon: It ends here.\n"
+    assert "RuntimeWarning: invalid value" in (tmp_path / "log.txt").read_text()

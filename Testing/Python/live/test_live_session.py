@@ -647,3 +647,16 @@ def test_no_wrong_image_of_a_corrupt_stream_enters_the_volume(data_dir, real_dat
     received = read_sequence(tmp_path / "scan.mhd").images
     assert len(received) >= 3
     assert all(picture.tobytes() in originals for picture in received)
+
+
+def test_a_recipe_that_a_stream_cannot_obey_is_refused():
+    grid = VoxelGrid.from_spacing((0.0, 0.0, 0.0), (4, 4, 4), 1.0)
+    for settings, says in (
+        (ReconstructionSettings(orientation="UF"), "orientation is for files"),
+        (ReconstructionSettings(spacing=2.0), "spacing must be that of the grid"),
+        (ReconstructionSettings(bone_from_sweep=True), "bone_from_sweep looks at a whole recording"),
+    ):
+        with pytest.raises(SettingsError, match=says):
+            LiveSession(QueueSource(), settings, grid=grid)
+    with pytest.raises(SettingsError, match="time_offset must be that of the synchronizer"):
+        LiveSession(QueueSource(), ReconstructionSettings(time_offset=0.2), synchronizer=SynchronizerSettings(time_offset=0.1))

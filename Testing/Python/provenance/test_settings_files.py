@@ -99,7 +99,7 @@ def test_what_python_makes_says_how(tmp_path):
     sequence = replace(tracked_sequence(), path=tmp_path / "sweep.mha")
     (tmp_path / "sweep.mha").write_bytes(b"1234")
     grid = VoxelGrid.from_spacing((-9.0, -8.0, -7.0), (7, 8, 9), (2.0, 2.5, 3.1))
-    result = reconstruct(sequence, replace(PLACED, best_cosine=False), grid=grid)
+    result = reconstruct(sequence, replace(PLACED, spacing=None), grid=grid)
     fields = result.mask.fields
     assert fields == result.intensity.fields
     assert (fields["AIFRecon_version"], fields["AIFRecon_method"]) == (__version__, "latest")

@@ -1,6 +1,7 @@
-"""Every setting, whatever it is: told by its option, by a cell of a table and by a settings file, and obeyed.
+"""Every setting, whatever it is: told by its option, by a cell of a table, by a settings file and in Python, and obeyed.
 
-A setting that is declared and used nowhere fails here: the same sweep is reconstructed with two values of it, and something must differ.
+A setting that is declared and used nowhere fails here: the same sweep is reconstructed with two values of it, and something must differ, by
+each engine and with each method that it concerns. Where it concerns nothing this is said, and what cannot be obeyed is refused.
 """
 
 from __future__ import annotations
@@ -13,13 +14,19 @@ import pytest
 import SimpleITK as sitk
 from files import tracked_sequence, write_patient
 
+from AIFReconLib import BoneMap, LabeledBone, Reconstructor, VoxelGrid, read_labels, read_sequence, read_transform, reconstruct
 from AIFReconLib.batch.columns import Columns
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.reconstruct import add_to
+from AIFReconLib.compounding.methods.table import BONE_METHODS, LINEAR_METHODS, METHODS
+from AIFReconLib.errors import AIFReconError, GeometryError, SettingsError
+from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.recipe.recipe import RULES, Recipe
+from AIFReconLib.provenance.record import settings_of
+from AIFReconLib.recipe.recipe import OF_LABELS, OF_READING, RULES, Recipe
 from AIFReconLib.recipe.rules import FLAG
+from AIFReconLib.sweep.poses import sweep_poses, tracked_frames
 from AIFReconLib.terminal.one_line_parser import OneLineParser
 from AIFReconLib.terminal.recipe_options import recipe_from
 
@@ -73,6 +80,22 @@ ELSEWHERE = {
     "best_cosine": "another volume, --cosine",
 }
 """Settings that need more than a value, or change no voxel."""
+
+
+SOME_METHODS = {
+    "alpha": ("aif", "aif-compensated"),
+    "beta": ("aif-compensated", "weighted"),
+    "bone_gain": ("weighted",),
+    "weight_floor": ("weighted",),
+    "intensity_maximum": BONE_METHODS,
+    "interpolation": LINEAR_METHODS,
+    "probe": BONE_METHODS,
+    "apex_px": BONE_METHODS,
+    "bone_direction": ("aif", "aif-compensated"),
+    **dict.fromkeys(OF_LABELS, BONE_METHODS),
+    "method": ("average",),
+}
+"""Methods that a setting concerns, where that is not every one."""
 
 
 def test_every_setting_is_tried():
@@ -140,6 +163,126 @@ def test_what_predictions_cover_makes_a_difference(outcome, tmp_path):
     write_sequence(tracked_sequence(seed=3), tmp_path / "predicted.mha")
     words = ["--bone-frames", tmp_path / "predicted.mha"]
     assert outcome({}, *words) != outcome({"bone_frames_px": [10, 5, 20, 15]}, *words)
+
+
+# ---- Python
+
+
+@pytest.fixture
+def in_python(patient):
+    """A reconstruction of the sweep by Python, with bone for the methods that need it."""
+
+    def made(method, **settings):
+        sequence = read_sequence(patient.sweep, config=patient.config)
+        bone = None
+        if method in BONE_METHODS:
+            width = {} if {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings) else {"bone_sigma_mm": 1.6}
+            bone = LabeledBone(read_labels(patient.labels), read_transform(patient.transform), recipe=Recipe(**width))
+        return reconstruct(sequence, Recipe(**{"method": method, **settings}), bone)
+
+    return made
+
+
+NOTED = [name for name in SOME_METHODS if name in VALUES and name not in ("method", "interpolation", "probe", "apex_px")]
+"""Linear interpolation is refused elsewhere, and a probe is a fact about the images, which the header keeps."""
+
+
+def _voxels(result):
+    volumes = result.intensity, result.score
+    return [(volume.array.tobytes(), volume.array.dtype, volume.ijk_to_reference.tobytes()) for volume in volumes]
+
+
+WITH_NOTHING_LEFT = {
+    "longest_gap": "no pose is as near as a millisecond",
+    "probe": "the configuration shows none of the other kind",
+    "fan_detection": "no pixel is as bright",
+}
+"""Settings whose other value leaves nothing to reconstruct, which is an error."""
+
+TRIED = [(name, method) for name in VALUES for method in SOME_METHODS.get(name, METHODS) if name != "bone_frames_px"]
+
+
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize(("name", "method"), TRIED)
+def test_each_engine_and_method_that_it_concerns_obeys_it(name, method, engine, in_python):
+    one, other, beside = VALUES[name]
+    beside = {**beside, "engine": engine}
+    beside.pop("method", None)
+    if name == "orientation":
+        with pytest.raises(SettingsError, match="orientation counts where a recording is read"):
+            in_python(method, **beside, orientation=other)
+        return
+    outcomes = []
+    for value in (one, other):
+        try:
+            outcomes.append(_voxels(in_python(**{"method": method, **beside, **({} if value is None else {name: value})})))
+        except AIFReconError as error:
+            assert name in WITH_NOTHING_LEFT
+            outcomes.append(str(error))
+    assert outcomes[0] != outcomes[1]
+
+
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [(name, method) for name in NOTED for method in METHODS if method not in SOME_METHODS[name]],
+)
+def test_where_it_concerns_nothing_that_is_said_and_the_header_does_not_claim_it(name, method, in_python):
+    result = in_python(method, **{name: VALUES[name][1]})
+    assert any(note.startswith(f"{name} is not used: ") for note in result.notes)
+    assert name not in settings_of(result.intensity)
+    assert _voxels(result) == _voxels(in_python(method))
+
+
+def test_the_sweep_itself_says_where_bone_is_where_a_recipe_asks_for_it(patient):
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    with pytest.raises(GeometryError, match="bone echoes, bright with darkness behind them, are too few"):
+        reconstruct(sequence, Recipe(bone_from_sweep=True))
+    with pytest.raises(SettingsError, match="Input bone_from_sweep looks for bone in the sweep, and a bone map is given"):
+        reconstruct(sequence, Recipe(bone_from_sweep=True), BoneMap.from_labels(read_labels(patient.labels)))
+
+
+def test_how_bone_was_made_is_what_the_header_says_and_another_width_is_refused(patient):
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    bone = BoneMap.from_labels(read_labels(patient.labels), 2.5)
+    assert settings_of(reconstruct(sequence, Recipe(method="aif"), bone).intensity)["bone_sigma_voxels"] == 2.5
+    with pytest.raises(SettingsError, match=r"Input bone_sigma_voxels must be that of the bone map, 2\.5; got 5"):
+        reconstruct(sequence, Recipe(method="aif", bone_sigma_voxels=5), bone)
+
+
+GRID = VoxelGrid.from_spacing((-12.0, -12.0, -12.0), (25, 25, 25), 1.0)
+REFUSED_BY_RECONSTRUCTOR = {"grid_size": {"grid_to_reference": ASIDE}, **{name: {} for name in (*OF_READING, "spacing", "bone_sigma_mm")}}
+TRIED_HERE = [name for name in VALUES if name not in ("grid_to_reference", "bone_sigma_voxels", "bone_belief", "method")]
+
+
+@pytest.mark.parametrize("engine", ["numpy", "numba"])
+@pytest.mark.parametrize(
+    "name", [name for name in VALUES if name not in ("grid_to_reference", "bone_sigma_voxels", "bone_belief", "method")]
+)
+def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, patient):
+    one, other, beside = VALUES[name]
+    method = SOME_METHODS.get(name, ("average",))[-1]
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    poses = sweep_poses(sequence)
+    labels = read_labels(patient.labels).placed_by(read_transform(patient.transform))
+    bone = BoneMap.from_labels(labels, sigma_mm=1.6) if method in BONE_METHODS else None
+    probe = None if {"probe", "apex_px"} & {name, *beside} else ProbeGeometry("linear")
+
+    def made(**settings):
+        settings = {each: value for each, value in settings.items() if value is not None}
+        if settings.get("probe") == "sector":
+            settings["apex_px"] = [19.3, -30.1]
+        reconstructor = Reconstructor(GRID, Recipe(**{"method": method, "engine": engine, **settings}), bone, probe=probe)
+        reconstructor.insert(tracked_frames(sequence, poses, poses.usable))
+        return reconstructor.reconstruction()
+
+    if name in REFUSED_BY_RECONSTRUCTOR:
+        with pytest.raises(SettingsError, match=f"Input .*{name}"):
+            made(**{**REFUSED_BY_RECONSTRUCTOR[name], name: other})
+    else:
+        beside = {each: value for each, value in beside.items() if each not in ("method", "bone_sigma_mm")}
+        assert _voxels(made(**{**beside, name: one})) != _voxels(made(**{**beside, name: other}))
 
 
 # ---- doors

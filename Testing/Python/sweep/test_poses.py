@@ -332,3 +332,16 @@ def test_a_size_that_changes_while_the_poses_stay_is_one_note_with_frame_and_siz
 def test_poses_that_change_while_the_stated_size_stays_are_named():
     (note,) = notes_on_size(SIZE, SIZE, scales=(1.0, 2.0))
     assert "a pixel of frame 1 is 0.25 x 0.5 mm, but ImageToReference places pixels 0.5 x 1 mm apart" in note
+
+
+@pytest.mark.parametrize(
+    ("scale", "says"),
+    [([1e-3, 1e-3], "Images are 0.02 x 0.015 mm by their poses"), ([1, 1e-3], "All 30 frames lie within 0.029 mm"), ([1, 1], "")],
+    ids=["all", "places", "none"],
+)
+def test_poses_in_meters_are_told(scale, says):
+    poses = np.tile(np.eye(4), (30, 1, 1))
+    poses[:, :3, :3] *= 0.5 * scale[0]
+    poses[:, 2, 3] = np.arange(30) * scale[1]
+    notes = sweep_poses(TrackedSequence.from_arrays(np.zeros((30, 30, 40), np.uint8), poses)).notes
+    assert [says in note for note in notes] == ([True] if says else [])

@@ -20,6 +20,7 @@ from ....geometry.transform_graph import MISSING, TransformName, TransformSample
 from ....recipe.recipe import LONGEST_GAP
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
+from ...disk.regular_files import files_in
 from ...disk.small_files import read_bytes
 from ...disk.xml_tree import parse_xml
 from ...metafile.text_values import NotANumberError, parse_numbers
@@ -140,7 +141,7 @@ def _frame(path: Path, orientation: str | None) -> tuple[Numbers, tuple[float, f
 def _frames(path: Path, base: str) -> list[Path]:
     """The files of the frames, in order."""
     of_frame = re.compile(re.escape(Path(base).name) + r"_([0-9]{1,9})\.mhd", re.IGNORECASE)
-    found = sorted((int(match[1]), file) for file in path.parent.iterdir() if (match := of_frame.fullmatch(file.name)))
+    found = sorted((int(match[1]), file) for file in files_in(path.parent) if (match := of_frame.fullmatch(file.name)))
     if not found:
         raise SequenceFormatError(f"{path}: the frames {Path(base).name}_0.mhd and so on must lie beside it. Copy the whole folder.")
     return [file for _, file in found]
@@ -160,7 +161,7 @@ def _times_of_frames(path: Path) -> Path:
     """The file of an acquisition by which it is known, in its folder or as it is."""
     if not path.is_dir():
         return path
-    found = sorted(path.glob("*.fts"))
+    found = files_in(path, "*.fts")
     if len(found) != 1:
         names = ", ".join(file.name for file in found)
         raise SequenceFormatError(
@@ -192,7 +193,13 @@ def _matrices(path: Path) -> Matrix:
 
 
 def _is_folder(path: Path) -> bool:
-    return next(path.glob("*.fts"), None) is not None
+    return bool(files_in(path, "*.fts"))
 
 
-CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=_is_folder)
+def _files(path: Path) -> list[Path]:
+    """All files of the acquisition; the data of its frames are called as these."""
+    of_it = re.compile(re.escape(path.stem) + r"(_[0-9]{1,9})?[.].+", re.IGNORECASE)
+    return [file for file in files_in(path.parent) if of_it.fullmatch(file.name)]
+
+
+CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=_is_folder, files=_files)

@@ -20,7 +20,7 @@ from ....geometry.transform_graph import MISSING, TransformName, TransformSample
 from ....message import listed
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
-from ...disk.regular_files import require_regular_file
+from ...disk.regular_files import files_in, require_regular_file
 from ..decoded_images import DecodedImages, decoding, library
 from ..file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..kinds import Recorded, RecordingKind
@@ -188,7 +188,7 @@ def frame_word(frame: str) -> str:
 
 
 def _is_folder(path: Path) -> bool:
-    return (path / "metadata.yaml").is_file() and any(next(path.glob(f"*{suffix}*"), None) for suffix in (".mcap", ".db3"))
+    return (path / "metadata.yaml").is_file() and any(files_in(path, f"*{suffix}*") for suffix in (".mcap", ".db3"))
 
 
 BAGS = RecordingKind("a bag of ROS", (".bag", ".mcap", ".db3"), _read, is_folder=_is_folder)

@@ -12,6 +12,7 @@ import tempfile
 import weakref
 import zipfile
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
@@ -26,6 +27,7 @@ from ....imaging.images import ImagesOnDemand, ImageStack
 from ....message import said
 from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
+from ...disk.workspace import workspace
 from ...disk.xml_tree import parse_xml
 from ...metafile.text_values import NotANumberError, parse_numbers
 from ..decoded_images import decoding
@@ -42,12 +44,13 @@ _PICTURES, _MOVES = "VolumeSequenceStorage", "LinearTransformSequenceStorage"
 def _read(path: Path, orientation: str | None) -> Recorded:
     require_regular_file(path, SequenceFormatError)
     with decoding(f"{path}: it cannot be read as a scene of Slicer", "Save it from Slicer again."), zipfile.ZipFile(path) as archive:
-        folder = Path(tempfile.mkdtemp(prefix="aifrecon-"))
+        stack = ExitStack()
+        folder = stack.enter_context(workspace(Path(tempfile.gettempdir())))
         unpacked: dict[str, Path] = {}
         try:
             recorded = _recorded(_Scene.of(path, archive, folder, unpacked), orientation)
         except BaseException as error:
-            shutil.rmtree(folder, ignore_errors=True)
+            stack.close()
             if isinstance(error, AIFReconError) and str(folder) in said(error):
                 text = str(said(error))
                 for member, file in unpacked.items():
@@ -55,7 +58,7 @@ def _read(path: Path, orientation: str | None) -> Recorded:
                 raise SequenceFormatError(f"{path}: {text}", error) from error
             raise
     images = _Unpacked(recorded.images)
-    weakref.finalize(images, shutil.rmtree, folder, ignore_errors=True)
+    weakref.finalize(images, stack.close)
     return replace(recorded, images=images)
 
 
