@@ -44,18 +44,19 @@ IMAGE = ImportOptions(transform="ImageToTracker", spacing=(0.2, 0.2))
     ("heading", "line", "name", "choices"),
     [
         ("x,y,z,rx,ry,rz", "0,0,{n},0,0,0.{n}", "euler_order", ("xyz", "zyx", "XYZ", "ZYX", "vector")),
-        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "ns")),
+        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "100ns", "ns")),
         (f"{PROBE},{PROBE.replace('Probe', 'Patient')}", "0,0,{n},0,0,0,1,0,0,0,0,0,0,1", "tool", ("Probe", "Patient")),
         ("x,y,z,qx,qy,qz,qw,state", "0,0,{n},0,0,0,1,Prima", "status_ok", ("Prima",)),
         ("x,y,z,n0,n1,n2,n3,n4,n5,n6,n7,n8".replace("n", "rot"), "0,0,{n},1,0,0,0,1,0,0,0,1", "column_major", ("yes", "no")),
-        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m")),
+        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m", "in")),
     ],
 )
 def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer_goes_on(images, heading, line, name, choices):
     poses = table(images, heading, line)
     questions, _words = asked(images, poses, IMAGE)
     assert (questions[0].name, questions[0].choices) == (name, choices)
-    answered = replace(IMAGE, **{name: answer(name, choices[-1] if name in ("euler_order", "units") else choices[0])})
+    which = {"units": 2, "euler_order": -1}.get(name, 0)
+    answered = replace(IMAGE, **{name: answer(name, choices[which])})
     if name == "time_unit":
         answered = replace(IMAGE, time_unit="ms")
     if name == "euler_order":

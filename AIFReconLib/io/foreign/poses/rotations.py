@@ -154,7 +154,7 @@ def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | No
     if set(TURN) <= have:
         return RotationKind(TURN, COLUMNS if form.column_major else ROWS)
     if set(COUNTED_TURN) <= have:
-        return RotationKind(COUNTED_TURN, _order_of_nine(values, form))
+        return RotationKind(COUNTED_TURN, _order_of_nine(form))
     if set(QUATERNION) <= have:
         return RotationKind(QUATERNION)
     if set(UNORDERED_QUATERNION) <= have:
@@ -194,22 +194,11 @@ def _angle_unit(fields: Sequence[str], form: PoseFormat, unit: str | None, value
     return unit
 
 
-def _order_of_nine(values: Mapping[str, Floats], form: PoseFormat) -> str:
-    """Whether nine numbers without names run along rows or columns: as said, else as the angles beside them tell."""
-    if form.column_major is not None:
-        return COLUMNS if form.column_major else ROWS
-    if set(EULER) <= set(values):
-        nine = np.stack([values[name] for name in COUNTED_TURN], axis=1).reshape(-1, 3, 3)
-        angles = np.stack([values[name] for name in EULER], axis=1)
-        good = np.isfinite(nine).all(axis=(1, 2)) & np.isfinite(angles).all(axis=1)
-        for order, turn in ((ROWS, nine[good]), (COLUMNS, nine[good].transpose(0, 2, 1))):
-            # About the axes that turn along: roll, pitch, yaw (Qualisys), or yaw, pitch, roll
-            for axes, about in (("XYZ", angles[good]), ("ZYX", angles[good][:, ::-1])):
-                found = scipy.spatial.transform.Rotation.from_euler(axes, about, degrees=True).as_matrix()
-                other = turn.transpose(0, 2, 1)
-                if good.any() and np.allclose(found, turn, atol=2e-3) and not np.allclose(found, other, atol=2e-3):
-                    return order
-    raise SettingsError("Nine numbers of a rotation can run along its rows or its columns.", Remedy.ROWS_OR_COLUMNS)
+def _order_of_nine(form: PoseFormat) -> str:
+    """Whether nine numbers without names run along rows or columns."""
+    if form.column_major is None:
+        raise SettingsError("Nine numbers of a rotation can run along its rows or its columns.", Remedy.ROWS_OR_COLUMNS)
+    return COLUMNS if form.column_major else ROWS
 
 
 def poses_of(values: Mapping[str, Floats], kind: RotationKind, form: PoseFormat) -> Matrix:
