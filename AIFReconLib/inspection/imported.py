@@ -86,6 +86,7 @@ def _settings_from(options: ImportOptions) -> ImportSettings:
         options.spacing,
         options.image_origin_px,
         calibration,
+        options.calibration_unit,
         options.orientation,
         options.rate,
         options.time_offset,

@@ -11,6 +11,25 @@ SIZES_DIFFER = 0.05
 """Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
+LARGEST_IMAGE, SMALLEST_IMAGE = 400.0, 5.0
+"""mm across or along, which no probe sees more or less of."""
+
+
+FEWEST_PIXELS = 64
+"""Along an image; smaller ones are made up, and tell nothing by their size."""
+
+
+def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:
+    """A sentence where images of (columns, rows) pixels, placed by (n, 4, 4), are larger or smaller than any probe sees."""
+    columns, rows = frame_size
+    sides = np.linalg.norm(image_to_mm[:, :3, :2], axis=1).reshape(-1, 2) * (columns, rows)
+    wide, high = np.median(sides, axis=0)
+    if SMALLEST_IMAGE <= max(wide, high) <= LARGEST_IMAGE or (wide < LARGEST_IMAGE and max(frame_size) < FEWEST_PIXELS):
+        return None
+    why = "larger" if max(wide, high) > LARGEST_IMAGE else "smaller"
+    return f"An image would be {wide:.4g} x {high:.4g} mm, {why} than any probe sees: is the size of a pixel missing, or a unit another?"
+
+
 def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[str]:
     """A sentence where the size of a pixel that the recording states for each frame (n, 2), mm, is not that of the poses (n, 4, 4)."""
     found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)

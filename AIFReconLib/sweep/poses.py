@@ -26,7 +26,7 @@ from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
-from .pixel_size import about_pixel_size
+from .pixel_size import about_pixel_size, implausible_size
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
@@ -162,7 +162,10 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     for seen, frames in pairs.items():
         require_agreement(f"{sequence.name}: ", sequence.frame_size, seen, frames)
     path = tuple(link.name for link in ways.path)
-    return SweepPoses(matrices, tuple(problems), path, (*notes, *about_pixel_size(stated, wanted, matrices)))
+    placed = matrices[[problem is None for problem in problems]]
+    doubt = implausible_size(placed, sequence.frame_size) if len(placed) else None
+    doubts = [] if doubt is None else [f"WARNING: {doubt}"]
+    return SweepPoses(matrices, tuple(problems), path, (*notes, *doubts, *about_pixel_size(stated, wanted, matrices)))
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:

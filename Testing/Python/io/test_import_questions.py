@@ -84,6 +84,40 @@ def test_a_rigid_pose_of_an_image_asks_for_the_size_of_a_pixel(images):
     np.testing.assert_allclose(answer("spacing", "0.2, 0.3"), (0.2, 0.3))
 
 
+RIGID, TINY = "1 0 0 -32 0 0 -1 12 0 1 0 80 0 0 0 1", "0.0002 0 0 0 0 0.0002 0 0 0 0 0.0002 0 0 0 0 1"
+
+
+@pytest.mark.parametrize(
+    ("matrix", "given", "name"),
+    [
+        (RIGID, {}, "spacing"),
+        (TINY, {}, "calibration_unit"),
+        (RIGID, {"spacing": (0.2, 0.2)}, None),
+        (TINY, {"calibration_unit": "m"}, None),
+    ],
+    ids=["without the size of a pixel", "in meters", "with its pixels", "with its unit"],
+)
+def test_a_calibration_that_makes_no_image_of_a_probe_is_asked_about(images, matrix, given, name):
+    np.save(images, np.tile(np.load(images), (1, 10, 10)))
+    (images.with_name("calibration.txt")).write_text(matrix)
+    poses = table(images, "time,x,y,z,qx,qy,qz,qw", "0.{n:02d},0,0,{n},0,0,0,1")
+    options = ImportOptions(transform="ProbeToTracker", calibration=str(images.with_name("calibration.txt")), **given)
+    if name is None:
+        (calibration,) = import_files([images], poses, options).sequence.transforms.values()
+        np.testing.assert_allclose(np.linalg.norm(calibration.matrix[:3, :2], axis=0), 0.2)
+    else:
+        questions, words = asked(images, poses, options)
+        assert questions[0].name == name
+        assert "than any probe sees" in words
+
+
+@pytest.mark.parametrize(
+    ("heading", "line"), [("x,y,z,A,B,C", "0,0,{n},0,0,90{n}"), ("x,y,z,rotvec_x,rotvec_y,rotvec_z", "0,0,{n},90,0,0")]
+)
+def test_angles_beyond_two_turns_are_asked_about(images, heading, line):
+    assert asked(images, table(images, heading, line), IMAGE)[0][0].name == "angle_unit"
+
+
 @pytest.mark.parametrize(("name", "text"), [("spacing", "0.2"), ("spacing", "wide"), ("time_unit", "minutes"), ("rate", "fast")])
 def test_what_is_no_answer_is_a_sentence(name, text):
     with pytest.raises(SettingsError, match="must be"):

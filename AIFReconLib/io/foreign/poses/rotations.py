@@ -144,8 +144,12 @@ class RotationKind:
 def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | None) -> RotationKind:
     """How the fields of a table, numbers (n,) by name, give a rotation; `unit` is that of angles, as the table says it.
 
-    Raises SettingsError when they give none, or a convention is left open.
+    Raises SettingsError when they give none, a convention is left open, or angles are beyond two turns.
     """
+    return _plausible(_rotation_kind(values, form, unit), values)
+
+
+def _rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | None) -> RotationKind:
     have = set(values)
     if set(MATRIX[:12]) <= have:
         return RotationKind(MATRIX)
@@ -192,6 +196,15 @@ def _angle_unit(fields: Sequence[str], form: PoseFormat, unit: str | None, value
             )
         return "deg"
     return unit
+
+
+def _plausible(kind: RotationKind, values: Mapping[str, Floats]) -> RotationKind:
+    """The same; raises SettingsError where angles are beyond two turns."""
+    if kind.unit:
+        most = max(float(np.abs(values[name]).max(initial=0.0, where=np.isfinite(values[name]))) for name in kind.fields)
+        if most > (720.0 if kind.unit == "deg" else 4 * np.pi) + 1e-6:
+            raise SettingsError(f"The angles reach {most:.4g} {kind.unit}, more than two turns: is their unit another?", Remedy.ANGLE_UNIT)
+    return kind
 
 
 def _order_of_nine(form: PoseFormat) -> str:

@@ -266,8 +266,8 @@ def _numbers(line: str, separator: str | None) -> int:
 
 
 def _may_be_headings(line: str) -> bool:
-    """Whether there are letters, and no number between marks that may part cells."""
-    return re.search(r"[A-Za-z]{1}", line) is not None and re.search(r"(^|[,;\s])[+-]?\d+[.,]\d+([,;\s]|$)", line) is None
+    """Whether a line begins with no number, and has none with a decimal mark between marks that may part cells."""
+    return line[0] not in "0123456789+-." and not re.search(r"(^|[,;\s])[+-]?\d+[.,]\d+([,;\s]|$)", line)
 
 
 def _are_headings(cells: Sequence[str]) -> bool:
@@ -298,6 +298,8 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 
 def _is_comment(line: str) -> bool:
+    if line[0] in "0123456789+-.":
+        return False
     start = line.lstrip()
     return start.startswith(_MARKS) and not start.startswith(_RECEIVED)
 
