@@ -277,7 +277,8 @@ def _find_ways(
         return image_ways(wanted, image_to_reference, recorded, configured)
     except TransformError as error:
         names = list(dict.fromkeys([*configured, *recorded]))
-        advice = NO_TRANSFORMS if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
+        none = Sentence(NO_TRANSFORMS) if sequence.notes else NO_TRANSFORMS  # what its notes tell comes first
+        advice = none if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
         raise TransformError(f"{sequence.name}: {said(error)} {advice}", advice) from None
 
 

@@ -99,7 +99,7 @@ def import_sequence(
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
     matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=places_image and not rigid)
     # What the tracker did not see stands somewhere, too, often at zero
-    seen = good.copy()
+    seen = np.array(good, dtype=bool)
     if poses.statuses is not None:
         seen &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
     doubts = _doubts(matrices, seen, poses, settings) if seen.any() else []
@@ -138,7 +138,7 @@ def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSett
     if REFERENCE_FRAME in ends:
         raise SettingsError(f"The poses of {name} are those in Reference already, and there is a marker on the patient.", Remedy.NO_MARKER)
     matrices = in_millimeters(patient.matrices, patient.length_unit, takes_pixels=False)
-    known = np.isfinite(matrices).all(axis=(1, 2))
+    known = np.array(np.isfinite(matrices).all(axis=(1, 2)), dtype=bool)
     for number, matrix in enumerate(matrices) if not are_rigid(matrices[known]) else ():
         if known[number] and why_not_rigid(matrix):
             raise SettingsError(f"Pose {number} of the marker must be a rotation and a translation; it is {why_not_rigid(matrix)}.")

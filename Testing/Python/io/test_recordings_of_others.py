@@ -14,10 +14,9 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib import read_sequence
-from AIFReconLib.errors import FileFormatError, SequenceFormatError
+from AIFReconLib.errors import FileFormatError, SequenceFormatError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.sequence.others import ros_bounds
 from AIFReconLib.io.sequence.others.unread import UNREAD
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.poses import sweep_poses
@@ -389,7 +388,7 @@ def test_a_bag_that_is_cut_short_is_refused(tree_bag):
 
 
 @pytest.mark.parametrize(("storage", "compression"), [("bag", "bz2"), ("bag", "lz4"), ("mcap", "zstd")])
-def test_compressed_bags_are_read_and_one_that_would_fill_the_memory_is_refused(tmp_path, monkeypatch, storage, compression):
+def test_compressed_bags_are_read(tmp_path, storage, compression):
     from rosbags.rosbag1 import Writer as First
     from rosbags.rosbag2 import CompressionFormat, CompressionMode
 
@@ -402,9 +401,47 @@ def test_compressed_bags_are_read_and_one_that_would_fill_the_memory_is_refused(
         for number in range(COUNT):
             bag.image(number)
     np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
-    monkeypatch.setattr(ros_bounds, "MOST_BYTES", 500)
-    with pytest.raises(SequenceFormatError, match=r"its chunk at byte .* unpacks to another size than it says, or to more than 500 bytes"):
-        read_sequence(bag.path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("nav_msgs/msg/Odometry", "NeedleToTracker"),
+        ("geometry_msgs/msg/PoseWithCovarianceStamped", "ProbeToTracker"),
+        ("nav_msgs/msg/Path", None),
+    ],
+)
+@pytest.mark.parametrize("storage", ["bag", "mcap"])
+def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name):
+    bag = Bag(tmp_path / "sweep", storage)
+    with bag.writer:
+        for number in range(COUNT):
+            position, orientation = bag.moved(pose(number), "Point")
+            at = bag.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
+            header = bag.header(0.05 * number, "tracker")
+            fields: dict[str, Any] = {"header": header}
+            if kind.endswith("Path"):
+                fields["poses"] = [bag.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
+            else:
+                fields["pose"] = bag.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
+            if kind.endswith("Odometry"):
+                still = bag.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+                twist = bag.make("geometry_msgs/msg/Twist", linear=still, angular=still)
+                fields |= {
+                    "child_frame_id": "needle",
+                    "twist": bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
+                }
+            bag.write("/probe/pose", kind, 0.05 * number, bag.make(kind, **fields))
+            bag.image(number)
+    sequence = read_sequence(bag.path)
+    assert [str(each) for each in sequence.transform_names()] == ([] if name is None else [name])
+    if name is None:
+        assert f"{COUNT} of nav_msgs/msg/Path on /probe/pose" in " ".join(sequence.notes)
+        with pytest.raises(TransformError, match=r"no transforms at all: was a tracker connected.$"):
+            sweep_poses(sequence)
+    else:
+        found = [next(iter(record.transforms.values())).matrix for record in sequence.records]
+        np.testing.assert_allclose(found, [pose(number) for number in range(COUNT)], atol=1e-9)
 
 
 def test_images_of_an_encoding_that_is_not_known_are_named(tmp_path):
