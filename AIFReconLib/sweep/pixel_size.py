@@ -15,6 +15,19 @@ LARGEST_IMAGE, SMALLEST_IMAGE = 400.0, 5.0
 """mm across or along, which no probe sees more or less of."""
 
 
+LARGEST_SWEEP, SMALLEST_SWEEP = 2000.0, 1.0
+"""mm that the images of a sweep move, at most and at least."""
+
+
+def implausible_extent(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:
+    """A sentence where the middles of more than five images, placed by (n, 4, 4), lie meters apart, or within a millimeter."""
+    middle = (image_to_mm @ (frame_size[0] / 2, frame_size[1] / 2, 0.0, 1.0))[:, :3]
+    extent = float(np.ptp(middle, axis=0).max())
+    if len(middle) <= 5 or extent == 0.0 or SMALLEST_SWEEP <= extent <= LARGEST_SWEEP:
+        return None
+    return f"The sweep spans {extent:.3g} mm: are its lengths in another unit than mm?"
+
+
 FEWEST_PIXELS = 64
 """Along an image; smaller ones are made up, and tell nothing by their size."""
 

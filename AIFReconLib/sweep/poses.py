@@ -26,7 +26,7 @@ from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
-from .pixel_size import about_pixel_size, implausible_size
+from .pixel_size import about_pixel_size, implausible_extent, implausible_size
 
 FARTHEST_APART = 1000.0
 """mm between two sweeps that no patient's spine spans."""
@@ -163,8 +163,8 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
         require_agreement(f"{sequence.name}: ", sequence.frame_size, seen, frames)
     path = tuple(link.name for link in ways.path)
     placed = matrices[[problem is None for problem in problems]]
-    doubt = implausible_size(placed, sequence.frame_size) if len(placed) else None
-    doubts = [] if doubt is None else [f"WARNING: {doubt}"]
+    asked = [about(placed, sequence.frame_size) for about in (implausible_size, implausible_extent)] if len(placed) else []
+    doubts = [f"WARNING: {doubt}" for doubt in asked if doubt is not None]
     return SweepPoses(matrices, tuple(problems), path, (*notes, *doubts, *about_pixel_size(stated, wanted, matrices)))
 
 

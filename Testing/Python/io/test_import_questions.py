@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
+from scipy.spatial.transform import Rotation
 
 import AIFReconLib.io.foreign
 from AIFReconLib.errors import AIFReconError, SettingsError
@@ -116,6 +118,29 @@ def test_a_calibration_that_makes_no_image_of_a_probe_is_asked_about(images, mat
 )
 def test_angles_beyond_two_turns_are_asked_about(images, heading, line):
     assert asked(images, table(images, heading, line), IMAGE)[0][0].name == "angle_unit"
+
+
+def test_poses_the_wrong_way_round_contradict_the_images(images):
+    """A probe that turns to and fro far from the tracker, over speckle that lies still."""
+    speckle = scipy.ndimage.gaussian_filter(np.random.default_rng(0).normal(size=(60, 60, 60)), 5.0)
+    pixels = np.stack([*np.meshgrid(np.arange(64) * 0.5 - 16, np.arange(64) * 0.5), np.zeros((64, 64))])
+    away, frames, lines = Rotation.from_euler("xyz", (40, 20, -70), degrees=True), [], []
+    for n in range(48):
+        turn = Rotation.from_euler("xyz", (8 * np.sin(n / 4), 6 * np.cos(n / 7), 5 * np.sin(n / 3)), degrees=True)
+        at = np.array([30, 20, 30 + 25 * np.sin(n / 9)])
+        inside = np.einsum("ij,jrc->irc", turn.as_matrix(), pixels) + at[:, None, None]
+        frames.append(128 + 4000 * scipy.ndimage.map_coordinates(speckle, inside, order=1, mode="reflect"))
+        lines.append(",".join(map(str, [0.05 * n, *np.add(away.apply(at), (200, -150, 800)), *(away * turn).as_quat()])))
+    np.save(images, np.clip(frames, 0, 255).astype(np.uint8))
+    poses = images.with_name("poses.csv")
+    poses.write_text("\n".join(["time,x,y,z,qx,qy,qz,qw", *lines]))
+    right = ImportOptions(transform="ImageToTracker", spacing=(0.5, 0.5), image_origin_px=(32.0, 0.0))
+    wrong = replace(right, transform="TrackerToImage")
+    import_files([images], poses, right)
+    questions, words = asked(images, poses, wrong)
+    assert "near each other by its inverse, ImageToTracker" in words
+    assert "sure" in [question.name for question in questions]
+    import_files([images], poses, replace(wrong, sure=True))
 
 
 @pytest.mark.parametrize(("name", "text"), [("spacing", "0.2"), ("spacing", "wide"), ("time_unit", "minutes"), ("rate", "fast")])
