@@ -15,7 +15,7 @@ import AIFReconLib
 REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
 FILES = [path for folder in ("AIFReconLib", "AIFRecon") for path in sorted((REPOSITORY / folder).rglob("*.py"))]
-LONGEST_FILE = 400
+LONGEST_FILE = 700
 LONGEST_NAME = 150
 """Of 260 characters of a path on Windows, what this repository may take; the folder that it lies in has the rest."""
 
@@ -47,7 +47,7 @@ def trusting(tree: ast.AST) -> list[str]:
     return found
 
 
-def test_a_library_file_stays_under_400_lines():
+def test_a_library_file_stays_under_700_lines():
     assert [name_of(path) for path in LIBRARY.rglob("*.py") if len(path.read_text("utf-8").splitlines()) >= LONGEST_FILE] == []
 
 
