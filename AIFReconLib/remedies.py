@@ -66,6 +66,7 @@ class Remedy(Enum):
     NO_CALIBRATION = auto()
     PIXEL_SIZE = auto()
     NO_PIXEL_SIZE = auto()
+    CALIBRATION_UNIT = auto()
     WHERE_THE_IMAGE_LIES = auto()
     NAME_THE_COLUMNS = auto()
     NO_IMAGE_COLUMN = auto()
@@ -141,6 +142,7 @@ IN_PYTHON = {
     Remedy.NO_CALIBRATION: "Leave out the calibration.",
     Remedy.PIXEL_SIZE: "Give spacing in mm, (x, y).",
     Remedy.NO_PIXEL_SIZE: "Leave out spacing and origin_px{or_calibration}.",
+    Remedy.CALIBRATION_UNIT: "If the calibration is in another unit, give calibration_unit, as m; if it is right, sure=True.",
     Remedy.WHERE_THE_IMAGE_LIES: ("Give a calibration; or both spacing and origin_px, if the axes of the image are those of {frame}."),
     Remedy.NAME_THE_COLUMNS: 'Name the columns, as in columns="time x y z qx qy qz qw", - for those that are not used.',
     Remedy.NO_IMAGE_COLUMN: "Leave out that column (columns, with -).",

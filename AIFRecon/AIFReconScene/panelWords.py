@@ -85,7 +85,10 @@ def remedies() -> dict[Remedy, str]:
         Remedy.REPLAY_RATE: commandLine.replace("{command}", "replay"),
         **dict.fromkeys(ASKED, _("Answer the question below, and press “Check”.")),
         **dict.fromkeys((Remedy.NO_PIXEL_SIZE, Remedy.NO_TOOL, Remedy.NO_MARKER), _("Leave it open below, and press “Check”.")),
-        **dict.fromkeys((Remedy.UNITS, Remedy.SURE), _("If it is another unit, or right as it is, say so below, and press “Check”.")),
+        **dict.fromkeys(
+            (Remedy.UNITS, Remedy.CALIBRATION_UNIT, Remedy.SURE),
+            _("If it is another unit, or right as it is, say so below, and press “Check”."),
+        ),
         Remedy.NO_CALIBRATION: _("Leave “Calibration” empty."),
         Remedy.NAME_THE_CALIBRATION: _("Choose another “Calibration”."),
         Remedy.WHERE_THE_IMAGE_LIES: _("Choose the “Calibration”; or answer below, if the axes of the image are those of {frame}."),

@@ -102,6 +102,19 @@ def why_not_rigid(matrix: Matrix) -> str | None:
     return None
 
 
+def are_rigid(matrices: Matrix) -> bool:
+    """Whether all of (n, 4, 4) poses are rotations and translations, as `why_not_rigid` tells of one."""
+    turns = matrices[:, :3, :3]
+    off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(initial=0.0)
+    return bool(
+        np.isfinite(matrices).all()
+        and np.abs(matrices).max(initial=0.0) <= LARGEST_NUMBER
+        and (matrices[:, 3] == (0.0, 0.0, 0.0, 1.0)).all()
+        and off <= RIGIDITY_TOLERANCE
+        and (np.linalg.det(turns) > 0.0).all()
+    )
+
+
 def _dot(a: Sequence[float], b: Sequence[float]) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 

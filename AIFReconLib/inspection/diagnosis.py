@@ -95,6 +95,7 @@ def diagnose(
     else:
         usable = poses.usable
         facts.append(("pixel spacing", _describe_spacing(poses)))
+        facts.append(("image", _describe_extent(poses, sequence.frame_size)))
         chain = ", ".join(str(name) for name in poses.path)
         shown = probe or _describe_probe(sequence, pixel_spacing(poses.image_to_reference[usable[0]]))
         ready = shown is not None or not has_bone
@@ -134,6 +135,15 @@ def _describe_spacing(poses: SweepPoses) -> str:
     x, y = np.median(spacings, axis=0)
     varies = "" if np.ptp(spacings, axis=0).max() < 1e-3 * max(x, y) else ", varies between frames"
     return f"{x:.4g} x {y:.4g} mm{varies}"
+
+
+def _describe_extent(poses: SweepPoses, frame_size: tuple[int, int]) -> str:
+    """How large an image is, and how far the sweep goes."""
+    placed = poses.image_to_reference[poses.usable]
+    columns, rows = frame_size
+    wide, high = np.median(np.linalg.norm(placed[:, :3, :2], axis=1), axis=0) * (columns, rows)
+    middle = (placed @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3]
+    return f"{wide:.4g} x {high:.4g} mm, its middle moves within {' x '.join(f'{side:.4g}' for side in np.ptp(middle, axis=0))} mm"
 
 
 def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str | None:

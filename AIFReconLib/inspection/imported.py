@@ -21,9 +21,11 @@ from ..io.foreign.options import ImportOptions
 from ..io.foreign.poses.files import read_poses
 from ..io.foreign.poses.rotations import PoseFormat
 from ..message import said
+from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
 from .offset_estimate import estimate_time_offset
+from .pose_reading import is_inverse_better
 from .sweep_drawing import Drawing, draw_sweep
 from .tracking_report import tracking_report
 
@@ -58,7 +60,29 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
     table = read_joint_poses(poses, mechanism, settings.form) if mechanism else read_poses(poses, settings.form)
     patient = read_poses(poses, replace(settings.form, tool=options.reference_tool)) if options.reference_tool else None
     sequence, understood = import_sequence(open_images(images), table, settings, patient)
+    if not (settings.sure or patient):
+        _check_direction(sequence, settings.transform)
     return Imported(sequence, understood, settings.transform, mechanism)
+
+
+def _check_direction(sequence: TrackedSequence, name: TransformName) -> None:
+    """Raise SettingsError where images agree clearly better with the inverse of the poses."""
+    moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
+    try:
+        placed = sweep_poses(sequence, reference=name.source if name.target in moving else name.target)
+    except AIFReconError:
+        return  # the image is not placed yet
+    if not len(placed.usable):
+        return
+    spacing = pixel_spacing(placed.image_to_reference[placed.usable[0]])
+    calibrations = [sample.matrix for sample in sequence.transforms.values()]
+    image_to_tool = calibrations[0] if calibrations else np.diag([*spacing, sum(spacing) / 2, 1.0])
+    if is_inverse_better(sequence, placed.image_to_reference @ np.linalg.inv(image_to_tool), image_to_tool):
+        inverse = TransformName(name.target, name.source)
+        raise SettingsError(
+            f"Images that look alike lie far apart by {name}, and near each other by its inverse, {inverse}: which are the poses?",
+            Remedy.SURE,
+        )
 
 
 def _named(calibration: str) -> tuple[str, str]:
@@ -81,6 +105,7 @@ def _settings_from(options: ImportOptions) -> ImportSettings:
         options.spacing,
         options.image_origin_px,
         calibration,
+        options.calibration_unit,
         options.orientation,
         options.rate,
         options.time_offset,

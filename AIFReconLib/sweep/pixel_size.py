@@ -11,6 +11,38 @@ SIZES_DIFFER = 0.05
 """Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
 
 
+LARGEST_IMAGE, SMALLEST_IMAGE = 400.0, 5.0
+"""mm across or along, which no probe sees more or less of."""
+
+
+LARGEST_SWEEP, SMALLEST_SWEEP = 2000.0, 1.0
+"""mm that the images of a sweep move, at most and at least."""
+
+
+def implausible_extent(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:
+    """A sentence where the middles of more than five images, placed by (n, 4, 4), lie meters apart, or within a millimeter."""
+    middle = (image_to_mm @ (frame_size[0] / 2, frame_size[1] / 2, 0.0, 1.0))[:, :3]
+    extent = float(np.ptp(middle, axis=0).max())
+    if len(middle) <= 5 or extent == 0.0 or SMALLEST_SWEEP <= extent <= LARGEST_SWEEP:
+        return None
+    return f"The sweep spans {extent:.3g} mm: are its lengths in another unit than mm?"
+
+
+FEWEST_PIXELS = 64
+"""Along an image; smaller ones are made up, and tell nothing by their size."""
+
+
+def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:
+    """A sentence where images of (columns, rows) pixels, placed by (n, 4, 4), are larger or smaller than any probe sees."""
+    columns, rows = frame_size
+    sides = np.linalg.norm(image_to_mm[:, :3, :2], axis=1).reshape(-1, 2) * (columns, rows)
+    wide, high = np.median(sides, axis=0)
+    if SMALLEST_IMAGE <= max(wide, high) <= LARGEST_IMAGE or (wide < LARGEST_IMAGE and max(frame_size) < FEWEST_PIXELS):
+        return None
+    why = "larger" if max(wide, high) > LARGEST_IMAGE else "smaller"
+    return f"An image would be {wide:.4g} x {high:.4g} mm, {why} than any probe sees: is the size of a pixel missing, or a unit another?"
+
+
 def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[str]:
     """A sentence where the size of a pixel that the recording states for each frame (n, 2), mm, is not that of the poses (n, 4, 4)."""
     found = np.linalg.norm(image_to_reference[:, :3, :2], axis=1)
@@ -39,21 +71,3 @@ def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: 
 
 def _size(spacing: Floats) -> str:
     return f"{spacing[0]:.4g} x {spacing[1]:.4g}"
-
-
-SMALLEST_IMAGE, SMALLEST_SWEEP, FRAMES_THAT_MOVE = 1.0, 1.0, 20
-"""mm across an image, and between the images of so many frames, below which poses are likely in meters."""
-
-
-def about_extent(matrices: Matrix, frame_size: tuple[int, int]) -> list[str]:
-    """A note on images or a sweep of hardly any size; `matrices` (frames, 4, 4), pixels to mm, NaN where there is no pose."""
-    placed = matrices[np.isfinite(matrices).all(axis=(1, 2))]
-    if not len(placed):
-        return []
-    across = np.median(np.linalg.norm(placed[:, :3, :2], axis=1), axis=0) * frame_size
-    if across.max() < SMALLEST_IMAGE:
-        return [f"WARNING: Images are {across[0]:.2g} x {across[1]:.2g} mm by their poses. If these are in meters, give them in mm."]
-    apart = float(np.ptp(placed[:, :3, 3], axis=0).max())
-    if 0 < apart < SMALLEST_SWEEP and len(placed) >= FRAMES_THAT_MOVE:
-        return [f"WARNING: All {len(placed)} frames lie within {apart:.2g} mm. If their poses are in meters, give them in mm."]
-    return []

@@ -26,7 +26,7 @@ from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .joined import JoinedSequence, names_of
-from .pixel_size import about_extent, about_pixel_size
+from .pixel_size import about_pixel_size, implausible_extent, implausible_size
 from .still_images import STILL, StillImages, are_equal
 
 FARTHEST_APART = 1000.0
@@ -166,9 +166,10 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     for seen, frames in pairs.items():
         require_agreement(f"{sequence.name}: ", sequence.frame_size, seen, frames)
     path = tuple(link.name for link in ways.path)
-    return SweepPoses(
-        matrices, tuple(problems), path, (*notes, *about_pixel_size(stated, wanted, matrices), *about_extent(matrices, sequence.frame_size))
-    )
+    placed = matrices[[problem is None for problem in problems]]
+    asked = [about(placed, sequence.frame_size) for about in (implausible_size, implausible_extent)] if len(placed) else []
+    doubts = [f"WARNING: {doubt}" for doubt in asked if doubt is not None]
+    return SweepPoses(matrices, tuple(problems), path, (*notes, *doubts, *about_pixel_size(stated, wanted, matrices)))
 
 
 def poses_of_each(sequences: Sequence[TrackedSequence], image_to_reference: str | None, reference: str | None) -> list[SweepPoses]:
@@ -310,7 +311,8 @@ def _find_ways(
         return image_ways(wanted, image_to_reference, recorded, configured)
     except TransformError as error:
         names = list(dict.fromkeys([*configured, *recorded]))
-        advice = NO_TRANSFORMS if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
+        none = Sentence(NO_TRANSFORMS) if sequence.notes else NO_TRANSFORMS  # what its notes tell comes first
+        advice = none if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
         raise TransformError(f"{sequence.name}: {said(error)} {advice}", advice) from None
 
 

@@ -64,6 +64,7 @@ IN_OPTIONS = {
     Remedy.NAME_THE_CALIBRATION: "Name it, as in --calibration {example}=FILE.",
     Remedy.NO_CALIBRATION: "Leave out --calibration.",
     Remedy.PIXEL_SIZE: "Give --spacing X Y in mm.",
+    Remedy.CALIBRATION_UNIT: "If the calibration is in another unit, give --calibration-unit, as m; if it is right, --sure.",
     Remedy.NO_PIXEL_SIZE: "Leave out --spacing and --image-origin-px{or_calibration}.",
     Remedy.WHERE_THE_IMAGE_LIES: (
         "Give --calibration FILE; or both --spacing and --image-origin-px, if the axes of the image are those of {frame}."

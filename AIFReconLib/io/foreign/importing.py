@@ -10,14 +10,16 @@ import numpy as np
 from ...arrays import Floats, Integers, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
-from ...geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
+from ...geometry.transforms import are_rigid, invert, why_not_an_image_pose, why_not_rigid
 from ...message import Sentence
 from ...remedies import Remedy
 from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
 from ..sequence.orientation import IN_MEMORY, parse_orientation
 from .images import FlippedImages, ImportedImages
 from .poses.files import PoseTable
+from .poses.headings import LENGTHS
 from .poses.rotations import PoseFormat, in_millimeters
 from .poses.times import FASTEST, SLOWEST
 
@@ -44,6 +46,8 @@ class ImportSettings:
         The pixel that the poses place, where that is not the first.
     calibration : (TransformName, (4, 4) array) or None
         ImageToProbe, pixels to mm, where the poses are the probe's.
+    calibration_unit : str or None
+        Of the calibration's lengths, one of mm, cm, m, in; None: mm.
     orientation : str
         Which way the pixels of the files run: MF, MN, UF or UN.
     rate : float or None, Hz
@@ -60,6 +64,7 @@ class ImportSettings:
     spacing: tuple[float, float] | None = None
     origin_px: tuple[float, float] | None = None
     calibration: tuple[TransformName, Matrix] | None = None
+    calibration_unit: str | None = None
     orientation: str = IN_MEMORY
     rate: float | None = None
     time_offset: float = 0.0
@@ -88,16 +93,18 @@ def import_sequence(
     name = settings.transform
     places_image = IMAGE_FRAME in (name.source, name.target)
     matrices = poses.matrices
-    good = np.array([np.isfinite(matrix).all() for matrix in matrices], dtype=bool)
+    good = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
     if not good.any():
         raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
     matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=places_image and not rigid)
     # What the tracker did not see stands somewhere, too, often at zero
-    seen = good & [_status(poses, number) is TransformStatus.OK for number in range(len(matrices))]
+    seen = np.array(good, dtype=bool)
+    if poses.statuses is not None:
+        seen &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
     doubts = _doubts(matrices, seen, poses, settings) if seen.any() else []
     matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
-    samples, times, pairing = _paired(images, poses, [_sample(m, poses, n) for n, m in enumerate(matrices)], settings)
+    samples, times, pairing = _paired(images, poses, matrices, settings)
     every = {name: samples}
     if patient is not None:
         every |= _of_patient(images, patient, settings)
@@ -131,10 +138,11 @@ def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSett
     if REFERENCE_FRAME in ends:
         raise SettingsError(f"The poses of {name} are those in Reference already, and there is a marker on the patient.", Remedy.NO_MARKER)
     matrices = in_millimeters(patient.matrices, patient.length_unit, takes_pixels=False)
-    for number, matrix in enumerate(matrices):
-        if np.isfinite(matrix).all() and why_not_rigid(matrix):
+    known = np.array(np.isfinite(matrices).all(axis=(1, 2)), dtype=bool)
+    for number, matrix in enumerate(matrices) if not are_rigid(matrices[known]) else ():
+        if known[number] and why_not_rigid(matrix):
             raise SettingsError(f"Pose {number} of the marker must be a rotation and a translation; it is {why_not_rigid(matrix)}.")
-    return {marker: _paired(images, patient, [_sample(m, patient, n) for n, m in enumerate(matrices)], settings)[0]}
+    return {marker: _paired(images, patient, matrices, settings)[0]}
 
 
 def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> list[str]:
@@ -147,6 +155,8 @@ def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) 
 
 def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportSettings) -> bool:
     """Whether all poses are rigid; poses that are neither that nor those of an image are refused by their number."""
+    if are_rigid(matrices):
+        return True
     reasons = [why_not_rigid(matrix) for matrix in matrices]
     if not any(reasons):
         return True
@@ -167,12 +177,14 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
     if not places_image:
         if settings.origin_px:
             _require_known_spacing(images, spacing)
-        return _placed_by_probe(matrices, spacing, settings)
+        return _placed_by_probe(matrices, spacing, images, settings)
     if settings.calibration:
         raise SettingsError(f"{name} places the image itself, so there is no calibration to apply.", Remedy.NO_CALIBRATION)
     if not rigid:
         if settings.spacing or settings.origin_px:
             raise SettingsError(f"The matrices of {name} hold the size of a pixel already.", Remedy.NO_PIXEL_SIZE, or_calibration="")
+        first = matrices[np.isfinite(matrices).all(axis=(1, 2))][0]
+        _about_image(first if name.source == IMAGE_FRAME else invert(first), images, settings)
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
     _require_known_spacing(images, spacing)
     if spacing is None:
@@ -180,6 +192,7 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
             f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known.", Remedy.PIXEL_SIZE
         )
     pixel_to_image = _pixels_to_mm(spacing, origin)
+    _about_image(pixel_to_image, images, settings)
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
     source = "" if settings.spacing else " (from the image files)"
     return matrices, {}, f"pixels of {spacing[0]:g} x {spacing[1]:g} mm{source}, {name} places pixel {origin[0]:g} {origin[1]:g}"
@@ -190,26 +203,36 @@ def _require_known_spacing(images: ImportedImages, spacing: tuple[float, float] 
         raise SettingsError(f"The size of a pixel is not known: {images.unknown_spacing}.", Remedy.PIXEL_SIZE)
 
 
-def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, settings: ImportSettings) -> _Place:
+def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, images: ImportedImages, settings: ImportSettings) -> _Place:
     """The same for poses of a probe: its calibration goes into the header."""
     name = settings.transform
     ends = (name.source, name.target)
     if settings.calibration:
-        if settings.spacing or settings.origin_px:
+        calibration, matrix = settings.calibration
+        unit = LENGTHS[settings.calibration_unit or "mm"]
+        matrix = np.diag([unit, unit, unit, 1.0]) @ matrix
+        is_rigid = why_not_rigid(settings.calibration[1]) is None
+        if settings.spacing and is_rigid:  # of millimeters, as hand-eye calibrations of others are
+            matrix = np.diag([unit, unit, unit, 1.0]) @ settings.calibration[1]
+            matrix[:3, :3] /= unit
+            matrix = matrix @ _pixels_to_mm(settings.spacing, settings.origin_px or (0.0, 0.0))
+        elif settings.spacing or settings.origin_px:
             raise SettingsError(
                 "A calibration holds the size of a pixel already.", Remedy.NO_PIXEL_SIZE, or_calibration=", or the calibration"
             )
-        calibration, matrix = settings.calibration
         if calibration.source != IMAGE_FRAME or calibration.target not in ends:
             raise SettingsError(
                 f"The calibration must lead from {IMAGE_FRAME} to {ends[0]} or {ends[1]}; got {calibration}.",
                 Remedy.NAME_THE_CALIBRATION,
                 example=f"{IMAGE_FRAME}To{ends[0]}",
             )
-        return matrices, {calibration: TransformSample(matrix)}, f"{calibration} as calibrated"
+        _about_image(matrix, images, settings)
+        of = "" if not (settings.spacing and is_rigid) else f", with pixels of {settings.spacing[0]:g} x {settings.spacing[1]:g} mm"
+        return matrices, {calibration: TransformSample(matrix)}, f"{calibration} as calibrated{of}"
     if settings.origin_px and spacing:
         calibration = TransformName(IMAGE_FRAME, name.source)
         matrix = _pixels_to_mm(spacing, settings.origin_px)
+        _about_image(matrix, images, settings)
         where = f"{settings.origin_px[0]:g} {settings.origin_px[1]:g}"
         return (
             matrices,
@@ -241,11 +264,11 @@ def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
     return TransformSample(matrix, status)
 
 
-def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], settings: ImportSettings) -> _Pairs:
+def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings: ImportSettings) -> _Pairs:
     """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
     if poses.images is not None:
-        return _paired_by_name(images, poses.images, poses.times, samples)
+        return _paired_by_name(images, poses.images, poses.times, [_sample(m, poses, n) for n, m in enumerate(matrices)])
     if images.unknown_order:
         raise SettingsError(
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
@@ -258,10 +281,11 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
         raise SettingsError("A time offset needs times of images and poses, and one of them has none.", Remedy.NO_TIME_OFFSET)
     if image_times is not None:
         image_times = image_times + offset
-    if len(samples) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
+    if len(matrices) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
+        samples = [_sample(m, poses, n) for n, m in enumerate(matrices)]
         return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
     if poses.times is not None and image_times is not None:
-        track = PoseTrack(zip(poses.times, samples))
+        track = PoseTrack((float(poses.times[n]), _sample(matrices[n], poses, n)) for n in _around(image_times, poses, matrices))
         found = [track.at(time)[0] for time in image_times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
@@ -269,12 +293,27 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
                 Remedy.TIME_OFFSET,
             )
         paired = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
-        return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
+        return paired, image_times, f"{len(matrices)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
-        f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
+        f"There must be as many poses as images; got {len(matrices)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both.",
         Remedy.IMAGE_RATE if poses.times is not None else None,
     )
+
+
+def _around(image_times: Floats, poses: PoseTable, matrices: Matrix) -> list[int]:
+    """The poses that are used at these times: of the valid ones, the last before and the first after each."""
+    if poses.times is None:
+        return []
+    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(poses.times)
+    if poses.statuses is not None:
+        usable &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
+    numbers = np.flatnonzero(usable)
+    times, first = np.unique(poses.times[numbers], return_index=True)
+    after = np.searchsorted(times, image_times)
+    wanted = np.unique(np.clip(np.concatenate([after - 1, after]), 0, max(len(times) - 1, 0)))
+    found: list[int] = numbers[first[wanted[: len(times)]]].tolist()
+    return found
 
 
 def _in_step(poses: Floats, images: Floats) -> bool:
@@ -340,7 +379,7 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportSett
         typical = float(np.median(steps))
         if not FASTEST <= typical <= SLOWEST:
             doubts.append(Sentence(f"Poses are {typical:.3g} s apart, in the median.", Remedy.TIME_UNIT, unit="ms"))
-        elif (speed := min(_speed(moved, steps), _speed(np.asarray(np.linalg.inv(moved), np.float64), steps))) > SLOWEST_DOUBTED:
+        elif (speed := _speed(moved, steps)) > SLOWEST_DOUBTED:
             doubts.append(
                 Sentence(
                     f"The tool moves at {speed / 1000:.2g} m/s, in the median: poses of several tools, or another unit of length or time?",
@@ -353,9 +392,23 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportSett
 
 
 def _speed(matrices: Matrix, steps: Floats) -> float:
-    """mm/s, in the median."""
-    moved = np.linalg.norm(np.diff(matrices[:, :3, 3], axis=0), axis=1)
-    return float(np.median(moved[steps > 0] / steps[steps > 0])) if (steps > 0).any() else 0.0
+    """mm/s, in the median of some of the steps, of what is placed or of the tracker seen from there: the slower of both."""
+    first = np.flatnonzero(steps > 0)
+    first = first[:: max(len(first) // 20_000, 1)]
+    pairs = matrices[np.stack([first, first + 1])]
+    ways = (pairs[..., :3, 3], np.linalg.inv(pairs)[..., :3, 3])
+    return (
+        min((float(np.median(np.linalg.norm(way[1] - way[0], axis=-1) / steps[first])) for way in ways), default=0.0) if len(first) else 0.0
+    )
+
+
+def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportSettings) -> None:
+    """Raise SettingsError where an image would be larger or smaller than any probe sees, unless the user is sure of it."""
+    rows, columns = images.stack.shape[1:3]
+    sentence = implausible_size(image_to_mm[None], (columns, rows))
+    if sentence is not None and not settings.sure:
+        missing = bool(np.allclose(np.linalg.norm(image_to_mm[:3, :2], axis=0), 1.0, atol=1e-3))
+        raise SettingsError(sentence, Remedy.PIXEL_SIZE if missing else Remedy.CALIBRATION_UNIT if settings.calibration else Remedy.SURE)
 
 
 def _first_frames(samples: list[TransformSample], times: Floats | None) -> list[str]:

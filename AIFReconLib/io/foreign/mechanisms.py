@@ -18,12 +18,11 @@ from ...geometry.transforms import as_matrix, why_not_rigid
 from ...message import listed, said, shorten
 from ..disk.small_files import read_bytes
 from ..disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
-from ..metafile.text_values import NotANumberError
 from ..sequence.metafiles import METAFILES
-from .poses.files import MAXIMUM_BYTES, PoseTable
+from .poses.files import PoseTable
 from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
 from .poses.rotations import PoseFormat
-from .poses.sheet import Sheet, number_in, sheets_of
+from .poses.sheet import Sheet, sheets_of, text_of
 from .poses.statuses import statuses_of
 from .poses.times import times_of
 
@@ -89,11 +88,9 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
     path, form = Path(path), form or PoseFormat()
     if path.suffix.lower() in METAFILES.suffixes:
         return _of_fields(path, mechanism, form)
-    data = read_bytes(path, MAXIMUM_BYTES + 1, FileFormatError)
-    if len(data) > MAXIMUM_BYTES or b"\0" in data:
-        raise FileFormatError(f"{path}: this is not a table in text of what the axes read. Give .csv or .txt.")
+    text = text_of(path)
     try:
-        sheet = next((sheet for sheet in sheets_of(data.decode("utf-8-sig", "replace")) if sheet.rows), None)
+        sheet = next((sheet for sheet in sheets_of(text) if sheet.rows), None)
         if sheet is None:
             raise FileFormatError("it holds no values of the axes. Give a table with one row per frame.")
         return _poses(sheet, mechanism, form)
@@ -103,17 +100,17 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
 
 def _poses(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
     columns = _columns(sheet, mechanism, form)
+    cells = sheet.read(len(columns), [place for place, column in columns.items() if column.role in (IMAGE, STATUS)])
     moved, told = [], []
     for axis in mechanism.moving:
         place = next(place for place, column in columns.items() if column.role == axis.name.lower())
         unit, amount = _unit(axis, columns[place], form)
-        readings = [_reading(line, cells, place, columns[place]) for line, cells in sheet.rows]
-        moved.append((np.array(readings) - axis.zero) * axis.scale * amount)
+        moved.append((cells.numbers(place, columns[place].heading) - axis.zero) * axis.scale * amount)
         told.append(f"{axis.name} ({axis.kind}, {unit})")
     matrices = mechanism.poses(np.stack(moved, axis=1))
-    times = times_of(columns, sheet.rows, form.time_unit)
+    times = times_of(columns, cells, form.time_unit)
     besides = {column.role: place for place, column in columns.items() if column.role in (IMAGE, STATUS)}
-    words = {role: [cells[place] for _, cells in sheet.rows] for role, place in besides.items()}
+    words = {role: cells.words(place) for role, place in besides.items()}
     statuses, of_status = None, []
     if STATUS in words:
         has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
@@ -134,11 +131,11 @@ def _of_fields(path: Path, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
     if missing is not None:
         there = listed(dict.fromkeys(name for each in fields for name in each)) or "none"
         raise FileFormatError(f"{path}: its frames must have a field {missing}, for the axis of this name; got {shorten(there, 200)}.")
-    rows = [(number, [each.get(name, "nan") for name in axes]) for number, each in enumerate(fields)]
+    rows = [" ".join(each.get(name, "nan") for name in axes) for each in fields]
     try:
-        table = _poses(Sheet(rows, axes), mechanism, form)
+        table = _poses(Sheet(rows, list(range(len(rows))), headings=axes, item="frame"), mechanism, form)
     except AIFReconError as error:
-        raise type(error)(f"{path}: {said(error)}".replace(": line ", ": frame "), error) from None
+        raise type(error)(f"{path}: {said(error)}", error) from None
     times = [record.timestamp for record in records]
     return replace(table, times=None if None in times else np.array(times, dtype=np.float64))
 
@@ -155,7 +152,7 @@ def _unit(axis: Axis, column: Column, form: PoseFormat) -> tuple[str, float]:
 def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, Column]:
     """What each column holds: an axis under its name in small letters, or time, image, status."""
     axes = [axis.name.lower() for axis in mechanism.moving]
-    width = len(sheet.rows[0][1])
+    width = sheet.width
     headings = list(form.columns) if form.columns is not None else sheet.headings
     if headings is None:
         if width - len(axes) not in (0, 1):
@@ -172,17 +169,7 @@ def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, 
     wrong = next((name for name in axes if roles.count(name) != 1), None)
     if wrong is not None:
         raise FileFormatError(f"it must have one column {wrong}, for the axis of this name; got {listed(headings)}. Correct the headings.")
-    for line, cells in sheet.rows:
-        if len(cells) != len(headings):
-            raise FileFormatError(f"line {line} must have {len(headings)} columns; got {len(cells)}. Export it again.")
     return columns
-
-
-def _reading(line: int, cells: list[str], place: int, column: Column) -> float:
-    try:
-        return number_in(cells[place])
-    except NotANumberError as error:
-        raise FileFormatError(f"line {line}, column {column.heading} must be a number; {error}. Export it again.") from None
 
 
 def _table(path: Path) -> Mapping[str, object]:

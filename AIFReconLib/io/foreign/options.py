@@ -29,7 +29,8 @@ class ImportOptions(Branch):
     )
     columns: str | None = setting(
         None,
-        'names of the columns, e.g. "time x y z qw qx qy qz"; - for one that is not used',
+        'what they hold, in order ("time x y z qw qx qy qz", - for one that is not used), by number or heading ("time_ms=3 x=Tx"), '
+        "or a preset: tum, hololens, or a .json of your own",
         TEXT,
         metavar="WORDS",
         label="Names of the columns:",
@@ -87,6 +88,9 @@ class ImportOptions(Branch):
     calibration: str | None = setting(
         None, "ImageToProbe: Plus configuration, Slicer transform or 16 numbers", TEXT, metavar="[NAME=]FILE", label="Calibration:"
     )
+    calibration_unit: str | None = setting(
+        None, "of lengths in the calibration (default: mm)", choices=tuple(LENGTHS), label="Unit of the calibration:"
+    )
     orientation: str = setting("MF", "how the pixels run: MF, MN, UF or UN", TEXT, metavar="CODE", label="Stored pixels:")
     rate: float | None = setting(
         None, "frames per second of the images, where no file has their times", unit="Hz", metavar="HZ", label="Images per second:"
@@ -119,6 +123,7 @@ ASKED: dict[Remedy, tuple[str, ...]] = {
     Remedy.SURE: ("tool", "units", "time_unit", "sure"),
     Remedy.PIXEL_SIZE: ("spacing",),
     Remedy.NO_PIXEL_SIZE: ("spacing", "image_origin_px"),
+    Remedy.CALIBRATION_UNIT: ("calibration_unit", "sure"),
     Remedy.WHERE_THE_IMAGE_LIES: ("calibration", "spacing", "image_origin_px"),
     Remedy.NAME_THE_CALIBRATION: ("calibration",),
     Remedy.NO_CALIBRATION: ("calibration",),

@@ -13,7 +13,6 @@ import scipy
 
 from ...arrays import Floats, Mask
 from ...errors import GeometryError, VolumeFormatError
-from ...geometry.box import box_around
 from ...geometry.labels import SPACE_UNKNOWN, Labels
 from ...geometry.solid import inside_of_surface
 from ...geometry.transforms import LPS_FROM_RAS, transform_points
@@ -23,7 +22,7 @@ from ...remedies import Remedy
 from ..disk.regular_files import files_in
 from ..metafile.opening import NRRD_SUFFIXES, read_metafile
 from .files import NIFTI_SUFFIXES, READABLE_SUFFIXES, label_volume, suffix_of
-from .label_names import bone_name, is_no_bone, out_of_order, with_known_names
+from .label_names import SOFT, ask_for_bones, bone_name, kind_of, mixed, name_by_code, out_of_order, with_known_names
 from .models import MODEL_SUFFIXES, RAS, read_model
 
 LABEL_SUFFIXES = (*READABLE_SUFFIXES, *MODEL_SUFFIXES)
@@ -51,11 +50,12 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     ----------
     path : str or Path, or several
         A label volume, or a segmentation as Slicer saves it (.seg.nrrd); where its segments overlap, the result is 1 wherever any is.
-        Several files, or a folder of them: masks of one bone each, whose names are the files' (``vertebrae_L3.nii.gz`` is L3), and surface
-        models (.stl, .ply, .obj, .vtp) in mm.
+        Several files, or a folder of them: masks of one bone each, whose names are the files' (``vertebrae_L3.nii.gz`` is L3), files of
+        many labels, and surface models (.stl, .ply, .obj, .vtp) in mm. What lies where another file has its bone already is left out; a
+        note says so.
     labels : str or None
         Which are bone, by numbers and names: ``27-31`` or ``L3, L4``. By default all but those that their names, or the numbers of
-        TotalSegmentator and VerSe, tell to be other organs; a note says so.
+        TotalSegmentator, VerSe, SPINEPS, TotalSpineSeg and SPIDER, tell to be none; a note says so.
     space : "ras", "lps" or None
         What the coordinates of models are in that do not say it themselves. By default LPS, as Slicer takes them; the labels then know
         that this is a guess.
@@ -65,7 +65,7 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     VolumeFormatError
         As `read_volume`, when a voxel is not a whole number or is negative, when a folder holds no labels, or a model is not closed.
     GeometryError
-        When none of the labels is of that name.
+        When none of the labels is of that name, or neither names nor numbers tell which are bone.
     """
     given = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
     files = [file for one in given for file in (_within(one) if one.is_dir() else [one])]
@@ -75,13 +75,21 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     if single:
         volume = label_volume(files[0])
         found = Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(files[0]))
+        found = _known(files[0], found, labels)
     else:
         found = _masks(files, labels, space)
-    found = found.chosen(labels) if labels else with_known_names(found)
     if not labels and not found.array.any():
         return found
     doubt = out_of_order(found)
     return found if doubt is None else replace(found, notes=(*found.notes, doubt))
+
+
+def _known(file: Path, labels: Labels, choice: str | None) -> Labels:
+    """The bones of one file of labels, its path in front of what is asked."""
+    try:
+        return with_known_names(labels, choice, str(file))
+    except GeometryError as error:
+        raise GeometryError(f"{file}: {said(error)}", error) from None
 
 
 def read_label_names(path: str | Path) -> dict[int, str]:
@@ -98,9 +106,13 @@ def read_label_names(path: str | Path) -> dict[int, str]:
     fields = read_metafile(path, VolumeFormatError).fields
     if any(re.fullmatch(r"Segment\d+_Layer", key) and text.strip() != "0" for key, text in fields.items()):
         return {}  # of several layers `read_labels` keeps no numbers
-    numbers = {key: fields.get(key.replace("_Name", "_LabelValue"), "") for key in fields if re.fullmatch(r"Segment\d+_Name", key)}
-    # The longest that a voxel can hold
-    return {int(number): fields[key] for key, number in numbers.items() if re.fullmatch(r"\s*[0-9]{1,20}\s*", number)}
+    found = {}
+    for key in fields:
+        number = fields.get(key.replace("_Name", "_LabelValue"), "").strip()
+        # No voxel can hold a longer one
+        if re.fullmatch(r"Segment\d+_Name", key) and re.fullmatch("[0-9]{1,20}", number):
+            found[int(number)] = name_by_code(fields[key], fields.get(key.replace("_Name", "_Tags"), ""))
+    return found
 
 
 def _nifti_names(path: Path) -> dict[int, str]:
@@ -132,39 +144,62 @@ class _Bone:
     grid: VoxelGrid | None = None  #: Of a mask
 
 
-def _masks(files: list[Path], labels: str | None, space: str | None) -> Labels:
-    """Labels 1, 2, ... of masks and models, in the order of the files."""
+def _masks(files: list[Path], choice: str | None, space: str | None) -> Labels:
+    """Labels 1, 2, ... of masks, models and files of many labels, in the order of the files, single bones first."""
     notes: list[str] = []
-    names = {file: file.name[: -len(suffix_of(file))] for file in files}
-    no_bone = [] if labels else [file for file in files if is_no_bone(names[file])]
-    if no_bone and len(no_bone) < len(files):
+    names = {file: file.name[: -len(suffix_of(file))].removesuffix(".seg") for file in files}
+    no_bone = [] if choice else [file for file in files if kind_of(names[file]) == SOFT]
+    if no_bone:
         told = listed(names[file] for file in no_bone[:6]) + (", ..." if len(no_bone) > 6 else "")
         notes.append(f"{len(no_bone)} files are no bone by their names and left out: {told}.")
-        files = [file for file in files if file not in no_bone]
     guessed = False
-    bones = []
-    for file in files:
-        name = bone_name(names[file].removesuffix(".seg"))
+    single: dict[Path, _Bone] = {}
+    many: list[tuple[Path, Labels]] = []
+    for file in (file for file in files if file not in no_bone):
+        name = bone_name(names[file])
         if suffix_of(file) in MODEL_SUFFIXES:
-            model, said = _of_model(file, name, space)
+            single[file], said = _of_model(file, name, space)
             guessed |= not said
-            bones.append(model)
-        elif (mask := _of_mask(file, name, notes)) is not None:
-            bones.append(mask)
+            continue
+        labels = _labels_in(file, notes)
+        if labels is not None and len(labels.boxes) > 1:
+            many.append((file, labels))
+        elif labels is not None and labels.boxes:
+            single[file] = _of_mask(labels, name, next(iter(labels.boxes)))
+    unknown = [] if choice else mixed(names[file] for file in single)
+    if unknown:
+        raise ask_for_bones(f"{files[0].parent}: its files {listed(unknown[:6])} may be bone or not; their names do not tell.")
+    if len(many) == 1 and not single:
+        found = _known(*many[0], choice)
+        return replace(found, notes=(*notes, *found.notes))
+    bones = list(single.items())
+    for file, labels in many:
+        known = labels if choice else _known(file, labels, None)
+        notes += known.notes
+        bones += [(file, _of_mask(known, known.names.get(number, f"{names[file]} {number}"), number)) for number in known.boxes]
     if not bones:
         others = f"; left out by their names are {listed(names[file] for file in no_bone[:6])}" if no_bone else ""
         raise VolumeFormatError(f"{files[0].parent}: no mask of a bone has voxels above 0{others}. Give the folder that holds the bones.")
-    grid = _common_grid(bones)
+    grid = _common_grid([bone for _, bone in bones])
     array = np.zeros(grid.shape, np.uint8 if len(bones) < 256 else np.uint16)
-    for number, bone in enumerate(bones, 1):
-        array[bone.on(grid)] = number
+    called: dict[int, str] = {}
+    twice: dict[Path, int] = {}
+    for file, bone in bones:
+        mask = bone.on(grid)
+        if np.count_nonzero(array[mask]) * 2 > np.count_nonzero(mask):
+            twice[file] = twice.get(file, 0) + 1
+            continue
+        called[len(called) + 1] = bone.name
+        array[mask & (array == 0)] = len(called)
+    notes += [f"{count} bones of {file.name} lie where other files have theirs, and are left out." for file, count in twice.items()]
     if guessed:
         notes.append(f"{SPACE_UNKNOWN}LPS, as Slicer takes it.")
-    return Labels(array, grid.ijk_to_reference, {}, {n: bone.name for n, bone in enumerate(bones, 1)}, tuple(notes), guessed)
+    found = Labels(array, grid.ijk_to_reference, {}, called, tuple(notes), guessed)
+    return with_known_names(found, choice) if choice else found
 
 
-def _of_mask(file: Path, name: str, notes: list[str]) -> _Bone | None:
-    """A mask, any label of which is the bone; None where it is empty, as those of organs outside the CT are, or the CT itself."""
+def _labels_in(file: Path, notes: list[str]) -> Labels | None:
+    """The labels in one file of several, with their names as far as it says them; None where it is the CT itself."""
     try:
         volume = label_volume(file)
     except VolumeFormatError as error:
@@ -172,23 +207,26 @@ def _of_mask(file: Path, name: str, notes: list[str]) -> _Bone | None:
             raise
         notes.append(f"{file.name} is no mask and left out: it holds negative values, as a CT does.")
         return None
-    mask = volume.array > 0
-    if not mask.any():
-        return None
-    box = box_around(mask)
+    return Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(file))
+
+
+def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
+    """One label of a file."""
+    box = labels.boxes[number]
     lows, highs = (np.array([getattr(s, end) for s in box[::-1]], np.float64) for end in ("start", "stop"))
     ends = np.stack([lows, highs - 1])
     corners = np.array([[ends[a, 0], ends[b, 1], ends[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
 
     def on(grid: VoxelGrid) -> Mask:
-        if grid.matches(volume.grid):
+        mask: Mask = labels.array == number
+        if grid.matches(labels.grid):
             return mask
-        to_mask = (volume.grid.reference_to_ijk @ grid.ijk_to_reference)[:3]
+        to_mask = (labels.grid.reference_to_ijk @ grid.ijk_to_reference)[:3]
         turned = to_mask[::-1, [2, 1, 0]]
         moved: Mask = scipy.ndimage.affine_transform(mask.view(np.uint8), turned, to_mask[::-1, 3], grid.shape, order=0).view(bool)
         return moved
 
-    return _Bone(name, transform_points(volume.ijk_to_reference, corners), on, volume.grid)
+    return _Bone(name, transform_points(labels.ijk_to_reference, corners), on, labels.grid)
 
 
 def _of_model(file: Path, name: str, space: str | None) -> tuple[_Bone, bool]:

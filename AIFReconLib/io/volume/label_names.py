@@ -1,176 +1,201 @@
-"""What labels are called: by their numbers, where a program always gives the same, and by the names of files and segments.
+"""What labels are called, and which are bone: by their names, else by the numbers that a program always gives.
 
-References
-----------
-Wasserthal J et al. (2023), TotalSegmentator, Radiology: Artificial Intelligence 5(5), doi:10.1148/ryai.230024; the numbers of task
-``total`` of versions 1 and 2 as its documentation lists them. Sekuboyina A et al. (2021), VerSe, Medical Image Analysis 73:102166,
-doi:10.1016/j.media.2021.102166; the numbers as its page lists them.
+The programs' own class maps, the codes of Slicer's terminology and the words of anatomy are data: label_names.json, with its sources.
 """
 
 from __future__ import annotations
 
+import json
 import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ...arrays import Floats
+from ...errors import GeometryError
 from ...geometry.labels import Labels
 from ...geometry.transforms import transform_points
 from ...message import listed
+from ...remedies import Remedy
 
-
-def _vertebrae(letter: str, first: int, last: int) -> list[str]:
-    step = 1 if last >= first else -1
-    return [f"{letter}{n}" for n in range(first, last + step, step)]
-
-
-def _ribs(side: str, *numbers: int) -> list[str]:
-    return [f"rib {side} {n}" for n in numbers]
-
-
-_LIMBS = [f"{bone} {side}" for bone in ("humerus", "scapula", "clavicula", "femur", "hip") for side in ("left", "right")]
-_UPWARD = [*_vertebrae("L", 5, 1), *_vertebrae("T", 12, 1), *_vertebrae("C", 7, 1)]
-_ALL_RIBS = range(1, 13)
-
-
-def _numbered(first: int, names: list[str]) -> dict[int, str]:
-    return dict(enumerate(names, first))
-
-
-@dataclass(frozen=True)
-class _Program:
-    """The numbers that a program gives."""
-
-    name: str
-    bones: dict[int, str]
-    last: int  #: The largest number; those that are no bone are organs
-    column: range  #: Numbers of the vertebrae
-    upward: bool  #: Whether their numbers rise toward the head
-
-    def links(self, centers: dict[int, Floats]) -> tuple[int, int, int]:
-        """How many neighboring vertebrae lie to each other as their numbers say, the other way round, and not like neighbors."""
-        counts = [0, 0, 0]
-        for number in self.column:
-            if number in centers and number + 1 in centers and number + 1 in self.column:
-                step = centers[number + 1] - centers[number]
-                near = abs(step[2]) > LEAST_STEP and np.linalg.norm(step) < LARGEST_STEP
-                counts[2 if not near else 0 if (step[2] > 0) == self.upward else 1] += 1
-        return counts[0], counts[1], counts[2]
-
+BONE, SOFT = "bone", "soft"
 
 LEAST_STEP, LARGEST_STEP = 8.0, 70.0
 """mm from one vertebra to the next, along the labels' axis toward the head and in all."""
 
-PROGRAMS = (
-    _Program(
-        "TotalSegmentator",
-        {
-            **_numbered(25, ["sacrum", "S1", *_UPWARD]),
-            **_numbered(69, _LIMBS),
-            **_numbered(91, ["skull", "rib right 4", "rib right 3", *_ribs("left", *_ALL_RIBS), *_ribs("right", 1, 2, *range(5, 13))]),
-            116: "sternum",
-        },
-        117,
-        range(26, 51),
-        True,
-    ),
-    _Program(
-        "TotalSegmentator 1",
-        {
-            **_numbered(18, _UPWARD),
-            **_numbered(58, [*_ribs("left", *_ALL_RIBS), *_ribs("right", *_ALL_RIBS), *_LIMBS, "sacrum"]),
-        },
-        104,
-        range(18, 42),
-        True,
-    ),
-    _Program(
-        "VerSe",
-        {
-            **_numbered(1, [*_vertebrae("C", 1, 7), *_vertebrae("T", 1, 12), *_vertebrae("L", 1, 6), "sacrum", "coccyx", "T13"]),
-        },
-        28,
-        range(1, 26),
-        False,
-    ),
-)
+TYPICAL_STEPS = ((0, 7, 18, 25), (17.0, 19.0, 29.0, 36.0))
+"""mm from C1, T1, T12 and L5 to the next; they decide where two programs' numbers fit as well."""
+
+CLEARLY = 0.08
+"""How much nearer (natural logarithm) steps must be to the typical ones of one program than to those of another."""
 
 OWN_NUMBERS = 8
-"""Labels below are as likely a user's own, counted from 1, unless there are as many."""
+"""Fewer labels than these, counted from 1, are a user's own."""
 
-_NO_BONE = re.compile(
-    r"spleen|kidney|gallbladder|liver|stomach|pancreas|adrenal|lung|esophagus|trachea|thyroid|bowel|duodenum|colon|bladder|prostate|heart|"
-    r"atri(al|um)|ventricle|aorta|arter(y|ies)|vein|vena|vessel|trunk|trunc|spinal.?(cord|canal)|gluteus|autochthon|iliopsoas|psoas|muscle|"
-    r"brain|cartilage|(^|[^a-z])fat([^a-z]|$)|skin|(^|[^a-z])body|extremities|dis[ck]s?([^a-z]|$)|(^|[^a-z])face([^a-z]|$)|tumou?r|effusion|"
-    r"implant|screw|background"
-)
-_VERTEBRA = re.compile(r"(?<![A-Za-z0-9])([CTLS]\d{1,2})(?![A-Za-z0-9])", re.IGNORECASE)
+_LEVELS = [f"{letter}{n}" for letter, last in (("C", 7), ("T", 13), ("L", 6), ("S", 5)) for n in range(1, last + 1)]
+"""From the head."""
+
+_LEVEL = re.compile(r"(?<![A-Za-z0-9])(C|Th?|L|S)(\d{1,2})(?![A-Za-z0-9])", re.IGNORECASE)
+
+
+@cache
+def _tables() -> dict[str, Any]:
+    tables: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
+    return tables
+
+
+@dataclass(frozen=True)
+class _Program:
+    """The numbers that a program gives: what each is called, and at which place from the head vertebrae are."""
+
+    name: str
+    labels: Mapping[int, str]
+    files: Sequence[str]  #: What is in the names of its files
+    marks: Sequence[int]  #: Numbers that are in all of its files
+
+    @property
+    def bones(self) -> dict[int, str]:
+        """The short names of its bones."""
+        return {number: bone_name(name) for number, name in self.labels.items() if kind_of(name) == BONE}
+
+    @property
+    def levels(self) -> dict[int, int]:
+        """Places of its vertebrae in the order from the head."""
+        return {number: _LEVELS.index(name) for number, name in self.bones.items() if name in _LEVELS}
+
+    def fit(self, centers: Mapping[int, Floats], up: int) -> tuple[int, float]:
+        """How many neighbors lie to each other as their names say, others counted twice against them; and how far (natural logarithm)
+        their steps are from the typical ones. `up` is 1, or -1 for a body that lies upside down."""
+        known = sorted((place, number) for number, place in self.levels.items() if number in centers)
+        links, off = 0, []
+        for (upper, first), (lower, second) in pairwise(known):
+            step, apart = centers[first] - centers[second], lower - upper
+            near = step[2] * up > LEAST_STEP * apart and np.linalg.norm(step) < LARGEST_STEP * apart
+            links += 1 if near else -2
+            typical = float(np.interp(np.arange(upper, lower), *TYPICAL_STEPS).sum())
+            off.append(abs(float(np.log(max(float(np.linalg.norm(step)), 1e-3) / typical))))
+        return links, float(np.mean(off)) if off else 0.0
+
+
+@cache
+def _programs() -> tuple[_Program, ...]:
+    return tuple(
+        _Program(each["name"], {int(n): name for n, name in each["labels"].items()}, each["files"], each["marks"])
+        for each in _tables()["programs"]
+    )
 
 
 def bone_name(name: str) -> str:
     """The name of a bone in short: L3 for ``vertebrae_L3``; other names as they are."""
-    found = _VERTEBRA.search(name.replace("_", " "))
-    if found and re.fullmatch(r"[\W_]*(vertebrae?|level)?[\W_]*", name.replace(found[1], "", 1), re.IGNORECASE):
-        return found[1].upper()
+    found = _LEVEL.search(name.replace("_", " "))
+    if found and re.fullmatch(r"[\W_]*(vertebrae?|level)?[\W_]*", name.replace(found[0], "", 1), re.IGNORECASE):
+        return f"{found[1][0].upper()}{found[2]}"
     return name
 
 
-def is_no_bone(name: str) -> bool:
-    """Whether a name is that of another organ; names that are not known may be of bone."""
-    plain = name.lower()
-    return "vertebra" not in plain and bool(_NO_BONE.search(plain))
+def kind_of(name: str) -> str | None:
+    """BONE or SOFT by the whole words of a name; None where it tells neither."""
+    words = {word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)}
+    if words & set(_tables()[SOFT]):
+        return SOFT
+    return BONE if words & set(_tables()[BONE]) or _LEVEL.search(name.replace("_", " ")) else None
 
 
-def with_known_names(labels: Labels) -> Labels:
-    """The labels with the names of their bones, without those of other organs, which a note tells.
+def name_by_code(name: str, tags: str) -> str:
+    """The name of a segment of Slicer: its own where that tells what it is, else that of its terminology."""
+    found = re.search(r"TerminologyEntry:[^~|]*~[^~|]*~[^~^|]*\^([^~^|]*)\^([^~^|]*)", tags)
+    if found is None or kind_of(name) is not None:
+        return name
+    meaning: str = _tables()["codes"].get(found[1], found[2])
+    return meaning if kind_of(meaning) is not None else name
 
-    Labels that have names are told apart by these; others by the numbers of TotalSegmentator or VerSe, where they fit.
+
+def ask_for_bones(what: str) -> GeometryError:
+    """The question which labels are bone, after a sentence that says why."""
+    return GeometryError(what, Remedy.CHOOSE_LABELS)
+
+
+def with_known_names(labels: Labels, choice: str | None = None, file: str = "") -> Labels:
+    """The labels with the names of their bones, without what is none, which a note tells; or those that a choice names.
+
+    Labels that have names are told apart by these; others by the numbers of the programs, where they fit. `file` is its name, which may
+    tell the program.
+
+    Raises GeometryError, which asks which labels are bone where that cannot be told, or when the choice names none of them.
     """
     there = labels.numbers().tolist()
     if labels.names:
-        bones = {n: bone_name(labels.names[n]) if n in labels.names else "" for n in there if not is_no_bone(labels.names.get(n, ""))}
-        source = "their names"
+        readings = [({n: bone_name(labels.names[n]) for n in there if n in labels.names}, "their names")]
+        bones = {n for n in there if kind_of(labels.names.get(n, "")) == BONE}
+        soft = {n for n in there if kind_of(labels.names.get(n, "")) == SOFT}
+        unknown = [n for n in there if n not in bones | soft] if bones else []
     else:
-        program = _program_of(labels, there)
-        if program is None:
-            return labels
-        bones = {n: program.bones[n] for n in there if n in program.bones}
-        source = f"the numbers of {program.name}"
-    if not bones:
-        return labels
-    named = replace(labels, names={n: name for n, name in bones.items() if name})
-    others = [n for n in there if n not in bones]
-    if not others:
+        programs = _programs_of(labels, there, file, must=choice is None)
+        readings = [(program.bones, f"the numbers of {program.name}") for program in programs]
+        agreed = [{n for n in there if n in program.bones} for program in programs]
+        unknown = [] if all(each == agreed[0] for each in agreed) else [n for n in there if any(n not in each for each in agreed)]
+        soft = set(there) - agreed[0] if agreed else set()
+    if choice is not None:
+        return _chosen(labels, [names for names, _ in readings], ",".join(map(bone_name, choice.split(","))))
+    if unknown:
+        called = listed([labels.names.get(n, str(n)) for n in unknown[:6]]) + (", ..." if len(unknown) > 6 else "")
+        raise ask_for_bones(f"Labels {called} may be bone or not: neither their names nor their numbers tell.")
+    names = {n: name for n, name in readings[0][0].items() if all(each.get(n) == name for each, _ in readings)} if readings else {}
+    named = replace(labels, names={n: names[n] for n in there if n in names and n not in soft})
+    if not soft:
         return named
-    told = listed(labels.names.get(n, str(n)) for n in others[:6]) + (", ..." if len(others) > 6 else "")
-    some = f"{len(others)} labels are" if len(others) > 1 else "1 label is"
-    return named.only(bones, f"{some} no bone by {source} and left out: {told}.")
+    left = sorted(soft)
+    told = listed(labels.names.get(n, str(n)) for n in left[:6]) + (", ..." if len(left) > 6 else "")
+    if len(left) == len(there):
+        raise ask_for_bones(f"None of its labels is bone by {readings[0][1]}: {told}.")
+    some = f"{len(left)} labels are" if len(left) > 1 else "1 label is"
+    return named.only(set(there) - soft, f"{some} no bone by {readings[0][1]} and left out: {told}.")
 
 
-def _program_of(labels: Labels, there: list[int]) -> _Program | None:
-    """The program whose numbers these are."""
-    if not there:
-        return None
+def _chosen(labels: Labels, readings: Sequence[Mapping[int, str]], choice: str) -> Labels:
+    """The labels that a choice names, by the names of any reading in which all its words are found."""
+    found, first = [], None
+    for names in [*readings, {}]:
+        try:
+            found.append(replace(labels, names=dict(names)).chosen(choice))
+        except GeometryError as error:
+            first = first or error
+    if not found and first is not None:
+        raise first
+    if any(set(each.boxes) != set(found[0].boxes) for each in found):
+        raise ask_for_bones(f"The labels called {choice} differ between the programs whose numbers these can be. Give numbers.")
+    return found[0]
+
+
+def _programs_of(labels: Labels, there: Sequence[int], file: str, must: bool) -> list[_Program]:
+    """The programs whose numbers these can be, as well as another's; none where they are a user's own.
+
+    Raises GeometryError where they `must` be known, are of no known program, and no user counts so.
+    """
+    known = [program for program in _programs() if set(program.marks) <= set(there) <= program.labels.keys()]
+    by_file = [program for program in known if any(word in file.lower() for word in program.files)]
+    own = [*there] == [*range(1, len(there) + 1)] and len(there) < OWN_NUMBERS
+    if not by_file and (own or not there):
+        return []
     centers = _centers(labels)
-    best, most = None, 0
-    for program in PROGRAMS:
-        if there[-1] > program.last or not any(n in program.column for n in there):
-            continue
-        if there[0] < OWN_NUMBERS and not program.upward and len(there) < OWN_NUMBERS:
-            continue
-        right, turned, apart = program.links(centers)
-        links = right - 2 * (turned + apart)
-        if links > most:
-            best, most = program, links
-    if best is not None:
-        return best
-    # One vertebra, or a body that lies the other way: only TotalSegmentator has such numbers
-    first = PROGRAMS[0]
-    right, turned, apart = first.links(centers)
-    fits = PROGRAMS[-1].last < there[-1] <= first.last and any(n in first.column for n in there)
-    return first if fits and turned >= 2 * (right + apart) else None
+    for up in (1, -1):
+        fits = {program.name: program.fit(centers, up) for program in known}
+        most = max((links for links, _ in fits.values()), default=0)
+        best = [program for program in by_file or known if fits[program.name][0] == most and most > 0]
+        if best:
+            nearest = min(fits[program.name][1] for program in best)
+            return [program for program in best if fits[program.name][1] <= nearest + CLEARLY]
+    marked = [program for program in known if program.marks and not program.levels]
+    alone = [program for program in known if len(program.levels.keys() & set(there)) == 1]
+    if must and not (marked or by_file or alone) and len(there) > 1:
+        numbers = listed(map(str, there[:8])) + (", ..." if len(there) > 8 else "")
+        raise ask_for_bones(f"What its labels {numbers} are is not said, and they are not numbered as a known program does.")
+    return marked or by_file or alone
 
 
 def _centers(labels: Labels) -> dict[int, Floats]:
@@ -186,10 +211,15 @@ def _centers(labels: Labels) -> dict[int, Floats]:
 
 def out_of_order(labels: Labels) -> str | None:
     """A doubt where vertebrae do not lie in the order of their names, along the labels' axis toward the head."""
-    order = {name: place for place, name in enumerate(reversed(_UPWARD))}
     centers = _centers(labels)
-    known = sorted((order[labels.names[n]], n) for n in centers if labels.names.get(n) in order)
+    known = sorted((_LEVELS.index(labels.names[n]), n) for n in centers if labels.names.get(n) in _LEVELS)
     for (_, upper), (_, lower) in pairwise(known):
         if centers[lower][2] > centers[upper][2] + LEAST_STEP:
             return f"{labels.called(lower)} lies above {labels.called(upper)}: the names, or the axes of the labels, may be wrong."
     return None
+
+
+def mixed(names: Iterable[str]) -> list[str]:
+    """Names that tell neither bone nor soft tissue, where others tell bone."""
+    kinds = {name: kind_of(name) for name in names}
+    return [name for name, kind in kinds.items() if kind is None] if BONE in kinds.values() else []

@@ -38,7 +38,19 @@ PACKAGES = {
     "commands": {"argcomplete"},
     "evaluation": {"matplotlib", "vtk"},
     "inspection": {"vtkmodules"},
-    "io": {"SimpleITK", "vtkmodules", "PIL", "pydicom", "imageio_ffmpeg", "rosbags", "tifffile"},
+    "io": {
+        "SimpleITK",
+        "pandas",
+        "vtkmodules",
+        "PIL",
+        "pydicom",
+        "imageio_ffmpeg",
+        "rosbags",
+        "tifffile",
+        "lz4",
+        "backports",
+        "compression",
+    },
     "live": {"pyigtl"},
 }
 """What a folder of the library may import of others' besides that."""

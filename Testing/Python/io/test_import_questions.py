@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
+from scipy.spatial.transform import Rotation
 
 import AIFReconLib.io.foreign
 from AIFReconLib.errors import AIFReconError, SettingsError
@@ -44,18 +46,19 @@ IMAGE = ImportOptions(transform="ImageToTracker", spacing=(0.2, 0.2))
     ("heading", "line", "name", "choices"),
     [
         ("x,y,z,rx,ry,rz", "0,0,{n},0,0,0.{n}", "euler_order", ("xyz", "zyx", "XYZ", "ZYX", "vector")),
-        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "ns")),
+        ("time,x,y,z,qx,qy,qz,qw", "{t},0,0,{n},0,0,0,1", "time_unit", ("s", "ms", "us", "100ns", "ns")),
         (f"{PROBE},{PROBE.replace('Probe', 'Patient')}", "0,0,{n},0,0,0,1,0,0,0,0,0,0,1", "tool", ("Probe", "Patient")),
         ("x,y,z,qx,qy,qz,qw,state", "0,0,{n},0,0,0,1,Prima", "status_ok", ("Prima",)),
         ("x,y,z,n0,n1,n2,n3,n4,n5,n6,n7,n8".replace("n", "rot"), "0,0,{n},1,0,0,0,1,0,0,0,1", "column_major", ("yes", "no")),
-        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m")),
+        ("x,y,z,qx,qy,qz,qw", "0,0,0.0{n},0,0,0,1", "units", ("mm", "cm", "m", "in")),
     ],
 )
 def test_each_question_names_its_option_and_the_answers_there_are_and_the_answer_goes_on(images, heading, line, name, choices):
     poses = table(images, heading, line)
     questions, _words = asked(images, poses, IMAGE)
     assert (questions[0].name, questions[0].choices) == (name, choices)
-    answered = replace(IMAGE, **{name: answer(name, choices[-1] if name in ("euler_order", "units") else choices[0])})
+    which = {"units": 2, "euler_order": -1}.get(name, 0)
+    answered = replace(IMAGE, **{name: answer(name, choices[which])})
     if name == "time_unit":
         answered = replace(IMAGE, time_unit="ms")
     if name == "euler_order":
@@ -81,6 +84,63 @@ def test_a_rigid_pose_of_an_image_asks_for_the_size_of_a_pixel(images):
     assert [question.name for question in questions] == ["spacing"]
     assert "the size of a pixel is not known" in words
     np.testing.assert_allclose(answer("spacing", "0.2, 0.3"), (0.2, 0.3))
+
+
+RIGID, TINY = "1 0 0 -32 0 0 -1 12 0 1 0 80 0 0 0 1", "0.0002 0 0 0 0 0.0002 0 0 0 0 0.0002 0 0 0 0 1"
+
+
+@pytest.mark.parametrize(
+    ("matrix", "given", "name"),
+    [
+        (RIGID, {}, "spacing"),
+        (TINY, {}, "calibration_unit"),
+        (RIGID, {"spacing": (0.2, 0.2)}, None),
+        (TINY, {"calibration_unit": "m"}, None),
+    ],
+    ids=["without the size of a pixel", "in meters", "with its pixels", "with its unit"],
+)
+def test_a_calibration_that_makes_no_image_of_a_probe_is_asked_about(images, matrix, given, name):
+    np.save(images, np.tile(np.load(images), (1, 10, 10)))
+    (images.with_name("calibration.txt")).write_text(matrix)
+    poses = table(images, "time,x,y,z,qx,qy,qz,qw", "0.{n:02d},0,0,{n},0,0,0,1")
+    options = ImportOptions(transform="ProbeToTracker", calibration=str(images.with_name("calibration.txt")), **given)
+    if name is None:
+        (calibration,) = import_files([images], poses, options).sequence.transforms.values()
+        np.testing.assert_allclose(np.linalg.norm(calibration.matrix[:3, :2], axis=0), 0.2)
+    else:
+        questions, words = asked(images, poses, options)
+        assert questions[0].name == name
+        assert "than any probe sees" in words
+
+
+@pytest.mark.parametrize(
+    ("heading", "line"), [("x,y,z,A,B,C", "0,0,{n},0,0,90{n}"), ("x,y,z,rotvec_x,rotvec_y,rotvec_z", "0,0,{n},90,0,0")]
+)
+def test_angles_beyond_two_turns_are_asked_about(images, heading, line):
+    assert asked(images, table(images, heading, line), IMAGE)[0][0].name == "angle_unit"
+
+
+def test_poses_the_wrong_way_round_contradict_the_images(images):
+    """A probe that turns to and fro far from the tracker, over speckle that lies still."""
+    speckle = scipy.ndimage.gaussian_filter(np.random.default_rng(0).normal(size=(60, 60, 60)), 5.0)
+    pixels = np.stack([*np.meshgrid(np.arange(64) * 0.5 - 16, np.arange(64) * 0.5), np.zeros((64, 64))])
+    away, frames, lines = Rotation.from_euler("xyz", (40, 20, -70), degrees=True), [], []
+    for n in range(48):
+        turn = Rotation.from_euler("xyz", (8 * np.sin(n / 4), 6 * np.cos(n / 7), 5 * np.sin(n / 3)), degrees=True)
+        at = np.array([30, 20, 30 + 25 * np.sin(n / 9)])
+        inside = np.einsum("ij,jrc->irc", turn.as_matrix(), pixels) + at[:, None, None]
+        frames.append(128 + 4000 * scipy.ndimage.map_coordinates(speckle, inside, order=1, mode="reflect"))
+        lines.append(",".join(map(str, [0.05 * n, *np.add(away.apply(at), (200, -150, 800)), *(away * turn).as_quat()])))
+    np.save(images, np.clip(frames, 0, 255).astype(np.uint8))
+    poses = images.with_name("poses.csv")
+    poses.write_text("\n".join(["time,x,y,z,qx,qy,qz,qw", *lines]))
+    right = ImportOptions(transform="ImageToTracker", spacing=(0.5, 0.5), image_origin_px=(32.0, 0.0))
+    wrong = replace(right, transform="TrackerToImage")
+    import_files([images], poses, right)
+    questions, words = asked(images, poses, wrong)
+    assert "near each other by its inverse, ImageToTracker" in words
+    assert "sure" in [question.name for question in questions]
+    import_files([images], poses, replace(wrong, sure=True))
 
 
 @pytest.mark.parametrize(("name", "text"), [("spacing", "0.2"), ("spacing", "wide"), ("time_unit", "minutes"), ("rate", "fast")])

@@ -15,9 +15,11 @@ from AIFReconLib.geometry.solid import inside_of_surface
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.volume.label_files import doubts, read_labels
-from AIFReconLib.io.volume.label_names import bone_name, is_no_bone
+from AIFReconLib.io.volume.label_names import BONE, SOFT, bone_name, kind_of, name_by_code
 from AIFReconLib.io.volume.models import read_model
 from AIFReconLib.io.volume.surfaces import write_surface
+from AIFReconLib.message import said
+from AIFReconLib.remedies import Remedy
 
 # An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 12
 CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 12.0
@@ -192,16 +194,36 @@ def column(first: int, step: int, count: int = 4, extra: dict[int, tuple[int, in
     return Labels(array, np.eye(4))
 
 
+DISCS = {91: (30, 10, 20), 92: (60, 10, 20), 2: (0, 0, 0)}
+"""Of TotalSpineSeg: T12 to L1, L1 to L2; the canal."""
+
+
 @pytest.mark.parametrize(
     ("labels", "names", "left_out"),
     [
         (column(27, 1, extra={52: (0, 0, 0), 5: (100, 0, 0)}), {27: "L5", 28: "L4", 29: "L3", 30: "L2"}, "5, 52"),
         (column(18, 1, extra={7: (0, 0, 0)}), {18: "L5", 19: "L4", 20: "L3", 21: "L2"}, "7"),
         (column(23, -1), {23: "L4", 22: "L3", 21: "L2", 20: "L1"}, None),
+        (column(44, -1, extra=DISCS), {44: "L4", 43: "L3", 42: "L2", 41: "L1"}, "2, 91, 92"),
+        (column(13, 1), {13: "T6", 14: "T5", 15: "T4", 16: "T3"}, None),
+        (column(1, 1, extra={100: (0, 0, 0), 202: (30, 10, 20)}), {1: "L5", 2: "L4", 3: "L3", 4: "L2"}, "100, 202"),
+        (column(23, -1, extra={122: (30, 10, 20)}), {23: "L4", 22: "L3", 21: "L2", 20: "L1"}, "122"),
         (column(4, -1), {}, None),
         (column(1, 1), {}, None),
+        (column(29, 1, count=1), {}, None),
     ],
-    ids=["TotalSegmentator", "TotalSegmentator 1", "VerSe", "own, downward", "own, upward"],
+    ids=[
+        "TotalSegmentator",
+        "TotalSegmentator 1",
+        "VerSe",
+        "TotalSpineSeg",
+        "vertebrae_mr",
+        "SPIDER",
+        "SPINEPS",
+        "own, downward",
+        "own, upward",
+        "one alone",
+    ],
 )
 def test_vertebrae_are_known_by_the_numbers_of_their_program(labels, names, left_out, tmp_path):
     labels.write(tmp_path / "labels.nii.gz")
@@ -214,6 +236,51 @@ def test_vertebrae_are_known_by_the_numbers_of_their_program(labels, names, left
         (note,) = found.notes
         assert note.endswith(f"left out: {left_out}.")
         assert set(np.unique(found.array)) == {0, *names}
+
+
+@pytest.mark.parametrize(
+    ("labels", "names", "message"),
+    [
+        (column(229, 7), {}, "What its labels 229, 236, 243, 250 are is not said"),
+        (column(1, 1, count=2), {1: "L3", 2: "ganz unten"}, "Labels ganz unten may be bone or not"),
+        (column(1, 1, count=2), {1: "aorta", 2: "psoas_major_left"}, "None of its labels is bone by their names"),
+    ],
+    ids=["numbers of nobody", "a name beside a bone", "no bone"],
+)
+def test_what_cannot_be_told_is_asked_once_and_labels_answer(labels, names, message, tmp_path):
+    fields = "".join(f"Segment{n}_Name:={name}\nSegment{n}_LabelValue:={n}\nSegment{n}_Layer:=0\n" for n, name in names.items())
+    file = tmp_path / "labels.seg.nrrd"
+    labels.write(file)
+    head, data = file.read_bytes().split(b"\n\n", 1)
+    file.write_bytes(head + b"\n" + fields.encode() + b"\n" + data)
+    with pytest.raises(GeometryError, match=f"labels.seg.nrrd: {message}.*labels=") as error:
+        read_labels(file)
+    assert said(error.value).remedy is Remedy.CHOOSE_LABELS
+    number = int(labels.numbers()[0])
+    assert read_labels(file, labels=str(number)).numbers().tolist() == [number]
+
+
+@pytest.mark.parametrize("choice", ["L3", "vertebrae_L3", "l3"])
+def test_a_bone_is_chosen_by_the_name_that_its_program_gives(choice, tmp_path):
+    column(27, 1, extra={52: (0, 0, 0)}).write(tmp_path / "labels.nii.gz")
+    found = read_labels(tmp_path / "labels.nii.gz", labels=choice)
+    assert found.names == {29: "L3"}
+    column(29, 1, count=1).write(tmp_path / "labels.nii.gz")
+    assert read_labels(tmp_path / "labels.nii.gz", labels=choice).names == {29: "L3"}
+
+
+@pytest.mark.parametrize(
+    ("name", "tags", "shown"),
+    [
+        ("Segment_1", "~SCT^123037004^Anatomical Structure~SCT^36470004^Wirbel~^^~", "vertebrae_L3"),
+        ("Segment_1", "~SRT^T-D0005^Anatomical Structure~SRT^T-11640^L4 vertebra~^^~", "L4 vertebra"),
+        ("Segment_1", "~SCT^123037004^Anatomical Structure~SCT^244849004^Deep muscle of back~^^~", "deep muscle of back"),
+        ("Segment_1", "~SCT^85756007^Tissue~SCT^85756007^Tissue~^^~", "Segment_1"),
+        ("L2", "~SCT^85756007^Tissue~SCT^36470004^L3 vertebra~^^~", "L2"),
+    ],
+)
+def test_a_segment_of_slicer_is_called_by_its_name_or_its_terminology(name, tags, shown):
+    assert name_by_code(name, f"Segmentation.Status:inprogress|TerminologyEntry:General Anatomy list{tags}|") == shown
 
 
 def test_labels_are_chosen_by_number_and_name():
@@ -245,9 +312,18 @@ def test_the_name_of_a_vertebra_is_short(name, short):
     assert bone_name(name) == short
 
 
-def test_organs_are_told_by_name():
-    assert all(map(is_no_bone, ("aorta", "autochthon_left", "spinal_cord", "kidney_cyst_left", "costal_cartilages", "heart")))
-    assert not any(map(is_no_bone, ("vertebrae_body", "L3", "hip_left", "Segment_1", "bone", "rib_left_1", "skull", "sternum")))
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [
+        (BONE, ("vertebrae_body", "L3", "hip_left", "bone", "rib_left_1", "skull", "sternum", "LeftFemur", "Arcus_Vertebrae", "Th12")),
+        (SOFT, ("aorta", "autochthon_left", "spinal_cord", "kidney_cyst_left", "costal_cartilages", "heart", "hip_implant")),
+        (SOFT, ("intervertebral_discs", "paravertebral_muscles", "vertebral_artery", "disc_L4_L5", "levator_scapulae_left")),
+        (SOFT, ("erector_spinae_left", "quadratus_lumborum_left", "subcutaneous_fat")),
+        (None, ("Segment_1", "mask", "discovery", "ribbon")),
+    ],
+)
+def test_names_tell_by_whole_words(kind, names):
+    assert {name: kind_of(name) for name in names} == dict.fromkeys(names, kind)
 
 
 def folder_of_masks(folder: Path, labels: Labels, names: dict[int, str]) -> Path:
@@ -265,6 +341,25 @@ def test_a_folder_of_masks_is_a_bone_each(tmp_path):
     assert found.names == {1: "L3", 2: "L4", 3: "L5"}
     assert found.notes == ("1 files are no bone by their names and left out: aorta.",)
     np.testing.assert_array_equal(found.array == 2, labels.array == 28)
+
+
+def test_a_file_of_many_labels_in_a_folder_keeps_its_bones(tmp_path):
+    labels = column(24, -1)
+    labels.write(folder_of_masks(tmp_path / "verse", labels, {}) / "sub-x004_seg-vert_msk.nii.gz")
+    assert list(read_labels(tmp_path / "verse").names.values()) == ["L2", "L3", "L4", "L5"]
+    assert read_labels(tmp_path / "verse", labels="L3").numbers().tolist() == [22]
+    masks = folder_of_masks(tmp_path / "both", labels, {24: "vertebrae_L5", 23: "vertebrae_L4"})
+    labels.write(masks / "all.nii.gz")
+    found = read_labels(masks)
+    assert found.names == {1: "L4", 2: "L5", 3: "L2", 4: "L3"}
+    assert found.notes == ("2 bones of all.nii.gz lie where other files have theirs, and are left out.",)
+
+
+def test_a_mask_beside_bones_whose_name_says_nothing_is_asked_about(tmp_path):
+    folder = folder_of_masks(tmp_path / "masks", column(27, 1), {27: "vertebrae_L5", 28: "thing"})
+    with pytest.raises(GeometryError, match="its files thing may be bone or not"):
+        read_labels(folder)
+    assert read_labels(folder, labels="L5").names == {2: "L5"}
 
 
 def test_masks_on_other_voxels_meet_where_they_lie(tmp_path):

@@ -151,8 +151,8 @@ def test_a_description_that_cannot_be_used_says_where(tmp_path, table, message):
     [
         ("slide,lift\n1,2\n", "must have one column tilt, for the axis of this name; got slide, lift"),
         ("slide,tilt,Tilt\n1,2,3\n", "must have one column tilt"),
-        ("slide,tilt\n1,x\n", "line 2, column tilt must be a number; 'x' is not a number"),
-        ("slide,tilt\n1,2\n1\n", "line 3 must have 2 columns; got 1"),
+        ("slide,tilt\n1,x\n", "line 2 .frame 0., column tilt must be a number; got 'x'"),
+        ("slide,tilt\n1,2\n1\n", "line 3 .frame 1. must have 2 columns; got 1"),
         ("1,2,3,4\n", "without headings there must be 2 columns .slide, tilt., or the time in front; got 4"),
         ("slide,tilt\n", "holds no values of the axes"),
     ],

@@ -16,6 +16,8 @@ from sweeps import rigid
 from AIFReconLib.errors import AIFReconError, FileFormatError, SettingsError
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.foreign.poses.rotations import PoseFormat, in_millimeters
+from AIFReconLib.message import said
+from AIFReconLib.remedies import Remedy
 
 POSES = [rigid((10.0 * n - 20.0, 5.0, 30.0 + n), (1.5 * n, -20.0, 7.25)) for n in range(3)]
 
@@ -158,7 +160,7 @@ def test_lengths_become_millimeters(unit, factor):
         (table([[1, 2, 3]], ["x", "y", "z"]), None, "must be 4x4 matrices .*known columns: x, y, z"),
         (table([pose.T.ravel().tolist() for pose in POSES]), None, r"0 0 0 1 as its last row; got .*column_major"),
         ("1 0 0 0\n0 1 0 0\n", None, "must come in fours or threes"),
-        (table(BY_ROW), PoseFormat(columns=("x", "y")), r"must have 2 columns; got 16"),
+        (table(BY_ROW), PoseFormat(columns=("x", "y")), r"columns must name 16 columns; got 2"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_explained(tmp_path, text, form, message):
@@ -179,7 +181,7 @@ def test_a_row_without_a_time_is_told_and_times_are_not_used(tmp_path, word):
 
 
 def test_a_word_in_parts_of_a_time_is_named_by_line_and_column(tmp_path):
-    with pytest.raises(FileFormatError, match="line 3, column time must be a number; got 'abc'"):
+    with pytest.raises(FileFormatError, match=r"line 3 .frame 1., column time must be a number; got 'abc'"):
         read(tmp_path, "sec,nanosec,x,y,z,qx,qy,qz,qw\n1,0,1,2,3,0,0,0,1\n1,abc,1,2,3,0,0,0,1\n")
 
 
@@ -246,27 +248,30 @@ def test_an_array_of_something_else_is_refused(array, words, tmp_path):
 
 @pytest.mark.parametrize("way", ["{0}_{1}", "{1}_{0}", "{0}{1}", "{1}{0}", "arm.{0}.{1}"])
 @pytest.mark.parametrize("names", ["LR", "ab", "tp", "xy", "qr", "rt", "ms", "12", ("pos", "rot"), ("pose", "ref")])
-def test_two_tools_are_told_by_any_name(tmp_path, names, way):
+def test_two_tools_are_told_by_any_name_or_the_columns_are_asked(tmp_path, names, way):
     words = ["x", "y", "z", "rx", "ry", "rz"]
     header = [way.format(name, word) for name in names for word in words]
     rows = [[*pose[:3, 3], *euler(pose, "xyz"), *[7.0] * 6] for pose in POSES]
     form = PoseFormat(euler_order="xyz", angle_unit="deg")
-    with pytest.raises(SettingsError, match="poses of 2 tools side by side"):
+    with pytest.raises(SettingsError, match=r"poses of 2 tools side by side|Headings: .* First rows: .*columns=") as error:
         read(tmp_path, table(rows, header), form)
-    assert_poses(read(tmp_path, table(rows, header), replace(form, tool=names[0])))
+    glued = said(error.value).remedy is Remedy.NAME_THE_COLUMNS
+    assert not glued or way in ("{0}{1}", "{1}{0}") or names == "ms"
+    answer = replace(form, columns=(*words, *"------")) if glued else replace(form, tool=names[0])
+    assert_poses(read(tmp_path, table(rows, header), answer))
 
 
 @pytest.mark.parametrize(
     ("header", "message"),
     [
         ("x,y,z,qx,qy,qz,qw,R_x,R_y,R_z,R_qx,R_qy,R_qz,R_qw", "2 tools side by side: 1, R"),
-        ("x_R,y_R,z_R,q_R_x,q_R_y,q_R_z,q_R_w,L_x,L_y,L_z,L_qx,L_qy,L_qz,L_qw", "2 tools side by side: R, L"),
+        ("x_R,y_R,z_R,q_R_x,q_R_y,q_R_z,q_R_w,L_x,L_y,L_z,L_qx,L_qy,L_qz,L_qw", "First rows"),
         ("T X,Y,Z,qx,qy,qz,qw,P X,Y,Z,qx,qy,qz,qw", "2 tools side by side: T, P"),
         ("x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,x 1,y 1,z 1,rx 1,ry 1,rz 1", "2 tools side by side: unnamed 1, 1"),
         ("pos/pos_x,pos/pos_y,pos/pos_z,pos/rx,pos/ry,pos/rz,pos_x,pos_y,pos_z,rx,ry,rz", "2 tools side by side: pos, 2"),
         (
             "x,y,z,r00,r01,r02,r10,r11,r12,r20,r21,r22,x2,y2,z2,r002,r012,r022,r102,r112,r122,r202,r212,r222",
-            "2 tools side by side: 1, 2",
+            "9 headings are not known",
         ),
         ("x,y,z,qx,qy,qz,qw,status,valid,u,v,w,k,l", "2 columns mean status: status .column 8., valid .column 9."),
     ],
@@ -289,3 +294,61 @@ def test_tools_named_as_headings_stand_above_the_headings(tmp_path):
     text = ",,x:x,,,,,,y:y,,,,,,z:z,,,,,\nFrame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * 3 + "\n" + (",".join(["1"] * 20) + "\n") * 3
     with pytest.raises(SettingsError, match="3 tools side by side: x x, y y, z z"):
         read(tmp_path, text)
+
+
+NDI_LOG = """NDI Track 6.2
+Exported,12.03.2026
+Tools: 1
+"Frame count",2
+Tools,"Frame","Tx","Ty","Tz","Q0","Qx","Qy","Qz"
+"""
+UR = (
+    "timestamp;"
+    + ";".join(f"actual_TCP_pose_{n}" for n in range(6))
+    + ";actual_q_0;actual_q_1;actual_q_2;actual_q_3;actual_q_4;actual_q_5\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "form", "matrix"),
+    [
+        (NDI_LOG + "1,1,1,2,3,1,0,0,0\n1,2,4,5,6,1,0,0,0\n", PoseFormat(), rigid((0, 0, 0), (1, 2, 3))),
+        (UR + "0.0;0.001;0.002;0.003;0;0;0;1;2;3;4;5;6\n", PoseFormat(), rigid((0, 0, 0), (1, 2, 3))),
+        ("X,Y,Z,W,P,R\n1,2,3,0,0,90\n", PoseFormat(), rigid((0, 0, 90), (1, 2, 3))),
+        ("1.0 0.001 0.002 0.003 0 0 0 1\n", PoseFormat(columns=("tum",)), rigid((0, 0, 0), (1, 2, 3))),
+        ("9,1,0,2,3,4\n9,1,0,5,6,7\n", PoseFormat(columns=("rz=3", "x=4", "y=5", "z=6", "rx=3", "ry=3")), None),
+        (
+            "u,v,w,p,q,r,s\n1,2,3,0,0,0,1\n",
+            PoseFormat(columns=("x=u", "y=v", "z=w", "qx=p", "qy=q", "qz=r", "qw=s")),
+            rigid((0, 0, 0), (1, 2, 3)),
+        ),
+    ],
+    ids=["names in line 5", "RTDE", "Fanuc", "TUM", "a column twice", "by heading"],
+)
+def test_makers_and_named_columns(tmp_path, text, form, matrix):
+    if matrix is None:
+        with pytest.raises(SettingsError, match="First rows"):
+            read(tmp_path, text, form)
+        return
+    found = read(tmp_path, text, form)
+    scale = {"mm": 1.0, "m": 1000.0}[found.length_unit]
+    np.testing.assert_allclose(found.matrices[0, :3, 3] * scale, matrix[:3, 3])
+    np.testing.assert_allclose(found.matrices[0, :3, :3], matrix[:3, :3], atol=1e-12)
+
+
+def test_the_columns_that_are_told_can_be_given_and_saved(tmp_path):
+    text = "sec,nanosec,frame_id,x,y,z,qx,qy,qz,qw\n" + "".join(f"{n},500000000,tracker,{n},2,3,0,0,0,1\n" for n in range(3))
+    found = read(tmp_path, text)
+    told = next(line for line in found.understood if line.startswith("columns: ")).removeprefix("columns: ")
+    (tmp_path / "lab.json").write_text(json.dumps({"maker": "our lab", "columns": told, "length_unit": "m"}))
+    again = read(tmp_path, text.partition("\n")[2], PoseFormat(columns=(str(tmp_path / "lab.json"),)))
+    np.testing.assert_array_equal(again.matrices, found.matrices)
+    np.testing.assert_array_equal(again.times, [0.5, 1.5, 2.5])
+    assert again.length_unit == "m"
+    assert "as our lab writes" in again.understood
+
+
+@pytest.mark.parametrize(("encoding", "unit"), [("utf-16", "mm"), ("cp1252", "°"), ("utf-8-sig", "°")])
+def test_a_table_is_read_in_any_encoding(tmp_path, encoding, unit):
+    (tmp_path / "poses.csv").write_bytes(f'x [mm];y [mm];z [mm];"A [{unit}]";B [deg];C [deg]\r\n1,5;2;3;0;0;0\r\n'.encode(encoding))
+    assert read_poses(tmp_path / "poses.csv").matrices[0, :3, 3].tolist() == [1.5, 2.0, 3.0]

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib import read_sequence
-from AIFReconLib.errors import FileFormatError, SequenceFormatError
+from AIFReconLib.errors import FileFormatError, SequenceFormatError, TransformError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.sequence.others.unread import UNREAD
@@ -401,6 +401,47 @@ def test_compressed_bags_are_read(tmp_path, storage, compression):
         for number in range(COUNT):
             bag.image(number)
     np.testing.assert_array_equal(np.asarray(read_sequence(bag.path).images), IMAGES)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("nav_msgs/msg/Odometry", "NeedleToTracker"),
+        ("geometry_msgs/msg/PoseWithCovarianceStamped", "ProbeToTracker"),
+        ("nav_msgs/msg/Path", None),
+    ],
+)
+@pytest.mark.parametrize("storage", ["bag", "mcap"])
+def test_poses_of_other_messages_are_read_or_named(tmp_path, storage, kind, name):
+    bag = Bag(tmp_path / "sweep", storage)
+    with bag.writer:
+        for number in range(COUNT):
+            position, orientation = bag.moved(pose(number), "Point")
+            at = bag.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
+            header = bag.header(0.05 * number, "tracker")
+            fields: dict[str, Any] = {"header": header}
+            if kind.endswith("Path"):
+                fields["poses"] = [bag.make("geometry_msgs/msg/PoseStamped", header=header, pose=at)]
+            else:
+                fields["pose"] = bag.make("geometry_msgs/msg/PoseWithCovariance", pose=at, covariance=np.zeros(36))
+            if kind.endswith("Odometry"):
+                still = bag.make("geometry_msgs/msg/Vector3", x=0.0, y=0.0, z=0.0)
+                twist = bag.make("geometry_msgs/msg/Twist", linear=still, angular=still)
+                fields |= {
+                    "child_frame_id": "needle",
+                    "twist": bag.make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=np.zeros(36)),
+                }
+            bag.write("/probe/pose", kind, 0.05 * number, bag.make(kind, **fields))
+            bag.image(number)
+    sequence = read_sequence(bag.path)
+    assert [str(each) for each in sequence.transform_names()] == ([] if name is None else [name])
+    if name is None:
+        assert f"{COUNT} of nav_msgs/msg/Path on /probe/pose" in " ".join(sequence.notes)
+        with pytest.raises(TransformError, match=r"no transforms at all: was a tracker connected.$"):
+            sweep_poses(sequence)
+    else:
+        found = [next(iter(record.transforms.values())).matrix for record in sequence.records]
+        np.testing.assert_allclose(found, [pose(number) for number in range(COUNT)], atol=1e-9)
 
 
 def test_images_of_an_encoding_that_is_not_known_are_named(tmp_path):

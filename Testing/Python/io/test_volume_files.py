@@ -327,7 +327,7 @@ def test_reading_bad_files_prints_nothing(tmp_path, capfd):
 def test_labels_are_whole_numbers_whatever_the_file_holds(tmp_path, dtype):
     volume = noise_volume(dtype)
     write_volume(volume, tmp_path / "labels.nrrd")
-    labels = read_labels(tmp_path / "labels.nrrd")
+    labels = read_labels(tmp_path / "labels.nrrd", labels="1-99")
     np.testing.assert_array_equal(labels.array, volume.array)
     assert labels.array.dtype.kind in "iu"
 
@@ -414,7 +414,7 @@ def test_a_nifti_whose_forms_agree_or_that_has_one_needs_no_note(tmp_path, caplo
 
 def test_the_forms_of_a_nifti_are_told_in_one_line_without_those_of_itk(tmp_path, capfd):
     path = two_forms(tmp_path / "labels.nii", stretched=1.2)
-    main(["bone-map", str(path), "--output", str(tmp_path / "map.nrrd")])
+    main(["bone-map", str(path), "--labels", "1-99", "--output", str(tmp_path / "map.nrrd")])
     assert [line.partition(" place")[0] for line in capfd.readouterr().err.splitlines()] == [f"{path}: its qform and sform"]
 
 

@@ -1,8 +1,9 @@
-"""Files of poses: CSV and text with or without headings, and JSON."""
+"""Files of poses: CSV and text with or without headings, JSON, and arrays of NumPy."""
 
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -13,7 +14,6 @@ import numpy as np
 from ....arrays import Floats, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
 from ....message import listed, said
-from ....remedies import Remedy
 from ...disk.small_files import read_bytes
 from .headings import (
     ANGLES,
@@ -30,16 +30,21 @@ from .headings import (
     UNNAMED_EULER,
     UNORDERED_QUATERNION,
     Column,
+    Preset,
     column_of,
+    preset_called,
+    preset_for,
+    preset_of,
 )
 from .json_sheet import sheet_of_json
 from .rotations import PoseFormat, PoseValueError, poses_of, rotation_kind
-from .sheet import Sheet, is_number, number_at, number_in, sheets_of
+from .sheet import MAXIMUM_BYTES, Cells, Sheet, is_number, sheets_of, text_of
 from .statuses import statuses_of
 from .times import Times, times_of
-from .tools import Rows, Track, rows_of, track_of
+from .tracks import Track, name_the_columns, rows_of, track_of
 
-MAXIMUM_BYTES = 2**28
+_WORDS = (IMAGE, STATUS, OCCLUDED, TOOL)
+"""What is read as it is written."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +81,7 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
     """The poses in a .csv, .txt, .tsv, .json or .npy file.
 
     Raises FileFormatError, which names the row and the column, or the key, that cannot be used; SettingsError when a convention is left
-    open, or the tool.
+    open, or the tool, or what the columns are.
 
     Parameters
     ----------
@@ -89,87 +94,150 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         What the file does not say.
     """
     path, form = Path(path), form or PoseFormat()
-    text = _numpy_text(path) if path.suffix.lower() == ".npy" else _text(path)
     try:
-        if path.suffix.lower() == ".json":
-            sheet, places = sheet_of_json(text)
-            return _of_sheets([sheet], form, places)
-        return _of_sheets(sheets_of(text), form)
+        if path.suffix.lower() == ".npy":
+            return _of_array(path, form)
+        text = text_of(path)
+        sheets = [sheet_of_json(text)] if path.suffix.lower() == ".json" else sheets_of(text)
+        return _of_sheets([sheet for sheet in sheets if sheet.rows], form)
     except AIFReconError as error:
-        raise type(error)(f"{path}: {said(error)}", error) from None
+        raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
 
 
-def _numpy_text(path: Path) -> str:
-    """An array of matrices, a line each."""
+def _of_array(path: Path, form: PoseFormat) -> PoseTable:
+    """An array of matrices."""
     try:
         array = np.load(io.BytesIO(read_bytes(path, MAXIMUM_BYTES, FileFormatError)), allow_pickle=False)
         lines = np.asarray(array, np.float64).reshape(len(array), -1) if array.ndim in (2, 3) else np.empty((0, 0))
     except (ValueError, TypeError, EOFError, OSError) as error:
-        raise FileFormatError(f"{path}: it cannot be read as an array of numbers. Save it with numpy.save.") from error
-    if lines.shape[1] not in (12, 16):
-        raise FileFormatError(f"{path}: poses must be (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12); got {array.shape}.")
-    return "\n".join(" ".join(map(repr, line)) for line in lines.tolist())
+        raise FileFormatError("it cannot be read as an array of numbers. Save it with numpy.save.") from error
+    if lines.shape[1] not in (12, 16) or not len(lines):
+        raise FileFormatError(f"poses must be (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12); got {array.shape}.")
+    return _posed(dict(zip(MATRIX, lines.T)), form, None, None, [f"pose {number}" for number in range(len(lines))])
 
 
-def _text(path: Path) -> str:
-    data = read_bytes(path, MAXIMUM_BYTES + 1, FileFormatError)
-    try:
-        if len(data) > MAXIMUM_BYTES or b"\0" in data:
-            raise FileFormatError(f"{path}: this is not a text file of poses. Give .csv, .txt or .json.")
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileFormatError(f"{path}: this is not a text file (UTF-8). Export the poses again.") from None
-
-
-def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat, places: Sequence[str] | None = None) -> PoseTable:
+def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat) -> PoseTable:
     """The poses of the first table that holds some."""
-    sheets = [sheet for sheet in sheets if sheet.rows]
     if not sheets:
         raise FileFormatError("it holds no poses. Give a file with one pose per frame.")
-    for sheet in sheets[:-1]:
-        columns = _columns(sheet, form)
-        if columns is not None and track_of(columns, sheet.rows, form.tool)[0].is_whole:
+    for sheet in sheets:
+        try:
+            table = _of_sheet(sheet, form)
             break
-    else:
-        sheet = sheets[0] if len(sheets) == 1 else sheets[-1]
+        except SettingsError as error:
+            if len(sheets) == 1 or sheet is sheets[-1] or "known columns" not in str(error):
+                raise
     others = [f"left out: {len(sheets) - 1} other tables in the file"] if len(sheets) > 1 else []
     others += [f"left out: {sheet.skipped}"] if sheet.skipped else []
-    columns = _columns(sheet, form)
-    if columns is None:
-        places, rows = _of_blocks(sheet.rows)
-        columns, how = [column_of(name) for name in MATRIX], [f"{len(sheet.rows) // len(rows)} rows of four numbers each"]
-        table = _table(rows, columns, form, places)
-    else:
-        how, table = [], _table(sheet.rows, columns, form, places, rate=_rate(sheet, columns), above=sheet.above)
-    return replace(table, understood=(*table.understood, *how, *others))
+    return replace(table, understood=(*table.understood, *others))
 
 
-def _columns(sheet: Sheet, form: PoseFormat) -> list[Column] | None:
-    """What each column holds; None where the rows are parts of matrices."""
+def _of_sheet(sheet: Sheet, form: PoseFormat) -> PoseTable:
+    preset = _preset(form.columns) if form.columns is not None else preset_for(sheet.headings or (), sheet.above)
+    if preset is not None:
+        unsaid = {name: value for name, value in preset.said.items() if getattr(form, name, None) is None}
+        form = replace(form, columns=preset.columns or (None if form.columns == (preset.maker,) else form.columns), **unsaid)
+        if form.columns is not None and len(form.columns) == 1 and not preset.columns:
+            form = replace(form, columns=None)
+    if form.columns is None and sheet.headings is None and sheet.width == 4:
+        return _of_blocks(sheet, form)
+    columns = _columns(sheet, form, preset or Preset(""))
+    track, told, is_chosen = track_of(columns, sheet, form.tool, preset is not None)
+    cells = sheet.read(len(columns), [place for place, column in track.described.items() if column.role in _WORDS])
+    cells, told_rows = rows_of(track, cells, form.tool, is_chosen)
+    numeric = {role: place for role, place in track.columns.items() if role not in (*_WORDS, TIME, FRAME, RECEIVED)}
+    values = {role: cells.numbers(place, role) for role, place in numeric.items()}
+    length = form.length_unit or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
+    times = times_of(track.described, cells, form.time_unit)
+    if times.seconds is None and FRAME in track.columns and (rate := _rate(sheet, track)) is not None:
+        frames = cells.numbers(track.columns[FRAME], FRAME)
+        times = Times((frames - frames[0]) / rate, (f"time: frame numbers at {rate:g} frames/s, as the file says",))
+    table = _posed(values, form, length, _unit(track, ANGLES), cells)
+    statuses, told_status = _statuses(track, cells, table.matrices, form)
+    unused = [column.heading for place, column in enumerate(columns) if place not in track.described and column.heading not in ("", "-")]
+    understood = [*table.understood, *([f"as {preset.maker} writes"] if preset and preset.maker else []), *told, *told_rows]
+    understood += [*times.told, *told_status, *([f"columns that are not used: {listed(dict.fromkeys(unused))}"] if unused else [])]
+    taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
+    understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
+    images = tuple(cells.words(track.columns[IMAGE])) if IMAGE in track.columns else None
+    return replace(table, times=times.seconds, images=images, statuses=statuses, understood=tuple(understood))
+
+
+def _posed(values: dict[str, Floats], form: PoseFormat, length: str | None, angle: str | None, where: Cells | Sequence[str]) -> PoseTable:
+    """The poses that fields give, alone; `where` says where each stands."""
+    kind = rotation_kind(values, form, angle)
+    length = length or form.length_unit
+    try:
+        matrices = poses_of(values, kind, form)
+    except PoseValueError as error:
+        place = where.place(error.number) if isinstance(where, Cells) else where[error.number]
+        raise FileFormatError(f"{place} {said(error)}", error) from None
+    understood = (f"{len(matrices)}, {kind.told(length or 'mm', form)}",)
+    return PoseTable(matrices, None, None, None, understood, length or "mm", length is not None)
+
+
+def _preset(columns: tuple[str, ...]) -> Preset | None:
+    """The layout that one word names: a maker's, or a file of one's own; None where the words are columns."""
+    if len(columns) != 1:
+        return None
+    (word,) = columns
+    if not word.lower().endswith(".json"):
+        return preset_called(word)
+    try:
+        return preset_of(json.loads(text_of(Path(word))))
+    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+        if isinstance(error, FileFormatError):
+            raise
+        raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.") from None
+
+
+def _columns(sheet: Sheet, form: PoseFormat, preset: Preset) -> list[Column]:
+    """What each column holds."""
+    if form.columns is not None and any("=" in word for word in form.columns):
+        return _assigned(sheet, form.columns)
     if form.columns is not None:
+        if len(form.columns) != sheet.width:
+            raise name_the_columns(f"Input columns must name {sheet.width} columns; got {len(form.columns)}.", sheet)
         return [column_of(word) if word != "-" else Column("-") for word in form.columns]
     if sheet.headings is None:
-        width = len(sheet.rows[0][1])
-        if all(len(cells) == 4 for _number, cells in sheet.rows):
-            return None
-        return [column_of(name) for name in _names_of_numbers(width, form)]
+        return [column_of(name) for name in _names_of_numbers(sheet, form)]
     wide = [*sheet.headings]
     above = [tuple(group[place] for group in sheet.groups if group[place]) for place in range(len(wide))]
     # What stands above all columns tells none from another
     common = {word for word in above[-1] if all(word in each for each in above if each)} if any(above) else set()
     units = [*sheet.units, *[""] * len(wide)]
-    return [
+    columns = [
         column_of(heading, tuple(dict.fromkeys(word for word in words if word not in common or _says_kind(word))), unit)
         for heading, words, unit in zip(wide, above, units)
     ]
+    own = {name: role.partition(":") for name, role in preset.headings.items()}
+    for place, heading in enumerate(wide):
+        role, _, unit = own.get("".join(filter(str.isalnum, heading)).lower(), ("", "", ""))
+        if role:
+            columns[place] = replace(columns[place], role=role, unit=unit or columns[place].unit, words=(role,))
+    return columns
+
+
+def _assigned(sheet: Sheet, words: Sequence[str]) -> list[Column]:
+    """Columns by their number from 1 or their heading, as in ``time_ms=3 x=Tx``; the others are not used."""
+    columns = [Column("-")] * sheet.width
+    for word in words:
+        name, _, which = word.partition("=")
+        there = [place for place, heading in enumerate(sheet.headings or ()) if heading == which]
+        place = int(which) - 1 if which.isdecimal() else there[0] if len(there) == 1 else -1
+        if not 0 <= place < sheet.width or column_of(name).role is None:
+            raise name_the_columns(f"Input columns must be names of columns with their number (1 to {sheet.width}); got {word!r}.", sheet)
+        columns[place] = column_of(name)
+    return columns
 
 
 def _says_kind(word: str) -> bool:
     return word.lower() in ("rotation", "position", "orientation", "translation", "quaternion")
 
 
-def _names_of_numbers(count: int, form: PoseFormat) -> list[str]:
+def _names_of_numbers(sheet: Sheet, form: PoseFormat) -> list[str]:
     """What the columns of a table without headings are, by their number."""
+    count = sheet.width
     if count in (16, 17, 12, 13):
         names = list(MATRIX[: 16 if count >= 16 else 12])
         return [TIME, *names] if count in (13, 17) else names
@@ -177,81 +245,30 @@ def _names_of_numbers(count: int, form: PoseFormat) -> list[str]:
         return [*([TIME] if count == 8 else []), *TRANSLATION, *UNORDERED_QUATERNION]
     if form.euler_order and not form.quaternion_order and count in (6, 7):
         return [*([TIME] if count == 7 else []), *TRANSLATION, *UNNAMED_EULER]
-    raise SettingsError(f"{count} columns without names can be many things.", Remedy.NAME_THE_COLUMNS)
+    raise name_the_columns(f"{count} columns without names can be many things.", sheet)
 
 
-def _rate(sheet: Sheet, columns: Sequence[Column]) -> float | None:
+def _rate(sheet: Sheet, track: Track) -> float | None:
     """Frames per second, which Vicon Nexus writes alone in the line below the title, where no column is the time."""
     alone = [cells[0] for cells in sheet.above if len([cell for cell in cells if cell]) == 1 and is_number(cells[0])]
-    rate = number_in(alone[-1]) if alone and not any(column.role == TIME for column in columns) else 0.0
-    return rate if rate > 0.0 else None
+    rate = float(alone[-1].replace(",", ".")) if alone else 0.0
+    return rate if rate > 0.0 and TIME not in track.columns else None
 
 
-def _of_blocks(rows: Rows) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Matrices of three or four lines each, as one row each."""
-    last = [[number_in(cell) if is_number(cell) else np.nan for cell in cells] for _number, cells in rows[3::4]]
-    height = 4 if len(rows) % 4 == 0 and (len(rows) % 3 or last == [[0.0, 0.0, 0.0, 1.0]] * len(last)) else 3
-    if len(rows) % height:
-        raise FileFormatError(
-            f"lines of four numbers must come in fours or threes, one matrix each; got {len(rows)} lines. Export it again."
-        )
-    places, joined = [], []
-    for number, start in enumerate(range(0, len(rows), height)):
-        part = rows[start : start + height]
-        cells = [cell for _line, line in part for cell in line]
-        joined.append((part[0][0], cells if height == 4 else [*cells, "0", "0", "0", "1"]))
-        places.append(f"lines {part[0][0]} to {part[-1][0]} (frame {number})")
-    return places, joined
-
-
-def _table(
-    rows: Rows,
-    columns: Sequence[Column],
-    form: PoseFormat,
-    places: Sequence[str] | None = None,
-    rate: float | None = None,
-    above: Sequence[Sequence[str]] = (),
-) -> PoseTable:
-    """The poses of rows of cells."""
-    places = places or [f"line {line} (frame {number})" for number, (line, _cells) in enumerate(rows)]
-    kept = []
-    for place, (line, cells) in zip(places, rows):
-        if len(cells) != len(columns) and not (len(cells) == len(columns) + 1 and not cells[-1]):
-            raise FileFormatError(f"{place} must have {len(columns)} columns; got {len(cells)}. Export it again.")
-        kept.append((line, list(cells[: len(columns)])))
-    track, told, is_chosen = track_of(columns, kept, form.tool)
-    by_line = {line: place for place, (line, _cells) in zip(places, kept)}
-    if track.is_whole:
-        chosen, told_rows = rows_of(track, kept, form.tool, is_chosen)
-    else:
-        chosen, told_rows = kept, []
-    where = [by_line[line] for line, _cells in chosen]
-    values = {name: _numbers(name, place, chosen, where) for name, place in track.columns.items() if _is_numeric(name)}
-    kind = rotation_kind(values, form, _unit(track, ANGLES))
-    length = form.length_unit or _unit(track, tuple(LENGTHS)) or _length_above(above)
-    try:
-        matrices = poses_of(values, kind, form)
-    except PoseValueError as error:
-        raise FileFormatError(f"{where[error.number]} {said(error)}", error) from None
-    times = times_of(track.described, chosen, form.time_unit)
-    if times.seconds is None and rate is not None and FRAME in track.columns:
-        frames = _numbers(FRAME, track.columns[FRAME], chosen, where)
-        times = Times((frames - frames[0]) / rate, (f"time: frame numbers at {rate:g} frames/s, as the file says",))
-    statuses, told_status = _statuses(track, chosen, matrices, form)
-    used = set(track.described)
-    unused = [column.heading for place, column in enumerate(columns) if place not in used and column.heading not in ("", "-")]
-    understood = [f"{len(chosen)}, {kind.told(length or 'mm', form)}", *told, *told_rows, *times.told, *told_status]
-    understood += [f"columns that are not used: {listed(dict.fromkeys(unused))}"] if unused else []
-    images = _words(IMAGE, track, chosen)
-    return PoseTable(matrices, times.seconds, images, statuses, tuple(understood), length or "mm", length is not None)
-
-
-def _is_numeric(name: str) -> bool:
-    return name not in (IMAGE, STATUS, OCCLUDED, TOOL, TIME, FRAME, RECEIVED)
-
-
-def _numbers(name: str, place: int, rows: Rows, where: Sequence[str]) -> Floats:
-    return np.array([number_at(at, name, cells[place]) for at, (_line, cells) in zip(where, rows)])
+def _of_blocks(sheet: Sheet, form: PoseFormat) -> PoseTable:
+    """Matrices of three or four lines of four numbers each."""
+    cells = sheet.read(4)
+    lines = np.stack([cells.numbers(place, str(place + 1)) for place in range(4)], axis=1)
+    count = len(lines)
+    height = 4 if count % 4 == 0 and (count % 3 or (lines[3::4] == (0.0, 0.0, 0.0, 1.0)).all()) else 3
+    if count % height:
+        raise FileFormatError(f"lines of four numbers must come in fours or threes, one matrix each; got {count} lines. Export it again.")
+    where = [
+        f"lines {sheet.lines[start]} to {sheet.lines[start + height - 1]} (frame {number})"
+        for number, start in enumerate(range(0, count, height))
+    ]
+    table = _posed(dict(zip(MATRIX, lines.reshape(-1, 4 * height).T)), form, None, None, where)
+    return replace(table, understood=(*table.understood, f"{height} rows of four numbers each"))
 
 
 def _unit(track: Track, units: Sequence[str]) -> str | None:
@@ -271,17 +288,11 @@ def _length_above(above: Sequence[Sequence[str]]) -> str | None:
     return None
 
 
-def _statuses(track: Track, rows: Rows, matrices: Matrix, form: PoseFormat) -> tuple[tuple[str, ...] | None, list[str]]:
+def _statuses(track: Track, cells: Cells, matrices: Matrix, form: PoseFormat) -> tuple[tuple[str, ...] | None, list[str]]:
     for role in (STATUS, OCCLUDED):
-        words = _words(role, track, rows)
-        if words is not None:
+        if role in track.columns:
+            place = track.columns[role]
             moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
-            heading = track.described[track.columns[role]].heading
-            statuses, told = statuses_of(words, heading, role, moved, form.good_statuses)
+            statuses, told = statuses_of(cells.words(place), track.described[place].heading, role, moved, form.good_statuses)
             return statuses, [told]
     return None, []
-
-
-def _words(role: str, track: Track, rows: Rows) -> tuple[str, ...] | None:
-    place = track.columns.get(role)
-    return None if place is None else tuple(cells[place] for _line, cells in rows)

@@ -10,6 +10,9 @@ from ....message import listed, one_line, shorten
 from .headings import IMAGE, MATRIX, STATUS, TOOL, TURN, column_of
 from .sheet import Sheet
 
+_BETWEEN = "\x1f"
+"""The unit separator of ASCII, which no text holds."""
+
 _LISTS = ("frames", "poses", "transforms", "data")
 _PARTS = {
     "matrix": "matrix transform pose",
@@ -26,8 +29,8 @@ _FIELDS: dict[str, dict[int, tuple[str, ...]]] = {
 }
 
 
-def sheet_of_json(text: str) -> tuple[Sheet, list[str]]:
-    """The table that a JSON file holds, and the place of each row in words."""
+def sheet_of_json(text: str) -> Sheet:
+    """The table that a JSON file holds."""
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -45,7 +48,8 @@ def sheet_of_json(text: str) -> tuple[Sheet, list[str]]:
     for place, row in zip(places, rows):
         if set(row) != set(headings):
             raise FileFormatError(f"{place} must hold {', '.join(headings)} as the first; got {', '.join(row)}. Export it again.")
-    return Sheet([(number, [row[name] for name in headings]) for number, row in enumerate(rows)], headings), places
+    lines = [_BETWEEN.join(row[name].replace(_BETWEEN, " ").replace("\n", " ") for name in headings) for row in rows]
+    return Sheet(lines, list(range(len(rows))), _BETWEEN, headings, item="pose")
 
 
 def _cells(place: str, item: dict[str, object], above: str = "") -> Iterator[tuple[str, str]]:
@@ -58,9 +62,9 @@ def _cells(place: str, item: dict[str, object], above: str = "") -> Iterator[tup
             yield from _cells(at, value, heading)
         elif part is not None and not isinstance(value, str):
             yield from _numbers(at, part, value, above)
-        elif role in (IMAGE, STATUS, TOOL) or isinstance(value, str):
+        elif role in (IMAGE, STATUS, TOOL) or isinstance(value, str) or (role is None and isinstance(value, bool)):
             yield heading, str(value)
-        elif role is not None:
+        elif role is not None or value is None or isinstance(value, int | float):
             yield heading, _number(at, value)
         else:
             yield heading, ""

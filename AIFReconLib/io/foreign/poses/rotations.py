@@ -144,8 +144,12 @@ class RotationKind:
 def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | None) -> RotationKind:
     """How the fields of a table, numbers (n,) by name, give a rotation; `unit` is that of angles, as the table says it.
 
-    Raises SettingsError when they give none, or a convention is left open.
+    Raises SettingsError when they give none, a convention is left open, or angles are beyond two turns.
     """
+    return _plausible(_rotation_kind(values, form, unit), values)
+
+
+def _rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | None) -> RotationKind:
     have = set(values)
     if set(MATRIX[:12]) <= have:
         return RotationKind(MATRIX)
@@ -154,7 +158,7 @@ def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | No
     if set(TURN) <= have:
         return RotationKind(TURN, COLUMNS if form.column_major else ROWS)
     if set(COUNTED_TURN) <= have:
-        return RotationKind(COUNTED_TURN, _order_of_nine(values, form))
+        return RotationKind(COUNTED_TURN, _order_of_nine(form))
     if set(QUATERNION) <= have:
         return RotationKind(QUATERNION)
     if set(UNORDERED_QUATERNION) <= have:
@@ -194,22 +198,20 @@ def _angle_unit(fields: Sequence[str], form: PoseFormat, unit: str | None, value
     return unit
 
 
-def _order_of_nine(values: Mapping[str, Floats], form: PoseFormat) -> str:
-    """Whether nine numbers without names run along rows or columns: as said, else as the angles beside them tell."""
-    if form.column_major is not None:
-        return COLUMNS if form.column_major else ROWS
-    if set(EULER) <= set(values):
-        nine = np.stack([values[name] for name in COUNTED_TURN], axis=1).reshape(-1, 3, 3)
-        angles = np.stack([values[name] for name in EULER], axis=1)
-        good = np.isfinite(nine).all(axis=(1, 2)) & np.isfinite(angles).all(axis=1)
-        for order, turn in ((ROWS, nine[good]), (COLUMNS, nine[good].transpose(0, 2, 1))):
-            # About the axes that turn along: roll, pitch, yaw (Qualisys), or yaw, pitch, roll
-            for axes, about in (("XYZ", angles[good]), ("ZYX", angles[good][:, ::-1])):
-                found = scipy.spatial.transform.Rotation.from_euler(axes, about, degrees=True).as_matrix()
-                other = turn.transpose(0, 2, 1)
-                if good.any() and np.allclose(found, turn, atol=2e-3) and not np.allclose(found, other, atol=2e-3):
-                    return order
-    raise SettingsError("Nine numbers of a rotation can run along its rows or its columns.", Remedy.ROWS_OR_COLUMNS)
+def _plausible(kind: RotationKind, values: Mapping[str, Floats]) -> RotationKind:
+    """The same; raises SettingsError where angles are beyond two turns."""
+    if kind.unit:
+        most = max(float(np.abs(values[name]).max(initial=0.0, where=np.isfinite(values[name]))) for name in kind.fields)
+        if most > (720.0 if kind.unit == "deg" else 4 * np.pi) + 1e-6:
+            raise SettingsError(f"The angles reach {most:.4g} {kind.unit}, more than two turns: is their unit another?", Remedy.ANGLE_UNIT)
+    return kind
+
+
+def _order_of_nine(form: PoseFormat) -> str:
+    """Whether nine numbers without names run along rows or columns."""
+    if form.column_major is None:
+        raise SettingsError("Nine numbers of a rotation can run along its rows or its columns.", Remedy.ROWS_OR_COLUMNS)
+    return COLUMNS if form.column_major else ROWS
 
 
 def poses_of(values: Mapping[str, Floats], kind: RotationKind, form: PoseFormat) -> Matrix:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +10,12 @@ from ....arrays import Floats
 from ....errors import SettingsError
 from ....message import listed, shorten
 from ....remedies import Remedy
-from .headings import RECEIVED, TIME, TIMES, Column
-from .sheet import has_none, is_number, number_at
+from ...sequence.decoded_images import library
+from .headings import LONG_TIMES, RECEIVED, TIME, TIMES, Column
+from .sheet import Cells, has_none, is_number
 
-_PARTS = {"h": 3600.0, "min": 60.0, **TIMES}
-_SINCE_1970 = (("ns", 1e17, 1e19), ("us", 1e14, 1e16), ("ms", 1e11, 1e13), ("s", 1e8, 1e10))
-"""Times since 1970 tell their unit: those of the years 1973 to 2286."""
+_SINCE_1970 = (("ns", 6e17, 1e19), ("us", 1e14, 1e16), ("ms", 1e11, 1e13), ("s", 1e8, 1e10))
+"""Times since 1970 tell their unit: those of the years 1973 to 2286, in ns since 1989 (below are the 100 ns of Windows)."""
 
 SLOWEST, FASTEST = 2.0, 1e-4
 """s between poses that no tracker takes, in the median."""
@@ -30,62 +29,56 @@ class Times:
     told: tuple[str, ...] = ()
 
 
-def times_of(columns: dict[int, Column], rows: Sequence[tuple[int, Sequence[str]]], unit: str | None) -> Times:
+def times_of(columns: dict[int, Column], cells: Cells, unit: str | None) -> Times:
     """The times of rows, of the columns of one tool by their place; `unit` as the user says.
 
     Raises SettingsError when two columns can be the time, or the unit cannot be told.
     """
     found = {place: column for place, column in columns.items() if column.role == TIME}
     found = found or {place: column for place, column in columns.items() if column.role == RECEIVED}
-    if not found or not rows:
+    if not found or not len(cells):
         return Times(None)
+    known = {**LONG_TIMES, **TIMES}
     parts = {place: column.unit for place, column in found.items()}
     if len(found) > 1 and (len(set(parts.values())) < len(found) or None in parts.values() or unit is not None):
         names = listed(f"{column.heading} (column {place + 1})" for place, column in found.items())
         raise SettingsError(f"{len(found)} columns can be the time: {names}.", Remedy.NAME_THE_COLUMNS)
     if len(found) > 1:
-        seconds = sum(_numbers(place, rows) * _PARTS[part] for place, part in parts.items() if part is not None)
+        seconds = sum(cells.numbers(place, "time") * known[part] for place, part in parts.items() if part is not None)
         return _checked(np.asarray(seconds), f"time: {' + '.join(column.heading for column in found.values())}", unit, None)
     ((place, column),) = found.items()
-    cells = [cells[place] for _number, cells in rows]
-    if any(not (has_none(cell) or is_number(cell)) for cell in cells):
-        return _checked(_clock(cells, column), f"time: {column.heading}, by date or hour", None, None)
-    numbers = _numbers(place, rows)
+    if not cells.are_numbers(place):
+        return _checked(_clock(cells.words(place), column), f"time: {column.heading}, by date or hour", None, None)
+    numbers = cells.numbers(place, "time")
     unit = unit or column.unit
-    if unit is None:
-        largest = float(np.nanmax(np.abs(numbers))) if np.isfinite(numbers).any() else 0.0
-        unit = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
-        told = f"time: {column.heading}" + (f" in {unit}, by its size" if unit not in (None, "s") else "")
-        return _checked(numbers * _PARTS[unit or "s"], told, unit, column.heading)
-    return _checked(numbers * _PARTS[unit], f"time: {column.heading} in {unit}", unit, None)
+    if unit is not None:
+        return _checked(numbers * known[unit], f"time: {column.heading} in {unit}", unit, None)
+    largest = float(np.nanmax(np.abs(numbers))) if np.isfinite(numbers).any() else 0.0
+    unit = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
+    told = f"time: {column.heading}" + (f" in {unit}, by its size" if unit not in (None, "s") else "")
+    return _checked(numbers * known[unit or "s"], told, unit, column.heading)
 
 
-def _numbers(place: int, rows: Sequence[tuple[int, Sequence[str]]]) -> Floats:
-    return np.array([number_at(line, "time", cells[place]) for line, cells in rows])
-
-
-def _clock(cells: Sequence[str], column: Column) -> Floats:
+def _clock(words: list[str], column: Column) -> Floats:
     """Seconds of dates, or of hours of a day."""
-    seconds = []
-    for cell in cells:
-        text = cell.strip().removesuffix("Z").replace(" ", "T").replace(",", ".")
-        try:
-            parts = text.split(":")
-            if "-" in text or "/" in text:
-                seconds.append(np.datetime64(text.replace("/", "-")).astype("datetime64[ns]").astype(np.int64) * 1e-9)
-            elif len(parts) == 3:
-                seconds.append(float(int(parts[0]) * 3600 + int(parts[1]) * 60 + float(parts[2])))
-            elif has_none(cell):
-                seconds.append(np.nan)
-            else:
+    pandas = library("pandas", "Tables of poses")
+    plain = [None if has_none(word) else word.replace(",", ".").replace("/", "-") for word in words]
+    try:
+        if any(word and "-" in word for word in plain):
+            since = pandas.to_datetime(pandas.Series(plain), format="ISO8601", utc=True) - pandas.Timestamp(0, tz="UTC")
+        else:
+            wrong = next((word for word in plain if word and word.count(":") != 2), None)
+            if wrong is not None:
                 raise ValueError
-        except ValueError:
-            raise SettingsError(
-                f"The time (column {column.heading}) must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05; "
-                f"got {shorten(cell)!r}.",
-                Remedy.NAME_THE_COLUMNS,
-            ) from None
-    found = np.array(seconds)
+            since = pandas.to_timedelta(pandas.Series(plain))
+    except ValueError:
+        other = next((word for word in words if not has_none(word) and not is_number(word)), words[0])
+        raise SettingsError(
+            f"The time (column {column.heading}) must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05; "
+            f"got {shorten(other)!r}.",
+            Remedy.NAME_THE_COLUMNS,
+        ) from None
+    found = np.asarray(since.dt.total_seconds().to_numpy(), np.float64)
     known = found[np.isfinite(found)]
     if len(known) and np.ptp(known) > 43200.0 and known.max() < 86400.0:
         found = np.where(found < 43200.0, found + 86400.0, found)  # over midnight

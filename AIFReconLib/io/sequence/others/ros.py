@@ -28,8 +28,16 @@ from .ros_messages import compressed_image, image_of, matrix_of
 
 IMAGES = {"sensor_msgs/msg/Image": image_of, "sensor_msgs/msg/CompressedImage": compressed_image}
 POSE, TRANSFORM = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped"
+POSE_WITH_COVARIANCE, ODOMETRY = "geometry_msgs/msg/PoseWithCovarianceStamped", "nav_msgs/msg/Odometry"
 TREES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+POSES = (POSE, POSE_WITH_COVARIANCE, ODOMETRY)
 STILL = "tf_static"
+MOST_TOLD = 8
+"""Topics that are not read, of which a note tells."""
+
+_MAY_PLACE = re.compile("Pose|Transform|Odometry|Path|Joint|Twist|tf")
+"""Types of messages that may say where something is."""
+
 _PURPOSE = "Bags of ROS"
 
 
@@ -125,22 +133,23 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         images = DecodedImages(len(written), image, lambda n: f"{path}, image {n}")
     tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
     records = [FrameRecord(time, transforms=_at(tracks, time)) for _, time in found.images]
-    return Recorded(images, records, transforms=found.still, notes=_notes(found))
+    return Recorded(images, records, transforms=found.still, notes=_notes(found, bag))
 
 
 def _found(bag: _Bag, topics: list[Any]) -> _Found:
     """What all messages say, in one pass."""
     found = _Found()
-    poses = [connection for kind in (POSE, TRANSFORM, *TREES) for connection in bag.by_type.get(kind, ())]
+    poses = [connection for kind in (*POSES, TRANSFORM, *TREES) for connection in bag.by_type.get(kind, ())]
     for connection, written, message in bag.messages([*topics, *poses]):
         if connection.msgtype in IMAGES:
             found.images.append((written, _time(message.header, written)))
             found.frame = found.frame or message.header.frame_id
             if len(found.images) > MAXIMUM_FRAMES:
                 raise SequenceFormatError(f"{bag.path}: it holds more than {MAXIMUM_FRAMES} images. Split the recording.")
-        elif connection.msgtype == POSE:
-            name = _name(re.sub("_?(pose|stamped)", "", connection.topic.rstrip("/").lower()), message.header.frame_id)
-            pose = message.pose
+        elif connection.msgtype in POSES:
+            of_topic = re.sub("_?(pose|odom(etry)?|stamped|with_?covariance)", "", connection.topic.rstrip("/").lower())
+            name = _name(getattr(message, "child_frame_id", "") or of_topic, message.header.frame_id)
+            pose = message.pose if connection.msgtype == POSE else message.pose.pose
             _add(found.tracks, name, _time(message.header, written), matrix_of(pose.position, pose.orientation))
         else:
             for item in [message] if connection.msgtype == TRANSFORM else message.transforms:
@@ -167,9 +176,20 @@ def _at(tracks: Mapping[TransformName, PoseTrack], time: float) -> dict[Transfor
     return {name: _sample(track.at(time)[0]) for name, track in tracks.items()}
 
 
-def _notes(found: _Found) -> tuple[str, ...]:
+def _notes(found: _Found, bag: _Bag) -> tuple[str, ...]:
     frame = frame_word(found.frame)
-    return (f"Images of this bag are of frame {frame}: a calibration ImageTo{frame} places them.",) if frame else ()
+    notes = [f"Images of this bag are of frame {frame}: a calibration ImageTo{frame} places them."] if frame else []
+    read = (*IMAGES, *POSES, TRANSFORM, *TREES)
+    others = [each for kind, of_kind in bag.by_type.items() if kind not in read for each in of_kind]
+    if found.tracks or found.still:
+        others = [each for each in others if _MAY_PLACE.search(each.msgtype)]
+    if others:
+        told = [f"{each.msgcount} of {each.msgtype} on {each.topic}" for each in others[:MOST_TOLD]] + ["..."] * (len(others) > MOST_TOLD)
+        kinds = listed(kind.rsplit("/", 1)[-1] for kind in (*POSES, TRANSFORM))
+        notes.append(f"Messages of this bag that are not read: {listed(told)}. Poses are read as {kinds} and tf.")
+    if not found.tracks and not found.still:
+        notes.append("No pose of this bag could be used, so nothing says where the images are.")
+    return tuple(notes)
 
 
 def _time(header: Any, written: int) -> float:

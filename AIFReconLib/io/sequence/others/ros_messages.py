@@ -13,9 +13,6 @@ from ..decoded_images import library
 
 MILLIMETERS = 1000.0
 QUATERNION_TOLERANCE = 0.02
-MOST_SCANS = 2**28
-"""Pixels of a JPEG image times its scans."""
-
 _ENCODINGS = {
     **dict.fromkeys(("mono8", "8UC1"), ("u1", 1, ())),
     **dict.fromkeys(("mono16", "16UC1"), ("u2", 1, ())),
@@ -54,8 +51,8 @@ def compressed_image(message: Any, most_bytes: int) -> Numbers:
     data = bytes(message.data)
     with library("PIL.Image", "Compressed images of ROS").open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
         pixels = picture.width * picture.height
-        if 4 * pixels > most_bytes or data.count(b"\xff\xda") * pixels > MOST_SCANS:
-            raise SequenceFormatError(f"{picture.width} x {picture.height} pixels would take too long or too much memory to read.")
+        if 4 * pixels > most_bytes:
+            raise SequenceFormatError(f"{picture.width} x {picture.height} pixels would take too much memory to read.")
         return np.asarray(picture if picture.mode in ("L", "I;16", "I", "RGB") else picture.convert("RGB"))
 
 
