@@ -43,7 +43,9 @@ LEAST_HU = 200.0
 """HU that the densest tenth of a bone exceeds."""
 
 
-def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = None, *, space: str | None = None) -> Labels:
+def read_labels(
+    path: str | Path | Iterable[str | Path], labels: str | None = None, *, space: str | None = None, unit: str | None = None
+) -> Labels:
     """The labels in one or more files, as whole numbers: 0 is background.
 
     Parameters
@@ -51,13 +53,15 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     path : str or Path, or several
         A label volume, or a segmentation as Slicer saves it (.seg.nrrd); where its segments overlap, the result is 1 wherever any is.
         Several files, or a folder of them: masks of one bone each, whose names are the files' (``vertebrae_L3.nii.gz`` is L3), and surface
-        models (.stl, .ply, .obj, .vtp) in mm.
+        models (.stl, .ply, .obj, .vtp, .vtk).
     labels : str or None
         Which are bone, by numbers and names: ``27-31`` or ``L3, L4``. By default all but those that their names, or the numbers of
         TotalSegmentator and VerSe, tell to be other organs; a note says so.
     space : "ras", "lps" or None
         What the coordinates of models are in that do not say it themselves. By default LPS, as Slicer takes them; the labels then know
         that this is a guess.
+    unit : "mm", "cm", "m", "in" or None
+        Of models. By default mm, where their size is one that bone has.
 
     Raises
     ------
@@ -75,7 +79,7 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
         volume = label_volume(files[0])
         found = Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(files[0]))
     else:
-        found = _masks(files, labels, space)
+        found = _masks(files, labels, space, unit)
     found = found.chosen(labels) if labels else with_known_names(found)
     if not labels and not found.array.any():
         return found
@@ -131,7 +135,7 @@ class _Bone:
     grid: VoxelGrid | None = None  #: Of a mask
 
 
-def _masks(files: list[Path], labels: str | None, space: str | None) -> Labels:
+def _masks(files: list[Path], labels: str | None, space: str | None, unit: str | None) -> Labels:
     """Labels 1, 2, ... of masks and models, in the order of the files."""
     notes: list[str] = []
     names = {file: file.name[: -len(suffix_of(file))] for file in files}
@@ -145,7 +149,7 @@ def _masks(files: list[Path], labels: str | None, space: str | None) -> Labels:
     for file in files:
         name = bone_name(names[file].removesuffix(".seg"))
         if suffix_of(file) in MODEL_SUFFIXES:
-            model, said = _of_model(file, name, space)
+            model, said = _of_model(file, name, space, unit)
             guessed |= not said
             bones.append(model)
         elif (mask := _of_mask(file, name, notes)) is not None:
@@ -190,9 +194,9 @@ def _of_mask(file: Path, name: str, notes: list[str]) -> _Bone | None:
     return _Bone(name, transform_points(volume.ijk_to_reference, corners), on, volume.grid)
 
 
-def _of_model(file: Path, name: str, space: str | None) -> tuple[_Bone, bool]:
+def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tuple[_Bone, bool]:
     """A model, and whether it is known what its coordinates are in."""
-    model = read_model(file)
+    model = read_model(file, unit)
     said = model.space or space
     points = model.points if said == RAS else transform_points(LPS_FROM_RAS, model.points)
 
