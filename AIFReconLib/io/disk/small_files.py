@@ -13,8 +13,8 @@ from ...errors import FileFormatError
 from .regular_files import file_stamp, require_regular_file, stamp
 
 
-def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
-    """The first `limit` bytes of a file, or all.
+def read_bytes(path: Path, limit: int | None, error: type[FileFormatError]) -> bytes:
+    """The first `limit` bytes of a file, or all; None: all.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
             after = os.fstat(file.fileno())
     except OSError as cause:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
-    if stamp(before) != stamp(after) or len(data) < min(limit, before.st_size):
+    if stamp(before) != stamp(after) or len(data) < min(before.st_size if limit is None else limit, before.st_size):
         raise changed(path, error)
     return data
 

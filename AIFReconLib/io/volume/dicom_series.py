@@ -97,8 +97,8 @@ def _header(path: Path) -> sitk.ImageFileReader | None:
     return reader
 
 
-def _series(folder: Path, wanted: str | None) -> Volume:
-    """The series of that number in a folder; without one, the CT of most slices."""
+def _series_in(folder: Path) -> tuple[dict[str, dict[Path, sitk.ImageFileReader]], set[str]]:
+    """The images of each series of CT in a folder, by its UID, but for localizers; and the kinds of other images there."""
     series: dict[str, dict[Path, sitk.ImageFileReader]] = {}
     others = set()
     for file in sorted(file for file in folder.iterdir() if file.is_file()):
@@ -109,6 +109,12 @@ def _series(folder: Path, wanted: str | None) -> Volume:
             series.setdefault(_said(header, SERIES), {})[file] = header
         else:
             others.add(kind)
+    return series, others
+
+
+def _series(folder: Path, wanted: str | None) -> Volume:
+    """The series of that UID in a folder; without one, the CT of most slices."""
+    series, others = _series_in(folder)
     if not series:
         raise VolumeFormatError(
             f"{folder}: it is of the kind {', '.join(sorted(others))}, not CT. Give the CT."
@@ -116,8 +122,7 @@ def _series(folder: Path, wanted: str | None) -> Volume:
             else f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT; a folder of masks is one of "
             "labels."
         )
-    chosen = max(series, key=lambda uid: len(series[uid])) if wanted is None else wanted
-    files = series.pop(chosen)
+    files = series.pop(max(series, key=lambda uid: len(series[uid])) if wanted is None else wanted)
     if wanted is None and series:
         logger.warning(
             "%s: the series %s is taken. Also there: %s. To take another, give one of its files",

@@ -84,7 +84,7 @@ def _space_in(text: str) -> str | None:
 
 def _stl(path: Path) -> tuple[vtkPolyData, str | None]:
     """Three corners a triangle. VTK refuses capitals, and what follows behind the last triangle."""
-    data = read_bytes(path, path.stat().st_size, VolumeFormatError)
+    data = read_bytes(path, None, VolumeFormatError)
     count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     if len(data) >= _HEADER + _FACET.itemsize * count and len(data) >= _HEADER:
         corners = np.frombuffer(data, _FACET, count, _HEADER)["numbers"][:, 3:]
@@ -162,7 +162,7 @@ def _errors() -> Iterator[Callable[[], str]]:
 
 def _require_whole_ply(path: Path) -> None:
     """Return if all is there that a PLY header promises; VTK crashes at a file that is cut short."""
-    data = read_bytes(path, path.stat().st_size, VolumeFormatError)
+    data = read_bytes(path, None, VolumeFormatError)
     found = re.match(rb"ply\s.*?\bend_header\r?\n?", data, re.DOTALL)
     if found is None:
         raise VolumeFormatError(f"{path}: it has no header of a PLY file. Export the model again.")
