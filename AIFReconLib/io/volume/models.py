@@ -28,6 +28,8 @@ RAS, LPS = "ras", "lps"
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 """mm in each unit that models come in."""
 
+_IN_WORDS = {"m": "meters", "in": "inches"}
+
 SMALLEST, LARGEST = 20.0, 3000.0
 """mm across, below and above which a model is hardly one of bone in mm."""
 
@@ -69,7 +71,11 @@ def read_model(path: Path, unit: str | None = None) -> SurfaceModel:
     points, triangles = _triangles(path, surface)
     across = float(np.ptp(points, axis=0).max())
     if unit is None and not SMALLEST <= across <= LARGEST:
-        sizes = [f"in {name} it would be {across * mm:.3g} mm" for name, mm in UNITS.items() if SMALLEST <= across * mm <= LARGEST_BONE]
+        sizes = [
+            f"in {_IN_WORDS.get(name, name)} it would be {across * mm:.3g} mm"
+            for name, mm in UNITS.items()
+            if SMALLEST <= across * mm <= LARGEST_BONE
+        ]
         raise VolumeFormatError(
             f"{path}: it is {across:.3g} across, which is hardly bone in mm{''.join(f'; {size}' for size in sizes)}.", Remedy.MODEL_UNIT
         )

@@ -207,10 +207,10 @@ def test_bodies_of_a_model_are_united_and_cavities_stay(bodies, moved_too, hollo
     np.testing.assert_array_equal((labels.array.ravel() > 0)[sure], (depth > 0)[sure])
 
 
-@pytest.mark.parametrize(("unit", "mm"), [("cm", 10.0), ("m", 1000.0), ("in", 25.4)])
-def test_a_model_that_is_hardly_in_mm_is_asked_for_its_unit(unit, mm, tmp_path):
+@pytest.mark.parametrize(("unit", "said", "mm"), [("cm", "cm", 10.0), ("m", "meters", 1000.0), ("in", "inches", 25.4)])
+def test_a_model_that_is_hardly_in_mm_is_asked_for_its_unit(unit, said, mm, tmp_path):
     (tmp_path / "L3.stl").write_bytes(stl(POINTS / mm, b"RAS"))
-    with pytest.raises(VolumeFormatError, match=f"hardly bone in mm.*; in {unit} it would be 24 mm.*unit="):
+    with pytest.raises(VolumeFormatError, match=f"hardly bone in mm.*; in {said} it would be 24 mm.*unit="):
         read_labels(tmp_path / "L3.stl")
     assert wrong_voxels(read_labels(tmp_path / "L3.stl", unit=unit)) == 0
 
