@@ -30,8 +30,8 @@ UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 
 _IN_WORDS = {"m": "meters", "in": "inches"}
 
-SMALLEST, LARGEST = 20.0, 3000.0
-"""mm across, below and above which a model is hardly one of bone in mm."""
+SMALLEST, LARGEST = 30.0, 3000.0
+"""mm across, below and above which a model is hardly one of bone in mm: a lumbar spine is 20 to 30 cm."""
 
 LARGEST_BONE = 1000.0
 """mm across, up to which another unit is suggested."""

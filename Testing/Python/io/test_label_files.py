@@ -23,8 +23,8 @@ from AIFReconLib.io.volume.label_names import bone_name, is_no_bone
 from AIFReconLib.io.volume.models import SurfaceModel, read_model
 from AIFReconLib.io.volume.surfaces import write_surface
 
-# An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 12
-CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 12.0
+# An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 16
+CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 16.0
 POINTS = CENTER + RADIUS * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 TRIANGLES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
 
@@ -210,7 +210,7 @@ def test_bodies_of_a_model_are_united_and_cavities_stay(bodies, moved_too, hollo
 @pytest.mark.parametrize(("unit", "said", "mm"), [("cm", "cm", 10.0), ("m", "meters", 1000.0), ("in", "inches", 25.4)])
 def test_a_model_that_is_hardly_in_mm_is_asked_for_its_unit(unit, said, mm, tmp_path):
     (tmp_path / "L3.stl").write_bytes(stl(POINTS / mm, b"RAS"))
-    with pytest.raises(VolumeFormatError, match=f"hardly bone in mm.*; in {said} it would be 24 mm.*unit="):
+    with pytest.raises(VolumeFormatError, match=f"hardly bone in mm.*; in {said} it would be 32 mm.*unit="):
         read_labels(tmp_path / "L3.stl")
     assert wrong_voxels(read_labels(tmp_path / "L3.stl", unit=unit)) == 0
 
