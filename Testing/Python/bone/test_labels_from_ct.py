@@ -144,11 +144,11 @@ def dicom_series(
         writer.SetFileName(str(path))
         writer.Execute(plane)
         data = pydicom.dcmread(path)
-        for name, text in (said or {}).items() if k >= from_slice else ():
-            if text is None:
+        for name, value in (said or {}).items() if k >= from_slice else ():
+            if value is None:
                 delattr(data, name)
             else:
-                setattr(data, name, text.split("\\"))
+                setattr(data, name, value.split("\\"))
         data.save_as(path)
     return folder
 
