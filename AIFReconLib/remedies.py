@@ -24,6 +24,7 @@ class Remedy(Enum):
     TAKE_AS_CT = auto()
     HOUNSFIELD = auto()
     CHOOSE_LABELS = auto()
+    MODEL_UNIT = auto()
     PREDICTIONS_FOR_EACH = auto()
     PREDICTED_RECTANGLE = auto()
     PLACE_THE_CT = auto()
@@ -101,6 +102,7 @@ IN_PYTHON = {
     Remedy.HOUNSFIELD: "Give the CT as the scanner's DICOM files have it, or say which values are bone with labels_from_ct(ct, above=...).",
     Remedy.SAY_WHERE_BONE_IS: 'Give bone, or bone_from_sweep=True for what the echoes show, or choose method="average".',
     Remedy.CHOOSE_LABELS: "Say which labels are bone with read_labels(path, labels=...).",
+    Remedy.MODEL_UNIT: 'Say what it is in: unit="mm", "cm", "m" or "in".',
     Remedy.PREDICTIONS_FOR_EACH: "Give one for each, in their order.",
     Remedy.PREDICTED_RECTANGLE: "Say with rectangle=(x, y, width, height) which rectangle of the frame they cover.",
     Remedy.PLACE_THE_CT: "Check the transform of the CT.",

@@ -39,6 +39,7 @@ def remedies() -> dict[Remedy, str]:
         Remedy.HOUNSFIELD: _("Load the CT as the scanner's DICOM files have it."),
         Remedy.SAY_WHERE_BONE_IS: _("Choose who says where bone is, or another method."),
         Remedy.CHOOSE_LABELS: _("Choose the segments that are bone."),
+        Remedy.MODEL_UNIT: _("Export the model in mm."),
         Remedy.PREDICTIONS_FOR_EACH: _("The output of the AI model belongs to one sweep: leave the others out."),
         Remedy.PREDICTED_RECTANGLE: _("Select what the AI model has said of this sweep, in its size."),
         Remedy.PLACE_THE_CT: _("Place the CT on the sweep."),

@@ -159,7 +159,7 @@ def _facts(planned: Plan) -> list[tuple[str, str]]:
 
 
 OF_REGISTER = Path("CTToReference.tfm")
-OF_FILES = ("config", "bone_labels", "labels", "ct", "bone_above", "bone_space", "image_to_reference", "reference")
+OF_FILES = ("config", "bone_labels", "labels", "ct", "bone_above", "bone_space", "bone_unit", "image_to_reference", "reference")
 OF_IMAGES = ("probe", "apex_px", "clip_px", "fan_angles_deg", "fan_radius_px")
 
 

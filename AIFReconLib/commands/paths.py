@@ -13,7 +13,7 @@ from ..geometry.transforms import LPS_FROM_RAS, transform_points
 from ..io.disk.atomic import check_writable, write_text
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_volume
-from ..io.volume.models import LPS, RAS, read_model
+from ..io.volume.models import LPS, MODEL_SUFFIXES, RAS, read_model
 from ..io.volume.surfaces import check_surface_path
 from ..paths.free_paths import CONE_DEG, MARGIN, WITHIN, FreePaths, free_paths
 from ..paths.shown import markups, paths_figure, write_skin_map
@@ -36,7 +36,6 @@ Research only: not for guiding a needle. What was not seen is not called free; t
 'aifrecon plan --unseen' takes the --report, and says how to scan there."""
 
 MARKUPS = ".mrk.json"
-MODELS = (".stl", ".ply", ".obj", ".vtp")
 
 
 def add_to(commands: Commands) -> None:
@@ -60,7 +59,7 @@ def add_to(commands: Commands) -> None:
     add_placed_labels_options(parser)
     skin = parser.add_argument_group("skin", "where lines begin: one of these")
     skin.add_argument("--sweep", type=Path, nargs="+", default=[], metavar="SEQUENCE", help="where the probe's face was in these sweeps")
-    skin.add_argument("--skin", type=Path, metavar="FILE", help="a surface in Reference: .stl, .ply, .obj or .vtp")
+    skin.add_argument("--skin", type=Path, metavar="FILE", help="a surface in Reference: .stl, .ply, .obj, .vtp or .vtk")
     lines = parser.add_argument_group("lines")
     lines.add_argument("--within", type=float, default=WITHIN, metavar="MM", help="of the target they end (default: %(default)g)")
     lines.add_argument(
@@ -147,9 +146,9 @@ def _target(words: list[str]) -> str | list[float]:
 def _skin(arguments: argparse.Namespace) -> list[TrackedSequence] | Floats:
     if not arguments.skin:
         return [read_sequence(one.sequence, config=one.config) for one in of_each(arguments, arguments.sweep)]
-    if arguments.skin.suffix.lower() not in MODELS:
-        raise SettingsError(f"Input --skin must be a surface, {', '.join(MODELS)}; got {arguments.skin.name}.")
-    model = read_model(arguments.skin)
+    if arguments.skin.suffix.lower() not in MODEL_SUFFIXES:
+        raise SettingsError(f"Input --skin must be a surface, {', '.join(MODEL_SUFFIXES)}; got {arguments.skin.name}.")
+    model = read_model(arguments.skin, arguments.bone_unit)
     # As Slicer does, what does not say its space is in LPS
     is_ras = (model.space or arguments.bone_space or LPS).lower() == RAS.lower()
     return model.points if is_ras else transform_points(LPS_FROM_RAS, model.points)

@@ -109,7 +109,7 @@ def how_to_look(arguments: argparse.Namespace) -> list[str]:
     words = ["preview", str(arguments.output)]
     if names_labels(arguments):
         words += [word for path in arguments.bone_labels or [] for word in ("--bone-labels", str(path))]
-        for option in ("labels", "ct", "bone_above", "bone_space", "bone_transform"):
+        for option in ("labels", "ct", "bone_above", "bone_space", "bone_unit", "bone_transform"):
             given = getattr(arguments, option, None)
             words += [f"--{option.replace('_', '-')}", str(given)] if given else []
     words += ["--output", str(arguments.output.with_name(arguments.output.name.partition(".")[0] + ".png"))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from ..arrays import Floats, Integers, Mask
 from ..errors import GeometryError
@@ -14,6 +15,9 @@ ASIDE = np.array([1.3e-4, 2.7e-4])
 
 MOST_OPEN = 0.02
 """Share of the lines through a surface that may leave it once less than they enter it: small holes in it."""
+
+CLOSED = 1e-3
+"""Of the area of a body's triangles, by which their sum as vectors may be off zero in one that is closed."""
 
 AT_ONCE = 1 << 22
 """Pairs of a line and a triangle that are looked at together."""
@@ -39,14 +43,16 @@ def inside_of_surface(points_reference: Floats, triangles: Integers, grid: Voxel
     ----------
     points_reference : (n, 3) array, mm
     triangles : (m, 3) array of int
-        Places in `points_reference`; which way they run does not matter.
+        Places in `points_reference`. Those of one body run one way around it, or no way in particular; bodies may overlap.
 
     Notes
     -----
-    A voxel is inside where the line from it along -k crosses the surface an odd number of times.
+    A voxel is inside where the line from it along -k enters the surface more or fewer times than it leaves it (the nonzero winding rule;
+    Foley et al., Computer Graphics: Principles and Practice, 2nd ed., 19.5), so that a body within another that runs the other way is a
+    cavity. Lines along which triangles run no way in particular are judged by whether they cross an odd number of times.
     """
-    corners = transform_points(grid.reference_to_ijk, points_reference)[triangles]
-    crossed = np.zeros((grid.shape[0] + 1, *grid.shape[1:]), np.uint8)
+    corners = transform_points(grid.reference_to_ijk, points_reference)[_turned_alike(points_reference, triangles)]
+    crossed = np.zeros((grid.shape[0] + 1, *grid.shape[1:]), np.int8)
     flat = corners[:, :, :2]
     first = np.maximum(np.ceil(flat.min(axis=1) - ASIDE), 0).astype(np.int64)
     last = np.minimum(np.floor(flat.max(axis=1) - ASIDE), np.array(grid.size[:2]) - 1).astype(np.int64)
@@ -55,18 +61,51 @@ def inside_of_surface(points_reference: Floats, triangles: Integers, grid: Voxel
     groups = np.searchsorted(np.cumsum(lines), np.arange(AT_ONCE, lines.sum() + AT_ONCE, AT_ONCE)) + 1
     for chosen in np.split(np.arange(len(lines)), groups[groups < len(lines)]):
         _cross(crossed, corners[chosen], first[chosen], wide[chosen])
-    np.bitwise_xor.accumulate(crossed, axis=0, out=crossed)
-    open_lines = crossed[-1] > 0
+    np.add.accumulate(crossed, axis=0, out=crossed)
+    at_end = crossed[-1].copy()
+    open_lines, unsure = at_end % 2 != 0, (at_end != 0) & (at_end % 2 == 0)
+    crossed[:, unsure] %= 2
     met = int((crossed[:-1].any(axis=0) | open_lines).sum())
     if open_lines.sum() > MOST_OPEN * met:
         raise GeometryError(f"Input surface must be closed; {open_lines.sum() / met:.0%} of the lines through it do not leave it again.")
     crossed[:, open_lines] = 0
-    inside: Mask = crossed[:-1].view(bool)
-    return inside
+    inside: Mask = crossed.view(bool)
+    np.not_equal(crossed, 0, out=inside)
+    return inside[:-1]
+
+
+def _turned_alike(points: Floats, triangles: Integers) -> Integers:
+    """The triangles (m, 3), those of closed bodies that run against the largest one turned over.
+
+    Mirrored bodies do. Cavities do too, and stay as they are: their box lies within that of another body.
+    """
+    ends = (triangles[:, [0, 1]].ravel(), triangles[:, [1, 2]].ravel())
+    graph = scipy.sparse.coo_matrix((np.ones(len(ends[0]), np.int8), ends), shape=(len(points), len(points)))
+    count, body_of_point = scipy.sparse.csgraph.connected_components(graph, directed=False)
+    if count == 1:
+        return triangles
+    body = body_of_point[triangles[:, 0]]
+    a, b, c = (points[triangles[:, n]] - points[triangles[0, 0]] for n in range(3))
+    areas = np.cross(b - a, c - a)
+    left_open = np.linalg.norm([np.bincount(body, axis, count) for axis in areas.T], axis=0)
+    closed = left_open < CLOSED * np.bincount(body, np.linalg.norm(areas, axis=1), count)
+    volumes = np.where(closed, np.bincount(body, (a * np.cross(b, c)).sum(axis=1), count), 0.0)
+    against = np.flatnonzero(volumes * volumes[np.abs(volumes).argmax()] < 0)
+    if not len(against):
+        return triangles
+    lows, highs = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
+    np.minimum.at(lows, body_of_point, points)
+    np.maximum.at(highs, body_of_point, points)
+    others = np.setdiff1d(np.flatnonzero(volumes), against)
+    turned = [n for n in against if not ((lows[others] <= lows[n]) & (highs[others] >= highs[n])).all(axis=1).any()]
+    flipped = triangles.copy()
+    chosen = np.isin(body, turned)
+    flipped[chosen] = flipped[chosen, ::-1]
+    return flipped
 
 
 def _cross(crossed: Integers, corners: Floats, first: Integers, wide: Integers) -> None:
-    """Turn every voxel over from which a line along +k starts behind its crossing of one of these triangles (m, 3, 3)."""
+    """Count, at the first voxel behind it, each crossing of one of these triangles (m, 3, 3) by a line along +k: 1 or -1 by its side."""
     lines = wide.prod(axis=1)
     owner = np.repeat(np.arange(len(lines)), lines)
     if not len(owner):
@@ -81,6 +120,7 @@ def _cross(crossed: Integers, corners: Floats, first: Integers, wide: Integers) 
         u = ((x - a[owner, 0]) * (c[owner, 1] - a[owner, 1]) - (c[owner, 0] - a[owner, 0]) * (y - a[owner, 1])) / area[owner]
         v = ((b[owner, 0] - a[owner, 0]) * (y - a[owner, 1]) - (x - a[owner, 0]) * (b[owner, 1] - a[owner, 1])) / area[owner]
         hit = (u >= 0) & (v >= 0) & (u + v <= 1)
-    depth = a[owner, 2] + u * (b - a)[owner, 2] + v * (c - a)[owner, 2]
-    k = np.clip(np.ceil(depth[hit]), 0, len(crossed) - 1).astype(np.int64)
-    np.bitwise_xor.at(crossed, (k, j[hit], i[hit]), np.uint8(1))
+    owner = owner[hit]
+    depth = a[owner, 2] + u[hit] * (b - a)[owner, 2] + v[hit] * (c - a)[owner, 2]
+    k = np.clip(np.ceil(depth), 0, len(crossed) - 1).astype(np.int64)
+    np.add.at(crossed, (k, j[hit], i[hit]), np.where(area[owner] > 0, np.int8(1), np.int8(-1)))

@@ -23,7 +23,7 @@ from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct, series_files
 from ..io.volume.files import sidecar_of, suffix_of
 from ..io.volume.label_files import LABEL_SUFFIXES, doubts, read_labels
-from ..io.volume.models import LPS, RAS
+from ..io.volume.models import LPS, RAS, UNITS
 from ..message import Sentence
 from ..progress import Progress
 from ..remedies import Remedy
@@ -151,7 +151,7 @@ def add_labels_options(
         belongs=looks_like_labels if several else lambda word: False,
         metavar="FILE",
         help="segmentation of the CT: a volume of labels, one for each bone; or a folder or several files of masks and models (.stl, .ply, "
-        ".obj, .vtp), named by their bone",
+        ".obj, .vtp, .vtk), named by their bone",
     )
     group.add_argument(
         "--labels",
@@ -170,6 +170,7 @@ def add_labels_options(
         choices=(RAS, LPS),
         help="what models are in that do not say it (default: told by the sweep)",
     )
+    group.add_argument("--bone-unit", choices=UNITS, help="unit of models (default: mm, where their size is one that bone has)")
 
 
 def looks_like_labels(word: str) -> bool:
@@ -206,7 +207,7 @@ def labels_from(arguments: argparse.Namespace, progress: Progress | None = None)
     if not arguments.bone_labels:
         found = labels_from_ct(read_ct(arguments.ct), above, progress=progress)
         return found.chosen(chosen) if chosen else found
-    labels = read_labels(arguments.bone_labels, chosen, space=getattr(arguments, "bone_space", None))
+    labels = read_labels(arguments.bone_labels, chosen, space=arguments.bone_space, unit=arguments.bone_unit)
     more = [Sentence(f"WARNING: {doubt}", Remedy.CHOOSE_LABELS) for doubt in doubts(labels, read_ct(ct) if ct else None)]
     return replace(labels, notes=(*labels.notes, *more))
 

@@ -20,6 +20,7 @@ IN_OPTIONS = {
     Remedy.HOUNSFIELD: "Give the CT as the scanner's DICOM files have it.",
     Remedy.SAY_WHERE_BONE_IS: "Give --bone-labels or --ct, or --bone-from-sweep for what the echoes show, or choose --method average.",
     Remedy.CHOOSE_LABELS: "Say which labels are bone with --labels.",
+    Remedy.MODEL_UNIT: "Say with --bone-unit what it is in: mm, cm, m or in.",
     Remedy.PREDICTIONS_FOR_EACH: "Give --bone-frames once for each, in their order.",
     Remedy.PREDICTED_RECTANGLE: "Say with --bone-frames-px X Y W H which rectangle of the frame they cover.",
     Remedy.PLACE_THE_CT: "Check the registration of the CT (--bone-transform).",

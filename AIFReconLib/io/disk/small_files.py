@@ -19,8 +19,8 @@ MOST_JSON = 2**25
 """Bytes."""
 
 
-def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
-    """The first `limit` bytes of a file, or all.
+def read_bytes(path: Path, limit: int | None, error: type[FileFormatError]) -> bytes:
+    """The first `limit` bytes of a file, or all; None: all.
 
     Raises
     ------
@@ -36,8 +36,8 @@ def read_bytes(path: Path, limit: int, error: type[FileFormatError]) -> bytes:
             after = os.fstat(file.fileno())
     except OSError as cause:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
-    if stamp(before) != stamp(after) or len(data) < min(limit, before.st_size):
-        raise _changed(path, error)
+    if stamp(before) != stamp(after) or len(data) < min(before.st_size if limit is None else limit, before.st_size):
+        raise changed(path, error)
     return data
 
 
@@ -88,9 +88,10 @@ def local_copy(path: Path, error: type[FileFormatError], seen: tuple[int, int] |
                 "temporary files."
             ) from cause
         if seen is None or file_stamp(path) != seen or copy.stat().st_size != seen[0]:
-            raise _changed(path, error)
+            raise changed(path, error)
         yield copy
 
 
-def _changed(path: Path, error: type[FileFormatError]) -> FileFormatError:
+def changed(path: Path, error: type[FileFormatError]) -> FileFormatError:
+    """The error to raise for a file that is not what it was."""
     return error(f"{path}: the file changed while it was read. Read it again when it is complete.")

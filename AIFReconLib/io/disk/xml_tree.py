@@ -1,67 +1,46 @@
-"""Parsing XML that may come from anywhere: no document types, no entities, limits on size and depth."""
+"""Parsing XML that may come from anywhere: document types are refused, since entities are defined there."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from xml.etree.ElementTree import Element, TreeBuilder
-from xml.parsers import expat
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 
-from ...errors import ConfigurationError, FileFormatError
+from ...errors import ConfigurationError
 from .small_files import read_bytes
 
-MAXIMUM_BYTES = 16 * 2**20
-MAXIMUM_DEPTH = 64
+
+class _NoDocumentType(TreeBuilder):
+    """Refuses a document that says more of its type than the name, if that."""
+
+    def __init__(self, path: Path, bare: bool):
+        super().__init__()
+        self._path, self._bare = path, bare
+
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        """Called by the parser before anything of the document type is used."""
+        if public or system or not self._bare:
+            raise ConfigurationError(f"{self._path}: it declares a DOCTYPE, which no such file does. Give a Plus configuration file.")
 
 
-def parse_xml(
-    path: Path,
-    error: type[FileFormatError] = ConfigurationError,
-    wanted: str = "Give a Plus configuration file.",
-    most: int = MAXIMUM_BYTES,
-    bare_doctype: bool = False,
-) -> Element:
+def parse_xml(path: Path, bare_doctype: bool = False) -> Element:
     """The root element of an XML file. With `bare_doctype` it may say the name of its document type, and nothing else of it.
 
     Raises
     ------
-    FileFormatError
-        The given one, with what is wanted instead, when the file cannot be read, is not well-formed, too large or nested too
-        deeply, or declares a document type (that is where entities are defined that grow without bound or fetch other files).
+    ConfigurationError
+        When the file cannot be read, is not well-formed, or declares a document type.
     """
-    text = read_bytes(path, most + 1, error)
-    if len(text) > most:
-        raise error(f"{path}: the file is larger than {most} bytes. {wanted}")
-
-    builder = TreeBuilder()
-    depth = 0
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > MAXIMUM_DEPTH:
-            raise error(f"{path}: elements are nested more than {MAXIMUM_DEPTH} deep. {wanted}")
-        builder.start(tag, attributes)
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(tag)
-
-    def refuse_doctype(_name: str, *more: object) -> None:
-        if any(more) or not bare_doctype:
-            raise error(f"{path}: it declares a DOCTYPE, which no such file does. {wanted}")
-
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.CharacterDataHandler = builder.data
-    parser.StartDoctypeDeclHandler = refuse_doctype
+    text = read_bytes(path, None, ConfigurationError)
+    parser = XMLParser(target=_NoDocumentType(path, bare_doctype))
     try:
-        parser.Parse(text, True)
-    except expat.ExpatError as cause:
-        raise error(f"{path}: this is not well-formed XML ({cause}). Correct it. {wanted}") from cause
+        parser.feed(text)
+        root: Element = parser.close()
+    except ParseError as cause:
+        raise ConfigurationError(
+            f"{path}: this is not well-formed XML ({cause}). Correct it, or give a Plus configuration file."
+        ) from cause
     except (LookupError, ValueError) as cause:
-        if isinstance(cause, FileFormatError):
+        if isinstance(cause, ConfigurationError):
             raise
-        raise error(f"{path}: its text encoding is not supported ({cause}). Save it as UTF-8.") from cause
-    return builder.close()
+        raise ConfigurationError(f"{path}: its text encoding is not supported ({cause}). Save it as UTF-8.") from cause
+    return root

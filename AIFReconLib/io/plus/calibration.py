@@ -11,7 +11,6 @@ from ...errors import ConfigurationError
 from ...geometry.transform_graph import TransformName, capitalized
 from ..disk.atomic import atomic_output
 from ..disk.small_files import read_bytes
-from ..disk.xml_tree import MAXIMUM_BYTES
 from .configuration import read_plus_configuration
 
 _MATRIX = re.compile(rb"""(\bMatrix\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
@@ -26,7 +25,7 @@ def write_calibrated(configuration: Path, output: Path, name: TransformName, mat
     Raises ConfigurationError when the configuration does not hold it exactly so, OutputError when it cannot be written.
     """
     known = read_plus_configuration(configuration).transforms
-    data = read_bytes(configuration, MAXIMUM_BYTES, ConfigurationError)
+    data = read_bytes(configuration, None, ConfigurationError)
     if name not in known and name.inverse not in known and data.count(_LAST) == 1:
         _write_added(configuration, data, output, name, matrix, note)
         return

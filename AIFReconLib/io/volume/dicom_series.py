@@ -2,26 +2,54 @@
 
 from __future__ import annotations
 
+import logging
+from importlib import import_module
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 import SimpleITK as sitk
 
-from ...arrays import Floats
+from ...arrays import Floats, Numbers
 from ...errors import VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ...machine.memory import available_memory, require_bytes
 from ..disk.itk import itk_path, short_cause, without_warnings
 from .files import READABLE_SUFFIXES, read_volume, suffix_of
-from .itk_images import ijk_to_lps
+from .itk_images import array_of
 
-POSITION, MODALITY, SERIES, SYNTAX = "0020|0032", "0008|0060", "0020|000e", "0008|103e"
+logger = logging.getLogger(__name__)
+
+POSITION, ORIENTATION, PIXELS, COLUMNS, ROWS = "0020|0032", "0020|0037", "0028|0030", "0028|0011", "0028|0010"
+MODALITY, SERIES, NUMBER, IMAGE_TYPE = "0008|0060", "0020|000e", "0020|0011", "0008|0008"
 
 UNEVEN = 0.1
 """Of the distance between slices, by which one may be off."""
 
-_COPIES = 3
+ALIKE = 1e-3
+"""By which directions, and sizes of pixels in mm, of two slices may differ."""
+
+SHEARED = 0.02
+"""mm sideways for each mm between slices, above which slices are moved to where they lie: 0.02 is 1 degree of a tilted gantry."""
+
+_COPIES = 2
+"""The slices, and what is made of them."""
+
+REGULAR = (
+    "Load it into Slicer with its DICOM module (Application settings, DICOM, acquisition geometry regularization: apply regularization "
+    "transform), harden the transform, and save the volume as .nrrd."
+)
+
+
+class Slice(NamedTuple):
+    """Where a slice lies, as far as its header says: LPS, mm."""
+
+    position: list[float]  #: of the middle of its first pixel; none where it is not said
+    directions: list[float]  #: of rows and of columns, 6 numbers
+    pixel: list[float]  #: from row to row, from column to column
+    size: tuple[str, str]  #: columns, rows
 
 
 def read_ct(path: str | Path) -> Volume:
@@ -30,7 +58,12 @@ def read_ct(path: str | Path) -> Volume:
     Raises
     ------
     VolumeFormatError
-        When it is damaged or incomplete, no CT, or slices are missing or do not lie behind each other.
+        When it is damaged or incomplete, no CT, slices are missing or do not lie behind each other, or headers leave out where they lie.
+
+    Notes
+    -----
+    Of several series in a folder the one of most slices is taken, and a note tells of the others. Slices of a tilted gantry are moved
+    sideways to where they lie, by linear interpolation.
     """
     path = Path(path)
     if path.is_dir():
@@ -38,8 +71,12 @@ def read_ct(path: str | Path) -> Volume:
     if suffix_of(path) in READABLE_SUFFIXES:
         return read_volume(path)
     header = _header(path)
+    if header is None:
+        raise VolumeFormatError(f"{path}: it is neither a volume ({', '.join(READABLE_SUFFIXES)}) nor DICOM. Give the CT's file or folder.")
+    if _said(header, MODALITY) not in ("", "CT"):
+        raise VolumeFormatError(f"{path}: it is of the kind {_said(header, MODALITY)}, not CT. Give the CT.")
     if header.GetSize()[2:] and header.GetSize()[2] > 1:
-        return _volume(path, _read([path]))
+        return _placed(path, [path], _frames(path, header.GetSize()[2]))
     return _series(path.parent, _said(header, SERIES))
 
 
@@ -47,86 +84,181 @@ def _said(header: sitk.ImageFileReader, key: str) -> str:
     return str(header.GetMetaData(key)).strip() if header.HasMetaDataKey(key) else ""
 
 
-def _header(path: Path) -> sitk.ImageFileReader:
+def _header(path: Path) -> sitk.ImageFileReader | None:
+    """What the headers of a DICOM image say; None where it is none."""
     reader = sitk.ImageFileReader()
     reader.SetImageIO("GDCMImageIO")
     reader.SetFileName(itk_path(path, VolumeFormatError))
     try:
         with without_warnings():
             reader.ReadImageInformation()
-    except RuntimeError as error:
-        raise VolumeFormatError(
-            f"{path}: it is neither a volume ({', '.join(READABLE_SUFFIXES)}) nor DICOM ({short_cause(error)}). Give the CT's file "
-            "or folder."
-        ) from error
-    modality = _said(reader, MODALITY)
-    if modality and modality != "CT":
-        raise VolumeFormatError(f"{path}: it is of the kind {modality}, not CT. Give the CT.")
+    except RuntimeError:
+        return None
     return reader
 
 
 def series_files(path: Path) -> list[Path]:
     """The files of the series that a file of DICOM belongs to; nothing for other files."""
-    try:
-        wanted = _said(_header(path), SERIES) if suffix_of(path) not in READABLE_SUFFIXES else ""
-    except VolumeFormatError:
-        return []
-    return [file for files in _series_in(path.parent, wanted) for file in files] if wanted else []
+    header = _header(path) if suffix_of(path) not in READABLE_SUFFIXES else None
+    return [] if header is None else list(_series_in(path.parent)[0].get(_said(header, SERIES), {}))
 
 
-def _series_in(folder: Path, wanted: str | None) -> list[list[Path]]:
-    """The files of each series in a folder, or of those of that number."""
-    name = itk_path(folder, VolumeFormatError)
-    with without_warnings():
-        numbers = [number for number in sitk.ImageSeriesReader.GetGDCMSeriesIDs(name) if number.startswith(wanted or "")]
-        return [[Path(file) for file in sitk.ImageSeriesReader.GetGDCMSeriesFileNames(name, number)] for number in numbers]
+def _series_in(folder: Path) -> tuple[dict[str, dict[Path, sitk.ImageFileReader]], set[str]]:
+    """The images of each series of CT in a folder, by its UID, but for localizers; and the kinds of other images there."""
+    series: dict[str, dict[Path, sitk.ImageFileReader]] = {}
+    others = set()
+    for file in sorted(file for file in folder.iterdir() if file.is_file()):
+        header = _header(file)
+        if header is None or "LOCALIZER" in _said(header, IMAGE_TYPE):
+            continue
+        if (kind := _said(header, MODALITY)) in ("", "CT"):
+            series.setdefault(_said(header, SERIES), {})[file] = header
+        else:
+            others.add(kind)
+    return series, others
 
 
 def _series(folder: Path, wanted: str | None) -> Volume:
-    """The series of that number in a folder; without one, the one of most slices."""
-    series = _series_in(folder, wanted) or _series_in(folder, None)
+    """The series of that UID in a folder; without one, the CT of most slices."""
+    series, others = _series_in(folder)
     if not series:
         raise VolumeFormatError(
-            f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT; a folder of masks is one of labels."
+            f"{folder}: it is of the kind {', '.join(sorted(others))}, not CT. Give the CT."
+            if others
+            else f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT; a folder of masks is one of "
+            "labels."
         )
-    files = max(series, key=len)
+    files = series.pop(max(series, key=lambda uid: len(series[uid])) if wanted is None else wanted)
+    if wanted is None and series:
+        logger.warning(
+            "%s: the series %s is taken. Also there: %s. To take another, give one of its files",
+            folder,
+            _called(files),
+            "; ".join(map(_called, series.values())),
+        )
+    if len(files) == 1 and next(iter(files.values())).GetSize()[2:] > (1,):
+        return read_ct(next(iter(files)))
     if len(files) < 3:
         raise VolumeFormatError(f"{folder}: its longest series has {len(files)} slices. Give the folder with the slices of the CT.")
-    headers = [_header(file) for file in files]
-    places = [np.array([float(n) for n in _said(header, POSITION).split("\\")]) for header in headers if _said(header, POSITION)]
-    if len(places) == len(files) and places[0].size == 3:
-        _check_even(folder, np.array(places))
-    require_bytes(folder, _COPIES * len(files) * int(np.prod(headers[0].GetSize()[:2])) * 4, available_memory())
-    return _volume(folder, _read(files))
+    slices = []
+    for header in files.values():
+        position, directions, pixel = (_numbers(_said(header, key)) for key in (POSITION, ORIENTATION, PIXELS))
+        slices.append(Slice(position, directions, pixel, (_said(header, COLUMNS), _said(header, ROWS))))
+    return _placed(folder, list(files), slices)
 
 
-def _check_even(folder: Path, places: Floats) -> None:
-    """Return if slices lie behind each other at one distance."""
+def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
+    """A series in words: its number, how many slices, and one of them."""
+    file, header = next(iter(files.items()))
+    return f"{_said(header, NUMBER) or 'without number'} ({len(files)} slices, {file.name} ...)"
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(word) for word in text.split("\\")]
+    except ValueError:
+        return []
+
+
+def _frames(path: Path, count: int) -> list[Slice]:
+    """The slices in a file of many frames, as its functional groups place them (PS3.3, C.7.6.16)."""
+    try:
+        pydicom = import_module("pydicom")
+    except ImportError:
+        raise VolumeFormatError(f"{path}: a DICOM file of many frames takes pydicom. Install it: pip install pydicom.") from None
+    data = pydicom.dcmread(path, stop_before_pixels=True, force=True)
+    shared = [*data.get("SharedFunctionalGroupsSequence", [])]
+    frames = [*data.get("PerFrameFunctionalGroupsSequence", [])] or [pydicom.Dataset()] * count
+
+    def of(frame: Any, group: str, name: str) -> list[float]:
+        parts: list[Any] = next((one[group].value for one in (frame, *shared) if group in one), [])
+        return [float(number) for number in (parts[0].get(name) if parts else None) or []]
+
+    return [
+        Slice(
+            of(frame, "PlanePositionSequence", "ImagePositionPatient"),
+            of(frame, "PlaneOrientationSequence", "ImageOrientationPatient"),
+            of(frame, "PixelMeasuresSequence", "PixelSpacing"),
+            (str(data.get("Columns")), str(data.get("Rows"))),
+        )
+        for frame in frames
+    ]
+
+
+def _placed(path: Path, files: list[Path], slices: list[Slice]) -> Volume:
+    """The volume of slices, each a file or all in one, in the order of their places."""
+    for name, index, count in (("where slices lie", 0, 3), ("which way slices lie", 1, 6), ("how large pixels are", 2, 2)):
+        if any(len(one[index]) != count for one in slices):
+            raise VolumeFormatError(f"{path}: its headers do not all say {name}. Export the series again as the scanner made it.")
+    for name, values, most in (
+        ("the size of the slices", np.array([one.size for one in slices]).astype(float), 0.0),
+        ("the direction of the slices", np.array([one.directions for one in slices]), ALIKE),
+        ("the size of the pixels", np.array([one.pixel for one in slices]), ALIKE),
+    ):
+        if (np.abs(values - values[0]) > most).any():
+            raise VolumeFormatError(f"{path}: {name} changes within the series. Give a folder that holds one scan alone.")
+    places, directions, pixel = np.array([one.position for one in slices]), np.reshape(slices[0].directions, (2, 3)), slices[0].pixel
+    normal = np.cross(*directions)
+    order = np.argsort(places @ normal, kind="stable")
+    step = _step(path, places[order], directions)
+    require_bytes(path, _COPIES * len(slices) * int(slices[0].size[0]) * int(slices[0].size[1]) * 4, available_memory())
+    array = _read(path, [files[n] for n in order] if len(files) > 1 else files)
+    if len(array) != len(slices):
+        raise VolumeFormatError(f"{path}: {len(slices)} slices are promised, {len(array)} are there. Export the series again.")
+    if len(files) == 1 and (order != np.arange(len(order))).any():
+        array = array[order]
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.column_stack([directions[0] * pixel[1], directions[1] * pixel[0], normal * (step @ normal)])
+    matrix[:3, 3] = places[order[0]]
+    sideways = directions @ step
+    if np.abs(sideways).max() > SHEARED * float(step @ normal):
+        angle = np.rad2deg(np.arctan2(float(np.linalg.norm(sideways)), float(step @ normal)))
+        logger.warning("%s: its slices are sheared by %.3g degrees (a tilted gantry); they are moved to where they lie", path, angle)
+        array, first = _unsheared(array, sideways / (pixel[1], pixel[0]))
+        matrix[:3, 3] += matrix[:3, :2] @ first
+    return Volume(array, LPS_FROM_RAS @ matrix)
+
+
+def _step(path: Path, places: Floats, directions: Floats) -> Floats:
+    """From slice to slice, (3,) mm, if that is the same throughout. `places` (n, 3) are in the order of the slices."""
     steps = np.diff(places, axis=0)
     typical = np.median(steps, axis=0)
     length = float(np.linalg.norm(typical))
+    if length < ALIKE or np.linalg.norm(steps, axis=1).min() < ALIKE:
+        raise VolumeFormatError(f"{path}: slices lie at the same place. Give a folder that holds one scan alone, once.")
     off = np.linalg.norm(steps - typical, axis=1)
-    if length < 1e-3 or off.max() > UNEVEN * length + 0.01:
+    if off.max() > UNEVEN * length + 0.01:
         raise VolumeFormatError(
-            f"{folder}: its slices are not evenly spaced ({length:.3g} mm, once {np.linalg.norm(steps[off.argmax()]):.3g} mm). Export the "
-            "series again, whole, or save it from Slicer as a volume."
+            f"{path}: its slices are not evenly spaced ({length:.3g} mm, once {np.linalg.norm(steps[off.argmax()]):.3g} mm). Export the "
+            f"series again, whole. {REGULAR}"
         )
+    mean: Floats = (places[-1] - places[0]) / (len(places) - 1)
+    if float(mean @ np.cross(*directions)) < length / 2:
+        raise VolumeFormatError(f"{path}: its slices do not lie behind each other. {REGULAR}")
+    return mean
 
 
-def _read(files: list[Path]) -> sitk.Image:
-    reader = sitk.ImageSeriesReader()
-    reader.SetImageIO("GDCMImageIO")
-    reader.SetFileNames([itk_path(file, VolumeFormatError) for file in files])
+def _unsheared(array: Numbers, sideways: Floats) -> tuple[Numbers, Floats]:
+    """Slices [k, j, i] moved by k times `sideways`, (x, y) pixels, in a larger array; and where its first pixel lies in the first slice."""
+    far = sideways * (len(array) - 1)
+    first = np.floor(np.minimum(far, 0))
+    more = np.ceil(np.abs(far)).astype(int)
+    outside = array.min()
+    moved = np.full((len(array), array.shape[1] + more[1], array.shape[2] + more[0]), outside, array.dtype)
+    for k, plane in enumerate(array):
+        x, y = first - k * sideways
+        scipy.ndimage.affine_transform(plane, np.ones(2), (y, x), output=moved[k], output_shape=moved[k].shape, order=1, cval=outside)
+    return moved, first
+
+
+def _read(path: Path, files: list[Path]) -> Numbers:
+    """The voxels [k, j, i] of files in this order."""
+    names = [itk_path(file, VolumeFormatError) for file in files]
     try:
         with without_warnings():
-            return reader.Execute()
+            image = sitk.ReadImage(names if len(names) > 1 else names[0], imageIO="GDCMImageIO")
     except RuntimeError as error:
-        raise VolumeFormatError(f"{files[0].parent}: GDCM cannot read it: {short_cause(error)}. Export the series again.") from error
-
-
-def _volume(path: Path, image: sitk.Image) -> Volume:
-    if image.GetDimension() == 4 and image.GetSize()[3] == 1:
-        image = image[:, :, :, 0]
+        raise VolumeFormatError(f"{path}: GDCM cannot read it: {short_cause(error)}. Export the series again.") from error
     if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
         raise VolumeFormatError(f"{path}: it must be one gray 3D volume. Give the CT's slices.")
-    return Volume(sitk.GetArrayFromImage(image), LPS_FROM_RAS @ ijk_to_lps(image))
+    return array_of(image)

@@ -42,6 +42,9 @@ WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES, DICOM_SUFFIX
 MOST_BESIDE = 2**22
 """Bytes of a JSON file beside a NIfTI file that are read."""
 
+ROUNDED = 1e-3
+"""How far a label may lie from a whole number: by the scale factor of a file, or by arithmetic."""
+
 OWN_FIELDS = "AIFRecon_"
 """How the fields of a header begin that a volume keeps."""
 
@@ -209,11 +212,18 @@ def _as_volume(path: Path, array: Numbers, ijk_to_lps: Matrix, fields: dict[str,
 
 
 def _as_labels(path: Path, array: Numbers) -> Numbers:
-    """Whole numbers; floating-point voxels that are whole become int32."""
+    """Whole numbers; floating-point voxels that are whole but for their rounding become int32."""
     if array.dtype.kind == "f":
-        if not np.isfinite(array).all() or (array != np.rint(array)).any() or np.abs(array).max() >= 2**31:
-            raise VolumeFormatError(f"{path}: labels must be whole numbers; got fractions or NaN.", Remedy.TAKE_AS_PROBABILITY)
-        array = array.astype(np.int32)
+        labels = np.empty(array.shape, np.int32)
+        for k, plane in enumerate(array):
+            whole = np.rint(plane)
+            if not ((np.abs(plane - whole) <= ROUNDED) & (np.abs(whole) < 2**31)).all():
+                text = f"{path}: labels must be whole numbers; got fractions or NaN."
+                if np.nanmax(array) > 1:
+                    raise VolumeFormatError(f"{text} Export them without smoothing, as whole numbers.")
+                raise VolumeFormatError(text, Remedy.TAKE_AS_PROBABILITY)
+            labels[k] = whole
+        array = labels
     if array.min() < 0:
         raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}.", Remedy.TAKE_AS_CT)
     return array

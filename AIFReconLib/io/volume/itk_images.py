@@ -46,6 +46,21 @@ def from_sitk(image: object) -> Volume:
     return Volume(array, LPS_FROM_RAS @ ijk_to_lps(image))
 
 
+class _Voxels:
+    """The voxels of an image as numpy takes them over. The image lives as long as the array."""
+
+    def __init__(self, image: sitk.Image):
+        self._image = image
+        view = sitk.GetArrayViewFromImage(image)
+        self.__array_interface__ = {**view.__array_interface__, "data": (view.ctypes.data, False)}
+
+
+def array_of(image: sitk.Image) -> Numbers:
+    """The voxels [k, j, i] of an image that nobody else has, or [k, j, i, n] for several values each: not copied."""
+    array: Numbers = np.asarray(_Voxels(image))
+    return array
+
+
 def ijk_to_lps(image: sitk.Image) -> Matrix:
     """Where a 3D image places its voxels, (4, 4), mm."""
     matrix = np.eye(4)

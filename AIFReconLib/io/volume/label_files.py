@@ -43,7 +43,9 @@ LEAST_HU = 200.0
 """HU that the densest tenth of a bone exceeds."""
 
 
-def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = None, *, space: str | None = None) -> Labels:
+def read_labels(
+    path: str | Path | Iterable[str | Path], labels: str | None = None, *, space: str | None = None, unit: str | None = None
+) -> Labels:
     """The labels in one or more files, as whole numbers: 0 is background.
 
     Parameters
@@ -51,7 +53,7 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     path : str or Path, or several
         A label volume, or a segmentation as Slicer saves it (.seg.nrrd); where its segments overlap, the result is 1 wherever any is.
         Several files, or a folder of them: masks of one bone each, whose names are the files' (``vertebrae_L3.nii.gz`` is L3), files of
-        many labels, and surface models (.stl, .ply, .obj, .vtp) in mm. What lies where another file has its bone already is left out; a
+        many labels, and surface models (.stl, .ply, .obj, .vtp, .vtk). What lies where another file has its bone already is left out; a
         note says so.
     labels : str or None
         Which are bone, by numbers and names: ``27-31`` or ``L3, L4``. By default all but those that their names, or the numbers of
@@ -59,6 +61,8 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
     space : "ras", "lps" or None
         What the coordinates of models are in that do not say it themselves. By default LPS, as Slicer takes them; the labels then know
         that this is a guess.
+    unit : "mm", "cm", "m", "in" or None
+        Of models. By default mm, where their size is one that bone has.
 
     Raises
     ------
@@ -77,7 +81,7 @@ def read_labels(path: str | Path | Iterable[str | Path], labels: str | None = No
         found = Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(files[0]))
         found = _known(files[0], found, labels)
     else:
-        found = _masks(files, labels, space)
+        found = _masks(files, labels, space, unit)
     if not labels and not found.array.any():
         return found
     doubt = out_of_order(found)
@@ -144,7 +148,7 @@ class _Bone:
     grid: VoxelGrid | None = None  #: Of a mask
 
 
-def _masks(files: list[Path], choice: str | None, space: str | None) -> Labels:
+def _masks(files: list[Path], choice: str | None, space: str | None, unit: str | None) -> Labels:
     """Labels 1, 2, ... of masks, models and files of many labels, in the order of the files, single bones first."""
     notes: list[str] = []
     names = {file: file.name[: -len(suffix_of(file))].removesuffix(".seg") for file in files}
@@ -158,7 +162,7 @@ def _masks(files: list[Path], choice: str | None, space: str | None) -> Labels:
     for file in (file for file in files if file not in no_bone):
         name = bone_name(names[file])
         if suffix_of(file) in MODEL_SUFFIXES:
-            single[file], said = _of_model(file, name, space)
+            single[file], said = _of_model(file, name, space, unit)
             guessed |= not said
             continue
         labels = _labels_in(file, notes)
@@ -229,9 +233,9 @@ def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
     return _Bone(name, transform_points(labels.ijk_to_reference, corners), on, labels.grid)
 
 
-def _of_model(file: Path, name: str, space: str | None) -> tuple[_Bone, bool]:
+def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tuple[_Bone, bool]:
     """A model, and whether it is known what its coordinates are in."""
-    model = read_model(file)
+    model = read_model(file, unit)
     said = model.space or space
     points = model.points if said == RAS else transform_points(LPS_FROM_RAS, model.points)
 

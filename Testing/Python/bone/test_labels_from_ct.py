@@ -7,12 +7,14 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+import pydicom
 import pytest
 import SimpleITK as sitk
 
 from AIFReconLib.bone.ct.from_ct import labels_from_ct
 from AIFReconLib.errors import GeometryError, SettingsError, VolumeFormatError
 from AIFReconLib.geometry.labels import Labels
+from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.dicom_series import read_ct
 from AIFReconLib.simulation.anatomy import LumbarPhantom
@@ -103,9 +105,22 @@ def test_a_ct_that_cannot_be_used_is_refused_in_a_sentence(array, words):
 # ---- files
 
 
-def dicom_series(folder: Path, volume: Volume, modality: str = "CT", without: int | None = None) -> Path:
-    """A series as an archive gives it: files whose names are in another order than their places."""
-    folder.mkdir()
+def dicom_series(
+    folder: Path,
+    volume: Volume,
+    modality: str = "CT",
+    without: int | None = None,
+    *,
+    series: str = "1.2.3.4",
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    said: dict[str, str | None] | None = None,
+    from_slice: int = 0,
+) -> Path:
+    """A series as an archive gives it: files whose names are in another order than their places.
+
+    `shift` is added to the place for each slice (LPS, mm); `said` are headers of the slices from `from_slice` on, None where they lack one.
+    """
+    folder.mkdir(exist_ok=True)
     image = volume.to_sitk()
     writer = sitk.ImageFileWriter()
     writer.KeepOriginalImageUIDOn()
@@ -116,16 +131,25 @@ def dicom_series(folder: Path, volume: Volume, modality: str = "CT", without: in
         plane = image[:, :, k]
         tags = {
             "0008|0060": modality,
-            "0020|000e": "1.2.3.4",
+            "0020|000e": series,
+            "0020|0011": series.rpartition(".")[2],
             "0020|0013": str(k),
-            "0020|0032": "\\".join(map(str, image.TransformIndexToPhysicalPoint((0, 0, k)))),
+            "0020|0032": "\\".join(map(str, np.add(image.TransformIndexToPhysicalPoint((0, 0, k)), np.multiply(shift, k)))),
             "0020|0037": "\\".join(map(str, (direction[0], direction[3], direction[6], direction[1], direction[4], direction[7]))),
-            "0008|0018": f"1.2.3.4.{k + 1}",
+            "0008|0018": f"{series}.{k + 1}",
         }
         for key, text in tags.items():
             plane.SetMetaData(key, text)
-        writer.SetFileName(str(folder / f"slice-{(7 * k) % 100:03d}.dcm"))
+        path = folder / f"{'' if series == '1.2.3.4' else series + '-'}slice-{(7 * k) % 100:03d}.dcm"
+        writer.SetFileName(str(path))
         writer.Execute(plane)
+        data = pydicom.dcmread(path)
+        for name, value in (said or {}).items() if k >= from_slice else ():
+            if value is None:
+                delattr(data, name)
+            else:
+                setattr(data, name, value.split("\\"))
+        data.save_as(path)
     return folder
 
 
@@ -146,6 +170,78 @@ def test_a_folder_or_a_file_of_dicom_is_the_whole_series_in_hu(name, tmp_path):
 def test_a_series_that_lacks_a_slice_is_refused(tmp_path):
     with pytest.raises(VolumeFormatError, match=r"not evenly spaced \(2.5 mm, once 5 mm\)"):
         read_ct(dicom_series(tmp_path / "ct", SMALL, without=2))
+
+
+def test_slices_of_a_tilted_gantry_are_moved_to_where_they_lie(tmp_path, caplog):
+    k, j, i = np.mgrid[:20, :40, :30]
+    tilt = 0.4  # mm of the table's motion, along the columns, for each slice
+    ball = np.where(np.linalg.norm([2.5 * (k - 10), 0.8 * (j - 16) + tilt * k - 4, 0.8 * (i - 14)], axis=0) < 9, 700, -1000)
+    folder = dicom_series(tmp_path / "ct", Volume(ball.astype(np.int16), SMALL.ijk_to_reference), shift=(0.0, tilt, 0.0))
+    read = read_ct(folder)
+    inside = transform_points(read.ijk_to_reference, np.argwhere(read.array > -150)[:, ::-1].astype(float))
+    # Where the headers place the middle: LPS columns run along -y in RAS
+    first = transform_points(SMALL.ijk_to_reference, (14.0, 16.0, 10.0))
+    np.testing.assert_allclose(inside.mean(axis=0), first - (0.0, 4.0, 0.0), atol=0.15)
+    np.testing.assert_allclose(np.ptp(inside, axis=0), (17.6, 17.6, 15.0), atol=0.81)
+    assert "sheared by 9.09 degrees" in caplog.text
+
+
+def test_of_several_series_the_longest_ct_is_taken_and_the_others_are_named(tmp_path, caplog):
+    folder = dicom_series(tmp_path / "ct", SMALL, series="1.2.3.12")
+    dicom_series(folder, SMALL, series="1.2.3.1", without=2, said={"SeriesNumber": "1"})
+    dicom_series(folder, Volume(np.zeros((9, 7, 6), np.int16), SMALL.ijk_to_reference), "PT", series="1.2.3.7")
+    assert read_ct(folder).shape == SMALL.shape
+    assert "series 12 (5 slices" in caplog.text
+    assert "Also there: 1 (4 slices" in caplog.text
+    with pytest.raises(VolumeFormatError, match="not evenly spaced"):
+        read_ct(folder / "1.2.3.1-slice-007.dcm")
+
+
+@pytest.mark.parametrize(
+    ("said", "from_slice", "words"),
+    [
+        ({"ImagePositionPatient": None}, 0, "do not all say where slices lie"),
+        ({"PixelSpacing": None, "ImagerPixelSpacing": "0.8\\0.8"}, 0, "do not all say how large pixels are"),
+        ({"ImageOrientationPatient": None}, 3, "do not all say which way slices lie"),
+        ({"PixelSpacing": "0.9\\0.8"}, 3, "the size of the pixels changes"),
+        ({"ImageOrientationPatient": "1\\0\\0\\0\\0.8\\0.6"}, 3, "the direction of the slices changes"),
+        ({"ImagePositionPatient": "0\\0\\0"}, 3, "slices lie at the same place"),
+    ],
+)
+def test_nothing_is_made_up_that_headers_leave_out(said, from_slice, words, tmp_path):
+    with pytest.raises(VolumeFormatError, match=words):
+        read_ct(dicom_series(tmp_path / "ct", SMALL, said=said, from_slice=from_slice))
+
+
+@pytest.mark.parametrize("step", [2.5, -2.5, None])
+def test_a_file_of_many_frames_lies_where_its_frames_say(step, tmp_path):
+    data = pydicom.dcmread(dicom_series(tmp_path / "ct", SMALL) / "slice-000.dcm")
+    shared, frames = pydicom.Dataset(), []
+    shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [pydicom.Dataset()], [pydicom.Dataset()]
+    shared.PlaneOrientationSequence[0].ImageOrientationPatient = data.ImageOrientationPatient
+    shared.PixelMeasuresSequence[0].PixelSpacing = data.PixelSpacing
+    x, y, z = map(float, data.ImagePositionPatient)
+    for k in range(5):
+        frame, place = pydicom.Dataset(), pydicom.Dataset()
+        place.ImagePositionPatient = [x, y, z + k * (step or 0.0)]
+        frame.PlanePositionSequence = [place]
+        frames.append(frame)
+    if step is not None:
+        data.SharedFunctionalGroupsSequence, data.PerFrameFunctionalGroupsSequence = [shared], frames
+        data.SOPClassUID = data.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.2.1"
+    stored = np.array([data.pixel_array + 10 * k for k in range(5)])
+    data.NumberOfFrames, data.PixelData = 5, stored.tobytes()
+    data.save_as(tmp_path / "frames.dcm")
+    if step is None:
+        with pytest.raises(VolumeFormatError, match="do not all say where slices lie"):
+            read_ct(tmp_path / "frames.dcm")
+        return
+    read = read_ct(tmp_path / "frames.dcm")
+    at = transform_points(np.linalg.inv(read.ijk_to_reference), (-x, -y, z + 3 * step))
+    i, j, k = np.rint(at).astype(int)
+    assert read.array[k, j, i] - read.array[k, j, i + 1] == stored[3, 0, 0] - stored[3, 0, 1]
+    np.testing.assert_allclose(at, (i, j, k), atol=1e-4)
+    assert read.array[k].mean() - read.array[round(k - np.sign(step)), :, :].mean() == 10
 
 
 def test_another_modality_is_refused(tmp_path):

@@ -8,6 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from vtkmodules.vtkCommonCore import vtkPoints, vtkStringArray
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkIOLegacy import vtkPolyDataWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from AIFReconLib.errors import GeometryError, VolumeFormatError
 from AIFReconLib.geometry.labels import Labels
@@ -16,13 +20,13 @@ from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.volume.label_files import doubts, read_labels
 from AIFReconLib.io.volume.label_names import BONE, SOFT, bone_name, kind_of, name_by_code
-from AIFReconLib.io.volume.models import read_model
+from AIFReconLib.io.volume.models import SurfaceModel, read_model
 from AIFReconLib.io.volume.surfaces import write_surface
 from AIFReconLib.message import said
 from AIFReconLib.remedies import Remedy
 
-# An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 12
-CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 12.0
+# An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 16
+CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 16.0
 POINTS = CENTER + RADIUS * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
 TRIANGLES = np.array([[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
 
@@ -64,8 +68,11 @@ def ply(points: np.ndarray, form: str) -> bytes:
 
 
 def obj(points: np.ndarray) -> bytes:
-    # Two triangles of the lower half as one face would be no plane; the others name texture and normal too
-    rows = ["# SPACE=RAS", *("v {} {} {}".format(*p) for p in points), *(f"f {a + 1}/1/1 {b + 1}//1 {c - 6}" for a, b, c in TRIANGLES)]
+    rows = ["# SPACE=RAS", *("v {} {} {}".format(*p) for p in points), "vn 0 0 1", "vt 0 0"]
+    # As programs write them: corners alone, with texture and normal, with a normal, counted from the end
+    forms = ("{0}", "{0}/1/1", "{0}//1", "{1}")
+    for number, corners in enumerate(TRIANGLES):
+        rows.append("f " + " ".join(forms[number % 4].format(corner + 1, corner - 6) for corner in corners))
     return "\n".join(rows).encode()
 
 
@@ -90,30 +97,124 @@ def test_a_model_becomes_the_voxels_within_it(name, tmp_path):
     assert labels.names == {1: name.split(".")[0]}
 
 
+def corners_of(model: SurfaceModel) -> set[frozenset[tuple[float, ...]]]:
+    return {frozenset(map(tuple, np.round(model.points[corners], 3).tolist())) for corners in model.triangles}
+
+
 def test_a_model_of_vtk_is_read_as_it_was_written(tmp_path):
     write_surface(tmp_path / "L3.vtp", POINTS, TRIANGLES)
     model = read_model(tmp_path / "L3.vtp")
-    assert (model.space, len(model.triangles)) == ("ras", 8)
-    np.testing.assert_allclose(model.points, POINTS, atol=1e-5)
+    assert model.space == "ras"
+    assert corners_of(model) == corners_of(SurfaceModel(POINTS, TRIANGLES, None))
 
 
-def test_vtks_compressed_arrays_are_read(tmp_path):
-    io_xml, data = pytest.importorskip("vtkmodules.vtkIOXML"), pytest.importorskip("vtkmodules.vtkCommonDataModel")
-    core = pytest.importorskip("vtkmodules.vtkCommonCore")
-    points, cells, surface = core.vtkPoints(), data.vtkCellArray(), data.vtkPolyData()
-    for point in POINTS:
-        points.InsertNextPoint(point)
+def vtk_surface(points: np.ndarray, space: str | None) -> vtkPolyData:
+    """As Slicer hands it to VTK's writers: a field tells its space."""
+    places, cells, surface = vtkPoints(), vtkCellArray(), vtkPolyData()
+    for point in points:
+        places.InsertNextPoint(point)
     for corners in TRIANGLES:
         cells.InsertNextCell(3, corners.tolist())
-    surface.SetPoints(points)
+    surface.SetPoints(places)
     surface.SetPolys(cells)
-    writer = io_xml.vtkXMLPolyDataWriter()
-    writer.SetInputData(surface)
-    writer.SetFileName(str(tmp_path / "slicer.vtp"))
+    if space is not None:
+        field = vtkStringArray()
+        field.SetName("SPACE")
+        field.InsertNextValue(space)
+        surface.GetFieldData().AddArray(field)
+    return surface
+
+
+VTK_FORMS = {
+    "ascii.vtp": lambda writer: writer.SetDataModeToAscii(),
+    "binary.vtp": lambda writer: writer.SetDataModeToBinary(),
+    "appended.vtp": lambda writer: writer.SetDataModeToAppended(),
+    "raw.vtp": lambda writer: writer.EncodeAppendedDataOff(),
+    "plain.vtp": lambda writer: writer.SetCompressorTypeToNone(),
+    "text.vtk": lambda writer: writer.SetFileTypeToASCII(),
+    "binary.vtk": lambda writer: writer.SetFileTypeToBinary(),
+}
+
+
+@pytest.mark.parametrize("space", ["RAS", "LPS"])
+@pytest.mark.parametrize("name", VTK_FORMS)
+def test_a_space_that_a_file_of_vtk_states_is_read_however_it_is_stored(name, space, tmp_path):
+    points = POINTS if space == "RAS" else transform_points(LPS_FROM_RAS, POINTS)
+    writer = (vtkXMLPolyDataWriter if name.endswith(".vtp") else vtkPolyDataWriter)()
+    VTK_FORMS[name](writer)
+    writer.SetInputData(vtk_surface(points, space))
+    writer.SetFileName(str(tmp_path / name))
     writer.Write()
-    model = read_model(tmp_path / "slicer.vtp")
-    np.testing.assert_allclose(model.points, POINTS, atol=1e-5)
-    np.testing.assert_array_equal(model.triangles, TRIANGLES)
+    labels = read_labels(tmp_path / name)
+    assert not labels.notes
+    assert wrong_voxels(labels) == 0
+
+
+def test_the_header_of_a_vtk_file_may_state_the_space(tmp_path):
+    writer = vtkPolyDataWriter()
+    writer.SetInputData(vtk_surface(POINTS, None))
+    writer.SetHeader("3D Slicer output. SPACE=RAS")
+    writer.SetFileName(str(tmp_path / "L3.vtk"))
+    writer.Write()
+    assert read_model(tmp_path / "L3.vtk").space == "ras"
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        MODELS["binary.stl"] + b"\0" * 6,
+        MODELS["binary.stl"] + b"\0" * 600,
+        MODELS["text.stl"].upper(),
+        MODELS["text.stl"].replace(b"SPACE=RAS", b"SPACE=RAS " + b"x" * 250).replace(b"endsolid", b"endsolid " + b"x" * 250),
+        MODELS["text.stl"] + b"\n" * 300,
+        b"solid of a program" + MODELS["binary.stl"][18:],
+    ],
+    ids=["a few bytes behind", "many bytes behind", "capitals", "a long name", "blank lines", "binary that begins with solid"],
+)
+def test_what_does_not_belong_to_the_triangles_of_an_stl_is_no_damage(data, tmp_path):
+    (tmp_path / "L3.stl").write_bytes(data)
+    assert wrong_voxels(read_labels(tmp_path / "L3.stl", space="ras")) == 0
+
+
+def together(*bodies: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    starts = np.cumsum([0, *(len(points) for points, _ in bodies)])
+    return np.concatenate([points for points, _ in bodies]), np.concatenate([t + start for (_, t), start in zip(bodies, starts)])
+
+
+MOVED, INNER = np.array([6.0, 2.0, 0.0]), CENTER + (POINTS - CENTER) / 3
+BACKWARD = TRIANGLES[:, ::-1]
+
+
+@pytest.mark.parametrize(
+    ("bodies", "moved_too", "hollow"),
+    [
+        ([(POINTS, TRIANGLES), (POINTS + MOVED, TRIANGLES)], True, False),
+        ([(POINTS, BACKWARD), (POINTS + MOVED, BACKWARD)], True, False),
+        ([(POINTS, TRIANGLES), (POINTS + MOVED, BACKWARD)], True, False),
+        ([(POINTS, TRIANGLES), (INNER, TRIANGLES)], False, False),
+        ([(POINTS, TRIANGLES), (INNER, BACKWARD)], False, True),
+        ([(POINTS, np.concatenate([TRIANGLES[:4], BACKWARD[4:]]))], False, False),
+    ],
+    ids=["overlapping", "both inside out", "one mirrored", "one in the other", "a cavity", "triangles not alike"],
+)
+def test_bodies_of_a_model_are_united_and_cavities_stay(bodies, moved_too, hollow, tmp_path):
+    points, triangles = together(*bodies)
+    write_surface(tmp_path / "L3.vtp", points, triangles)
+    labels = read_labels(tmp_path / "L3.vtp")
+    kji = np.argwhere(np.ones(labels.shape, bool))
+    places = transform_points(labels.ijk_to_reference, kji[:, ::-1].astype(float))
+    depth, moved = (RADIUS - np.abs(places - center).sum(axis=1) for center in (CENTER, CENTER + MOVED))
+    depth = np.maximum(depth, moved) if moved_too else np.minimum(depth, RADIUS * 2 / 3 - depth) if hollow else depth
+    sure = np.abs(depth) > 1e-3
+    np.testing.assert_array_equal((labels.array.ravel() > 0)[sure], (depth > 0)[sure])
+
+
+@pytest.mark.parametrize(("unit", "said", "mm"), [("cm", "cm", 10.0), ("m", "meters", 1000.0), ("in", "inches", 25.4)])
+def test_a_model_that_is_hardly_in_mm_is_asked_for_its_unit(unit, said, mm, tmp_path):
+    (tmp_path / "L3.stl").write_bytes(stl(POINTS / mm, b"RAS"))
+    with pytest.raises(VolumeFormatError, match=f"hardly bone in mm.*; in {said} it would be 32 mm.*unit="):
+        read_labels(tmp_path / "L3.stl")
+    assert wrong_voxels(read_labels(tmp_path / "L3.stl", unit=unit)) == 0
 
 
 def test_a_model_that_does_not_say_its_space_is_a_guess(tmp_path):
@@ -158,11 +259,12 @@ def test_a_ct_among_masks_is_left_out(tmp_path):
     ("name", "data", "words"),
     [
         ("cut.stl", MODELS["binary.stl"][:-20], "cut short"),
-        ("cut.ply", MODELS["little.ply"][:-9], "cannot be read as a surface model"),
+        ("cut.ply", MODELS["little.ply"][:-9], "cut short"),
+        ("cut text.ply", MODELS["text.ply"][:-9], "cut short"),
+        ("beyond.obj", b"v 0 0 0\nv 1 0 0\nf 1 2 9\n", "not all there"),
         ("open.stl", stl(POINTS, b"RAS")[:80] + struct.pack("<I", 6) + stl(POINTS, b"RAS")[84 : 84 + 300], "not leave it again"),
-        ("meters.stl", stl(POINTS / 1000, b"RAS"), "not in mm"),
         ("empty.obj", b"v 0 0 0\n", "no triangles"),
-        ("not.vtp", b"<VTKFile", "not well-formed"),
+        ("not.vtp", b"<VTKFile", "cannot be read as a surface model"),
     ],
 )
 def test_a_model_that_cannot_be_used_is_refused_in_a_sentence(name, data, words, tmp_path):

@@ -341,8 +341,9 @@ def test_the_real_spine_configurations_have_their_calibration(real_data, name):
         (b"<!DOCTYPE a [<!ENTITY b 'c'>]><PlusConfiguration/>", "DOCTYPE"),
         ('<?xml version="1.0" encoding="UTF-16"?><!DOCTYPE a><PlusConfiguration/>'.encode("utf-16"), "DOCTYPE"),
         (b'<?xml version="1.0" encoding="no-such"?><PlusConfiguration/>', "encoding"),
-        (b"<a>" * 100_000, "nested"),
-        (b" " * 20_000_000, "larger than"),
+        (b"<a>" * 100_000, "not well-formed"),
+        (b"<a>" * 100_000 + b"</a>" * 100_000, "must be PlusConfiguration; got a"),
+        (b" " * 20_000_000, "not well-formed"),
     ],
 )
 def test_a_file_that_is_no_configuration_is_refused(tmp_path, content, expected):
