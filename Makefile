@@ -118,6 +118,7 @@ study: setup
 	@$(BIN)/python Testing/study registration --pages --output "$(STUDY_OUTPUT)/registration"
 	@$(BIN)/python Testing/study guidance --pages --output "$(STUDY_OUTPUT)/guidance"
 	@$(BIN)/python Testing/study calibration --pages --output "$(STUDY_OUTPUT)/calibration"
+	@$(BIN)/python Testing/study looks --pages --output "$(STUDY_OUTPUT)/looks"
 	@$(BIN)/python Testing/study paths --pages --output "$(STUDY_OUTPUT)/paths"
 	@$(BIN)/python Testing/study ct_bone --output "$(STUDY_OUTPUT)/ct-bone"
 	@$(BIN)/python Testing/study screens --output "$(STUDY_OUTPUT)/screens"

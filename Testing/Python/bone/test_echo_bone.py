@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from files import tracked_sequence, write_patient
-from looks import LOOKS
+from study.scanner_looks import LOOKS
 from sweeps import image_pose
 
 from AIFReconLib.bone.echoes.finder import SKIN, BoneEchoFinder

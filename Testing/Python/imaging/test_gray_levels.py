@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from looks import looks
 from scipy import ndimage
+from study.scanner_looks import looks
 
 from AIFReconLib.imaging.gray_levels import FAR_OFF, LARGEST_SHIFT, PERCENTILES, STANDARD, UNTOLD, GrayLevels
 

@@ -32,16 +32,18 @@ from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.insertion import KeepUp
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.scouting import ScoutedFrames
-from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.session.session import FRAMES_LOOKED_AT, LiveSession
 from AIFReconLib.live.session.statistics import Heard, Meter, tracking_words
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Framer
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import imaging_fields
+from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -122,6 +124,22 @@ def test_live_gives_the_very_voxels_of_offline(method, session_of, configuration
     live = run(session_of(streamed(sequence), settings, bone))
     for name in ("intensity", "score", "hits", "mask"):
         np.testing.assert_array_equal(getattr(live, name).array, getattr(offline, name).array)
+
+
+def test_gray_levels_are_those_of_the_first_frames_and_the_header_repeats_them(session_of, configuration):
+    """The recording as a whole has others: the later half is brighter."""
+    dim = tracked_sequence(FRAMES_LOOKED_AT + 30)
+    images = np.asarray(dim.images) // 2
+    images[FRAMES_LOOKED_AT:] += 100
+    sequence = replace(dim, images=images, configuration=configuration)
+    settings, bone = ReconstructionSettings(method="weighted", hole_limit=0.0), sphere_bone(center=(0.0, 0.0, 0.0))
+    live = run(session_of(streamed(sequence), settings, bone))
+    told = tuple(settings_of(live.intensity)["gray_levels"])
+    first = select_frames(sequence, 0, FRAMES_LOOKED_AT - 1)
+    assert told == tuple(settings_of(reconstruct(first, settings, bone, GRID).intensity)["gray_levels"])
+    assert told != tuple(settings_of(reconstruct(sequence, settings, bone, GRID).intensity)["gray_levels"])
+    again = reconstruct(sequence, replace(settings, gray_levels=told), bone, GRID)
+    np.testing.assert_array_equal(again.intensity.array, live.intensity.array)
 
 
 def test_an_importance_mask_weights_a_live_average_as_offline(session_of, configuration):

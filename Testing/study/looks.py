@@ -1,0 +1,159 @@
+"""Does the same scan show the same bone whatever gain, gray curve and depth gain the scanner was set to?
+
+    python Testing/study looks --output study-output/looks
+
+Ten patients of real shape and the fibula, each under the looks of `scanner_looks.py`, by every method. A volume of another look has other
+gray levels: before it is measured, these are taken to those of the volume as recorded, by the percentiles of both. Two minutes a source.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from AIFReconLib.bone.echoes.surface import bone_from_sweep
+from AIFReconLib.compounding.methods.table import method_named
+from AIFReconLib.compounding.state import Reconstruction
+from AIFReconLib.errors import AIFReconError
+from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.visibility import BoneTruth
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.imaging.beams import LINEAR
+from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.registration.labeled_bone import LabeledBone
+from AIFReconLib.simulation.phased_array import PhasedArray
+from AIFReconLib.simulation.scan import multi_angle_sweep
+from AIFReconLib.sweep.edits import select_frames
+from AIFReconLib.sweep.frames import TrackedSequence
+
+from .command import carry_out, page_writer, parsed, study_parser
+from .method_cases import (
+    EFFECTS,
+    HOLE_LIMIT,
+    MULTI_FRAMES,
+    OURS,
+    PAPER,
+    PLAIN,
+    SHAPES,
+    SPACING,
+    WITHOUT_CT,
+    patient_of,
+    placed_labels,
+    simulated_scan,
+)
+from .patients import table_head, table_line
+from .real_bone_cases import HOLE_LIMIT as FIBULA_HOLE_LIMIT
+from .real_bone_cases import SPACING as FIBULA_SPACING
+from .real_bone_cases import RealBone
+from .real_bone_measures import precision
+from .scanner_looks import LOOKS
+
+COMPARED = (PLAIN, PAPER, OURS, WITHOUT_CT)
+FIBULA = 0
+"""Number of the source that is no patient; the others are the patients of seeds 0, 1, ..."""
+
+PERCENTILES = np.linspace(0.0, 100.0, 257)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One reconstruction, of the source of this number; refused ones have no metrics."""
+
+    seed: int
+    look: str
+    method: str
+    metrics: dict[str, float]
+
+
+def source_of(seed: int) -> tuple[TrackedSequence, Volume, BoneTruth, ReconstructionSettings]:
+    """The sweep of a patient or of the fibula (every second frame), its labels, its truth, and how it is reconstructed."""
+    if seed == FIBULA:
+        bone = RealBone.found()
+        sweep = select_frames(bone.sequence, 0, len(bone.sequence) - 1, 2)
+        return sweep, bone.labels, bone.truth, ReconstructionSettings(probe=LINEAR, spacing=FIBULA_SPACING, hole_limit=FIBULA_HOLE_LIMIT)
+    back = patient_of(SHAPES, seed - 1)
+    scan = simulated_scan(back, PhasedArray(), multi_angle_sweep(back, MULTI_FRAMES), seed - 1, EFFECTS)
+    return scan.sequence, placed_labels(back), scan.truth, ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT)
+
+
+def rows_of(seed: int) -> list[Row]:
+    """All looks and methods of one source."""
+    sweep, labels, truth, settings = source_of(seed)
+    recorded, rows = np.asarray(sweep.images), []
+    for method in COMPARED:
+        plain: Reconstruction | None = None
+        for name, look in LOOKS.items():
+            seen = replace(sweep, images=look(recorded))
+            try:
+                result = _reconstructed(seen, labels, settings, method)
+            except AIFReconError:
+                rows.append(Row(seed, name, method, {}))
+                continue
+            plain = plain or result
+            metrics = evaluate(matched(result, plain), truth, result.mask).to_dict()
+            metrics["precision"] = precision(matched(result, plain), truth)["precision_180"]
+            rows.append(Row(seed, name, method, metrics))
+    return rows
+
+
+def _reconstructed(sweep: TrackedSequence, labels: Volume, settings: ReconstructionSettings, method: str) -> Reconstruction:
+    settings = replace(settings, method=OURS if method == WITHOUT_CT else method)
+    if method == WITHOUT_CT:
+        return reconstruct(sweep, settings, bone_from_sweep(sweep, settings))
+    return reconstruct(sweep, settings, LabeledBone(labels, None, sweep, settings) if method_named(method).needs_bone else None)
+
+
+def matched(result: Reconstruction, to: Reconstruction) -> Volume:
+    """The intensity of a result, its gray levels taken to those of another by the percentiles of what was measured."""
+    own, other = (np.percentile(each.intensity.array[each.mask.array > 0], PERCENTILES) for each in (result, to))
+    rising = own + 1e-6 * np.arange(len(own))
+    values = np.interp(result.intensity.array.astype(np.float64), rising, other).astype(np.float32)
+    return replace(result.intensity, array=np.where(result.mask.array > 0, values, 0))
+
+
+def page(rows: list[Row]) -> str:
+    """The tables, in Markdown."""
+    by_look = _table(rows, lambda of, look: _mean(of, look, "bone_cnr"), "{:.2f}")
+    coverage = _table(rows, lambda of, look: _mean(of, look, "bone_coverage"), "{:.0%}")
+    return f"CNR\n\n{by_look}\n\nCoverage\n\n{coverage}\n\nWorst look by best look, of the source where that is least\n\n{_worst(rows)}\n"
+
+
+def _mean(of: list[Row], look: str, metric: str) -> float:
+    return float(np.mean([row.metrics.get(metric, np.nan) for row in of if row.look == look]))
+
+
+def _table(rows: list[Row], number: Callable[[list[Row], str], float], form: str) -> str:
+    lines = table_head(LOOKS)
+    for place, chosen in (("fibula", {FIBULA}), ("patients, mean", {row.seed for row in rows} - {FIBULA})):
+        for method in COMPARED:
+            of = [row for row in rows if row.method == method and row.seed in chosen]
+            if of:
+                lines.append(table_line(f"{place}: {method}", [form.format(number(of, look)) for look in LOOKS]))
+    return "\n".join(lines)
+
+
+def _worst(rows: list[Row]) -> str:
+    lines = table_head(("CNR", "coverage", "refused"))
+    for method in COMPARED:
+        least = []
+        for metric in ("bone_cnr", "bone_coverage"):
+            each = [
+                [row.metrics[metric] for row in rows if row.method == method and row.seed == seed and row.metrics]
+                for seed in {row.seed for row in rows}
+            ]
+            least.append(f"{min(min(values) / max(values) for values in each if values):.2f}")
+        refused = sum(not row.metrics for row in rows if row.method == method)
+        lines.append(table_line(method, [*least, str(refused)]))
+    return "\n".join(lines)
+
+
+def main(words: list[str]) -> int:
+    """Run what is missing, then write the page; the answer is the exit status."""
+    parser = study_parser("looks", __doc__)
+    # Ten patients and the fibula
+    parser.set_defaults(patients=11)
+    arguments = parsed(parser, words)
+    return carry_out(arguments, rows_of, Row, page_writer(arguments, "looks", page), "reconstructions")
