@@ -25,11 +25,11 @@ def implausible_extent(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str 
     extent = float(np.ptp(middle, axis=0).max())
     if len(middle) <= 5 or extent == 0.0 or SMALLEST_SWEEP <= extent <= LARGEST_SWEEP:
         return None
-    return f"The sweep spans {extent:.3g} mm: are its lengths in another unit than mm?"
+    return f"The sweep spans {extent:.3g} mm: are its lengths in another unit than mm (meters)?"
 
 
-FEWEST_PIXELS = 64
-"""Along an image; smaller ones are made up, and tell nothing by their size."""
+FEWEST_PIXELS, SMALLEST_OF_FEW_PIXELS = 64, 0.5
+"""Along an image; smaller ones are cut out or made up, and may be as small as this, mm."""
 
 
 def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:
@@ -37,10 +37,12 @@ def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | 
     columns, rows = frame_size
     sides = np.linalg.norm(image_to_mm[:, :3, :2], axis=1).reshape(-1, 2) * (columns, rows)
     wide, high = np.median(sides, axis=0)
-    if SMALLEST_IMAGE <= max(wide, high) <= LARGEST_IMAGE or (wide < LARGEST_IMAGE and max(frame_size) < FEWEST_PIXELS):
+    largest = max(wide, high)
+    least = SMALLEST_IMAGE if max(frame_size) >= FEWEST_PIXELS else SMALLEST_OF_FEW_PIXELS
+    if least <= largest <= LARGEST_IMAGE:
         return None
-    why = "larger" if max(wide, high) > LARGEST_IMAGE else "smaller"
-    return f"An image would be {wide:.4g} x {high:.4g} mm, {why} than any probe sees: is the size of a pixel missing, or a unit another?"
+    why = "larger" if largest > LARGEST_IMAGE else "smaller"
+    return f"An image would be {wide:.4g} x {high:.4g} mm, {why} than any probe sees: is the size of a pixel missing, or a unit another (meters)?"
 
 
 def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[str]:

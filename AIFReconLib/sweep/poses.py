@@ -168,7 +168,7 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     path = tuple(link.name for link in ways.path)
     placed = matrices[[problem is None for problem in problems]]
     asked = [about(placed, sequence.frame_size) for about in (implausible_size, implausible_extent)] if len(placed) else []
-    doubts = [f"WARNING: {doubt}" for doubt in asked if doubt is not None]
+    doubts = [f"WARNING: {doubt}" for doubt in asked if doubt is not None][:1]
     return SweepPoses(matrices, tuple(problems), path, (*notes, *doubts, *about_pixel_size(stated, wanted, matrices)))
 
 

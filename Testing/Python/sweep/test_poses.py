@@ -336,7 +336,7 @@ def test_poses_that_change_while_the_stated_size_stays_are_named():
 
 @pytest.mark.parametrize(
     ("scale", "says"),
-    [([1e-3, 1e-3], "Images are 0.02 x 0.015 mm by their poses"), ([1, 1e-3], "All 30 frames lie within 0.029 mm"), ([1, 1], "")],
+    [([1e-3, 1e-3], "An image would be 0.02 x 0.015 mm"), ([1, 1e-3], "The sweep spans 0.029 mm"), ([1, 1], "")],
     ids=["all", "places", "none"],
 )
 def test_poses_in_meters_are_told(scale, says):
