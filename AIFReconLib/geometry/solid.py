@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from ..arrays import Floats, Integers, Mask
 from ..errors import GeometryError
@@ -80,6 +79,8 @@ def _turned_alike(points: Floats, triangles: Integers) -> Integers:
     Mirrored bodies do. Cavities do too, and stay as they are: their box lies within that of another body.
     """
     ends = (triangles[:, [0, 1]].ravel(), triangles[:, [1, 2]].ravel())
+    import scipy  # late: the panel opens without it
+
     graph = scipy.sparse.coo_matrix((np.ones(len(ends[0]), np.int8), ends), shape=(len(points), len(points)))
     count, body_of_point = scipy.sparse.csgraph.connected_components(graph, directed=False)
     if count == 1:

@@ -65,7 +65,7 @@ class AIFReconImportTest(unittest.TestCase):
         self.assertEqual(self.choices(importer, "tool"), ["", "Probe", "Patient"])
         self.assertEqual(self.choices(importer, "reference_tool"), ["", "Probe", "Patient"])
         self.choose(importer, "tool", "Probe")
-        self.assertEqual(self.choices(importer, "time_unit"), ["", "s", "ms", "us", "ns"])
+        self.assertEqual(self.choices(importer, "time_unit"), ["", "s", "ms", "us", "100ns", "ns"])
         self.choose(importer, "time_unit", "ms")
         self.assertIn("size of a pixel is not known", ui.importWordsEdit.plainText)
         importer._answers["spacing"].currentText = "{} {}".format(*tinyScene.PIXEL)

@@ -80,7 +80,7 @@ class AIFReconLiveTest(unittest.TestCase):
 
         from AIFReconLib import ReconstructionSettings, reconstruct
 
-        settings = ReconstructionSettings(spacing=1.0)
+        settings = ReconstructionSettings(method="average", spacing=1.0)
         return reconstruct(tinyScene.makeSequence(), settings, grid=gridFromROI(roi, settings.spacing_xyz())).intensity
 
     def test_a_scan_from_a_server_gives_the_voxels_of_the_recording(self):

@@ -118,11 +118,11 @@ class AIFReconReconstructionTest(unittest.TestCase):
 
         from AIFReconLib.provenance.settings_files import read_settings
 
-        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=1.0, boneSigmaMm=3.0, alpha=0.7, keep=("hits",))
+        volume = self.logic.reconstruct(self.sweep, self.bone, spacing=1.0, boneSigmaMm=3.0, boneGain=0.7, keep=("hits",))
         text = volume.GetAttribute("AIFRecon_settings")
         hits = volume.GetNodeReference("AIFRecon.hits")
         self.assertEqual((hits.GetAttribute("AIFRecon_settings"), volume.GetAttribute("AIFRecon_method")), (text, "weighted"))
-        self.assertEqual((json.loads(text)["bone_sigma_mm"], json.loads(text)["alpha"]), (3.0, 0.7))
+        self.assertEqual((json.loads(text)["bone_sigma_mm"], json.loads(text)["bone_gain"]), (3.0, 0.7))
         with tempfile.TemporaryDirectory() as folder:
             scene, header, settings = (pathlib.Path(folder) / name for name in ("scene.mrb", "volume.nrrd", "settings.json"))
             storage = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLNRRDStorageNode")

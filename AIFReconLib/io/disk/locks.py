@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import os
-import sys
 import time
 
-if sys.platform == "win32":
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]  # a module elsewhere
+try:
     import msvcrt
-else:
-    try:
-        import fcntl
-    except ImportError:  # no system that we know
-        fcntl = None  # type: ignore[assignment]  # a module elsewhere
+except ImportError:
+    msvcrt = None  # type: ignore[assignment]  # a module on Windows
 
 _POLL = 0.05
 """s between two tries."""
@@ -40,14 +40,14 @@ def hold(descriptor: int, patience: float = 0.0) -> bool:
 
 
 def _lock(descriptor: int) -> None:
-    if sys.platform == "win32":
+    if fcntl is not None:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    elif msvcrt is None:
+        raise OSError("no locks here")
+    else:
         here = os.lseek(descriptor, 0, os.SEEK_CUR)
         os.lseek(descriptor, _BEYOND, os.SEEK_SET)
         try:
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
         finally:
             os.lseek(descriptor, here, os.SEEK_SET)
-    elif fcntl is None:
-        raise OSError("no locks here")
-    else:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

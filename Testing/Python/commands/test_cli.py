@@ -22,6 +22,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
+from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.terminal.reconstruction_options import gigabytes
@@ -164,11 +165,12 @@ def test_a_clip_option_keeps_the_region_of_the_scan_conversion_for_its_fan(tmp_p
     assert hits("--clip-px", "0", "0", "39", "29") == hits() < 6 * 40 * 30
 
 
-def test_weighted_says_that_it_needs_the_gray_scale_of_images_that_are_not_8_bit(tmp_path, results, capsys):
+def test_weighted_learns_the_gray_scale_of_images_that_are_not_8_bit(tmp_path, results, capsys):
     images = np.random.default_rng(0).integers(1, 4096, (6, 30, 40), dtype=np.uint16)
     patient = write_patient(tmp_path, tracked_sequence(images=images))
     main([*patient.reconstruct, *patient.bone, "--output", str(results / "v.nrrd")])
-    assert "--intensity-maximum" in capsys.readouterr().out
+    assert "--intensity-maximum" not in capsys.readouterr().out
+    assert len(settings_of(read_volume(results / "v.nrrd"))["gray_levels"]) == 8
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes close differently there")

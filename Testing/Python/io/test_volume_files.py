@@ -410,7 +410,7 @@ def test_labels_that_are_whole_but_for_rounding_are_labels(tmp_path):
     labels = np.zeros((6, 6, 6))
     labels[1:3, 1:3, 1:3], labels[4, 4, 4] = 28.00018, 28.99983
     write_volume(Volume(labels.astype(np.float32), np.eye(4)), tmp_path / "labels.nrrd")
-    assert np.unique(read_labels(tmp_path / "labels.nrrd").array).tolist() == [0, 28, 29]
+    assert np.unique(read_labels(tmp_path / "labels.nrrd", "28-29").array).tolist() == [0, 28, 29]
 
 
 def test_the_forms_of_a_nifti_are_told_in_one_line_without_those_of_itk(tmp_path, capfd):

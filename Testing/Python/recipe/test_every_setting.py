@@ -87,6 +87,7 @@ SOME_METHODS = {
     "beta": ("aif-compensated", "weighted"),
     "bone_gain": ("weighted",),
     "weight_floor": ("weighted",),
+    "gray_levels": ("weighted",),
     "intensity_maximum": BONE_METHODS,
     "interpolation": LINEAR_METHODS,
     "probe": BONE_METHODS,

@@ -18,6 +18,7 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.errors import OutputError, WorkerDiedError
 from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
+from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
@@ -31,7 +32,8 @@ from AIFReconLib.worker.scanning import begin_scan
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 SEQUENCE = tracked_sequence(24, statuses={5: TransformStatus.OUT_OF_VIEW})
-RECIPE = Recipe(method="weighted", output_type="float32", bone_sigma_voxels=1.0)
+# Gray levels that are told: frames enter as they come
+RECIPE = Recipe(method="weighted", output_type="float32", bone_sigma_voxels=1.0, gray_levels=STANDARD)
 
 
 @pytest.fixture

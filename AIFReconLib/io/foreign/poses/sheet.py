@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -101,19 +102,21 @@ class Sheet:
         pandas = library("pandas", "Tables of poses")
         comma = any(_DECIMAL_COMMA.fullmatch(cell) for row in self.rows[:_LOOKED_AT] for cell in cells_of(row, self.separator))
         try:
-            frame = pandas.read_csv(
-                io.StringIO("\n".join(self.rows)),
-                sep=self.separator or r"\s+",
-                header=None,
-                names=range(width),
-                index_col=False,
-                dtype=dict.fromkeys(words, str),
-                na_filter=False,
-                decimal="," if comma and self.separator != "," else ".",
-                skipinitialspace=True,
-                skip_blank_lines=False,
-                low_memory=False,
-            )
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # rows are judged by `_check`
+                frame = pandas.read_csv(
+                    io.StringIO("\n".join(self.rows)),
+                    sep=self.separator or r"\s+",
+                    header=None,
+                    names=range(width),
+                    index_col=False,
+                    dtype=dict.fromkeys(words, str),
+                    na_filter=False,
+                    decimal="," if comma and self.separator != "," else ".",
+                    skipinitialspace=True,
+                    skip_blank_lines=False,
+                    low_memory=False,
+                )
         except ValueError as error:  # pandas' own are such
             raise FileFormatError(f"it cannot be read as a table ({one_line(shorten(str(error), 200))}). Export it again.") from None
         return Cells(self, frame, np.arange(len(frame)))
