@@ -42,7 +42,7 @@ def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | 
     if least <= largest <= LARGEST_IMAGE:
         return None
     why = "larger" if largest > LARGEST_IMAGE else "smaller"
-    return f"An image would be {wide:.4g} x {high:.4g} mm, {why} than any probe sees: is the size of a pixel missing, or a unit another (meters)?"
+    return f"An image would be {wide:.4g} x {high:.4g} mm, {why} than any probe sees: is its pixel's size missing, or the unit meters?"
 
 
 def about_pixel_size(stated: Floats, wanted: TransformName, image_to_reference: Matrix) -> list[str]:
