@@ -41,5 +41,5 @@ WEIGHTED = BuiltInMethod(
     widens=True,
     follows_agreement=True,
     compared=True,
-    uses=frozenset({"beta", "bone_gain", "weight_floor", "intensity_maximum"}),
+    uses=frozenset({"beta", "bone_gain", "weight_floor", "intensity_maximum", "gray_levels"}),
 )

@@ -180,14 +180,15 @@ def register_method(function: Callable[..., Answer]) -> Method:
             raise MethodError(f"Method {name} takes {what}, which no frame has. Take some of {listed(ARRAYS)}, or give it a default.")
     if not arrays:
         raise MethodError(f"Method {name} must take at least one of {listed(ARRAYS)}.")
-    sees_bone = not set(arrays).isdisjoint(OF_BONE)
+    sees_bone, sees_shadows = (not set(arrays).isdisjoint(of) for of in (OF_BONE, OF_SHADOWS))
     method = Method(
         name=name,
         words="a method of one's own",
         kept=_kept,
         reads_bone="everywhere" if sees_bone else "nowhere",
         works_in_parts=not sees_bone,
-        needs_shadows=not set(arrays).isdisjoint(OF_SHADOWS),
+        needs_shadows=sees_shadows,
+        uses=frozenset({"gray_levels"} if sees_shadows else ()),
         is_mean=True,
         function=function,
         arrays=tuple(arrays),

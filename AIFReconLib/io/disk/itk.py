@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -41,10 +42,15 @@ def short_cause(error: Exception) -> str:
 
 @contextlib.contextmanager
 def without_warnings() -> Iterator[None]:
-    """Within the block ITK prints none of its warnings, which name lines of its own code."""
+    """Within the block neither ITK prints warnings, which name lines of its own code, nor the libraries below it, which ask nobody."""
     shown = sitk.ProcessObject.GetGlobalWarningDisplay()
     sitk.ProcessObject.SetGlobalWarningDisplay(False)
-    try:
+    sys.stderr.flush()
+    with open(os.devnull, "w") as nowhere, contextlib.ExitStack() as after:
+        after.callback(sitk.ProcessObject.SetGlobalWarningDisplay, shown)
+        with contextlib.suppress(OSError):  # a program without a terminal has no such file
+            kept = os.dup(2)
+            after.callback(os.close, kept)
+            after.callback(os.dup2, kept, 2)
+            os.dup2(nowhere.fileno(), 2)
         yield
-    finally:
-        sitk.ProcessObject.SetGlobalWarningDisplay(shown)

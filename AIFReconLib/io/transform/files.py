@@ -16,7 +16,7 @@ from ...errors import GeometryError, OutputError, TransformFileError
 from ...geometry.transforms import as_matrix, invert, ras_to_lps
 from ...message import shorten
 from ..disk.atomic import atomic_output
-from ..disk.itk import itk_path, short_cause
+from ..disk.itk import itk_path, short_cause, without_warnings
 from ..disk.regular_files import file_stamp
 from ..disk.small_files import local_copy, read_bytes
 from ..metafile.text_values import NotANumberError, parse_numbers
@@ -103,7 +103,8 @@ def _as_text(path: Path) -> str:
     """What a file of HDF5 is as a .tfm file, which is made beside it."""
     text = path.with_suffix(".tfm")
     try:
-        sitk.WriteTransform(sitk.ReadTransform(str(path)), str(text))
+        with without_warnings():
+            sitk.WriteTransform(sitk.ReadTransform(str(path)), str(text))
     except RuntimeError as error:
         why = short_cause(error)
         raise TransformPartError(f"is damaged, or cannot be read from HDF5: {why}. Save it from Slicer again, or as .tfm.") from error

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...arrays import NumberType
 from ...bone.map import BoneMap
+from ...compounding.methods.table import method_named
 from ...compounding.needs import bone_on_grid
 from ...compounding.reconstructor import Reconstructor
 from ...compounding.state import Reconstruction
@@ -114,9 +115,10 @@ class Inserter:
 
         def make() -> None:
             known = imaging()
+            judges = method_named(self._settings.method_for(self._bone is not None)).needs_shadows
             reconstructor = Reconstructor(
                 grid,
-                replace(self._settings, gray_levels=known.gray_levels.landmarks),
+                replace(self._settings, gray_levels=known.gray_levels.landmarks) if judges else self._settings,
                 self._bone,
                 probe=known.probe,
                 region=known.region,
