@@ -114,6 +114,7 @@ def digest_of(array: np.ndarray) -> str:
 
 def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], trials: int, chance: random.Random, folder: Path) -> None:
     """Kill it so often; what comes must be the volume or one error, the next run must give the volume, and nothing may be left."""
+    memory = named_memory()
     worker = Worker()
     work = run(worker, folder)
     expected = work()
@@ -121,7 +122,6 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
     if work() != expected:
         raise RuntimeError("two runs give two volumes")
     lasts = time.monotonic() - begun
-    memory = named_memory()
     for _trial in range(trials):
         process = worker.pid
         assert process is not None
@@ -141,7 +141,6 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
                 again = work()
             except WorkerDiedError:
                 outcome = "one sentence, in the next run"
-        left += ["shared memory"] if named_memory() != memory else []
         if came != expected or again != expected or left:
             entry.lost[f"{'' if came == expected else 'another volume, '}{'' if again == expected else 'another next volume, '}{left}"] += 1
         else:
@@ -150,10 +149,12 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
     worker.close()
     if last is None or not is_gone(last):
         entry.lost["a process after the end"] += 1
+    if not is_freed(memory):
+        entry.lost["shared memory after the end"] += 1
 
 
 def named_memory() -> list[str]:
-    """Python's shared memory that has a name, anybody's: the worker's has none. Browsers' names are others."""
+    """Python's shared memory that has a name, anybody's. Browsers' names are others."""
     return sorted(path.name for path in Path("/dev/shm").glob("psm_*"))
 
 
@@ -168,6 +169,16 @@ def is_gone(process: int) -> bool:
             return True
         time.sleep(0.01)
     return False
+
+
+def is_freed(before: list[str]) -> bool:
+    """Whether no more shared memory has a name than before; waited for, since Python's helper frees what the killed leave."""
+    end = time.monotonic() + GONE
+    while set(named_memory()) - set(before):
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
 
 
 def run(ledger: Ledger, trials: int = 20, seed: int = 0) -> None:
