@@ -11,8 +11,8 @@ import hashlib
 import os
 import platform
 import re
+import secrets
 import shutil
-import tempfile
 import time
 from collections.abc import Iterator
 from functools import cache
@@ -39,18 +39,25 @@ def workspace(parent: Path) -> Iterator[Path]:
     Raises OSError when no folder can be made.
     """
     remove_left_behind(parent)
-    folder, lock = _create(parent)
+    folders: list[Path] = []
+    lock = None
     try:
-        yield folder
+        lock = _create(parent, folders)
+        yield folders[-1]
     finally:
         try:
             # First, because removing takes a descriptor too, and there may be no more; who takes it for left behind now removes it for us
             _release(lock)
-            shutil.rmtree(folder, ignore_errors=True)
+            _remove(folders)
         except KeyboardInterrupt:
             # Ctrl-C, just now
-            shutil.rmtree(folder, ignore_errors=True)
+            _remove(folders)
             raise
+
+
+def _remove(folders: list[Path]) -> None:
+    for folder in folders:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def remove_left_behind(parent: Path) -> None:
@@ -86,16 +93,20 @@ def _this_computer() -> str:
     return hashlib.sha256(platform.node().encode() + of_system).hexdigest()[:8]
 
 
-def _create(parent: Path) -> tuple[Path, int | None]:
-    """A new folder, and what holds its lock."""
+def _create(parent: Path, folders: list[Path]) -> int | None:
+    """Make a new folder, the last of `folders`, and return what holds its lock.
+
+    It is put down there before it is made: a Ctrl-C that comes while it is made leaves nothing behind.
+    """
     for _ in range(_TRIES):
-        folder = Path(tempfile.mkdtemp(prefix=f"{PREFIX}{_this_computer()}-", dir=parent))
+        folders.append(parent / f"{PREFIX}{_this_computer()}-{secrets.token_hex(4)}")
+        folders[-1].mkdir(0o700)
         try:
-            lock = _lock(folder)
+            lock = _lock(folders[-1])
         except (BlockingIOError, FileNotFoundError):
             continue  # another program took it for one left behind before it was locked
-        if lock is None or folder.is_dir():
-            return folder, lock
+        if lock is None or folders[-1].is_dir():
+            return lock
         _release(lock)
     raise FileNotFoundError(f"folders made in {parent} vanish at once")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from pathlib import Path
 
 import pytest
 
@@ -130,7 +131,7 @@ class TestBothBeforeAndWhenWriting:
             write("/dev/null")
 
     def test_a_folder_without_permission_is_refused(self, tmp_path, monkeypatch, write):
-        monkeypatch.setattr("tempfile.mkdtemp", fail_with(errno.EACCES))
+        monkeypatch.setattr(Path, "mkdir", fail_with(errno.EACCES))
         with pytest.raises(OutputError, match="no permission"):
             write(tmp_path / "a.txt")
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from importlib.util import find_spec
+from pathlib import Path
 
 import pytest
 
@@ -133,4 +134,17 @@ def test_ctrl_c_while_a_folder_is_removed_leaves_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(shutil, "rmtree", interrupted)
     with pytest.raises(KeyboardInterrupt), workspace(tmp_path) as folder:
         (folder / "part").write_bytes(b"1")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_ctrl_c_while_the_folder_is_made_leaves_nothing(tmp_path, monkeypatch):
+    make = Path.mkdir
+
+    def interrupted(path, mode):
+        make(path, mode)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "mkdir", interrupted)
+    with pytest.raises(KeyboardInterrupt), workspace(tmp_path):
+        pass
     assert list(tmp_path.iterdir()) == []
