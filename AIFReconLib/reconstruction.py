@@ -36,7 +36,7 @@ from .recipe.recipe import Recipe
 from .registration.comparison import warn_of_disagreement
 from .registration.labeled_bone import LabeledBone
 from .remedies import Remedy
-from .resolve import BEFORE_FRAMES, Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
+from .resolve import BEFORE_FRAMES, RECOGNIZED, Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.joined import joined, shares
 from .sweep.poses import SweepPoses, describe_skipped, still_images_of, sweep_poses, time_order, tracked_frames
@@ -126,7 +126,8 @@ class Plan:
         Bytes that it takes.
     hole_limit : float, mm
     notes : tuple of str
-        What the gray levels of the images tell of the scanner's knobs; how holes are filled, and why.
+        What of the configuration does not go with the images; what their gray levels tell of the scanner's knobs; how holes are
+        filled, and why.
     region : ImageRegion
         The pixels that enter.
     """
@@ -157,7 +158,8 @@ def plan(
     placed = prepared.poses.image_to_reference[prepared.chosen][:, :3]
     chosen, notes = with_limit(prepared.settings, prepared.parts.holes, placed, shown, prepared.grid)
     memory = prepared.grid.voxels * prepared.costs.whole
-    notes = (*prepared.imaging.gray_levels.notes, *notes)
+    imaging = [note for note in prepared.imaging.notes if not note.startswith(RECOGNIZED)]
+    notes = (*imaging, *prepared.imaging.gray_levels.notes, *notes)
     return Plan(prepared.settings.method_for(has_bone), prepared.grid, memory, float(chosen.hole_limit), notes, prepared.imaging.region)
 
 

@@ -22,7 +22,7 @@ from .imaging.images import ImageStack
 from .imaging.recognized import learned_gray_levels, recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
-from .message import Sentence, said
+from .message import said
 from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
 from .remedies import Remedy
 from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
@@ -37,6 +37,11 @@ BEFORE_FRAMES = (*OF_READING, *OF_REGION, "importance_mask", *OF_GRID)
 
 MOST_OF_AN_IMAGE = 0.9
 """Where ultrasound fills more of an image than this, its surround does no harm."""
+
+RECOGNIZED = "Recognized in the images"
+
+OTHER_DEPTH = 0.1
+"""Part by which the pixels of a scan conversion differ from those of the poses where they are not of the same images."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,6 +215,7 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
     """
     configuration = sequence.configuration
     pixel = pixel_spacing(poses.image_to_reference[poses.usable[0]])
+    configuration, notes = scanned_alike(configuration, pixel)
     region, probe = (None, None) if asked is None else asked_imaging(asked, configuration, sequence.images, pixel)
     _require_one_imaging(sequence, need_probe and probe is None, region is None)
     known = known_imaging(configuration, need_probe, region, probe)
@@ -217,10 +223,10 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
         try:
             known = recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
         except BeamGeometryError as error:
-            raise BeamGeometryError(f"{sequence.name}: {said(error)}", error) from None
+            raise BeamGeometryError(f"{sequence.name}: {' '.join((*notes, said(error)))}", error) from None
     elif region is None:
-        known = replace(known, notes=_about_black_surround(sequence, known.region, pixel))
-    return known.judging(sequence.images, asked)
+        known = _without_black_surround(sequence, known, configuration.scan_region, pixel)
+    return replace(known, notes=(*notes, *known.notes)).judging(sequence.images, asked)
 
 
 def asked_imaging(
@@ -308,29 +314,37 @@ def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_reg
             raise BeamGeometryError(f"The configurations of {names[0]} and {name} name different probes.", Remedy.ONE_PROBE_FOR_ALL)
 
 
-def _about_black_surround(sequence: TrackedSequence, region: ImageRegion, pixel: tuple[float, float]) -> tuple[str, ...]:
-    """A note where a configuration's clip rectangle is the whole image although ultrasound fills only a part of it."""
-    columns, rows = sequence.frame_size
-    if region.fan is not None or not region.mask(columns, rows).all():
-        return ()
-    try:
-        lit = recognized(sequence.images, pixel).region.mask(columns, rows)
-    except BeamGeometryError:
-        return ()
-    if lit.mean() > MOST_OF_AN_IMAGE:
-        return ()
-    (left, right), (top, bottom) = (np.flatnonzero(lit.any(axis=axis))[[0, -1]] for axis in (0, 1))
-    return (
-        Sentence(
-            f"The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of "
-            "it: the black around it enters the volume too.",
-            Remedy.CLIP_AS_RECOGNIZED,
-            x=int(left),
-            y=int(top),
-            width=int(right - left),
-            height=int(bottom - top),
-        ),
+def scanned_alike(configuration: PlusConfiguration, pixel: tuple[float, float]) -> tuple[PlusConfiguration, tuple[str, ...]]:
+    """A configuration without its scan conversion where that is of images of another depth, and a note of that."""
+    scanned = configuration.scan_pixel
+    if scanned is None or np.allclose(scanned, pixel, rtol=OTHER_DEPTH):
+        return configuration, ()
+    note = (
+        f"The configuration's ScanConversion is not used: its pixels are {scanned[0]:.4f} x {scanned[1]:.4f} mm, and those of the "
+        f"poses {pixel[0]:.4f} x {pixel[1]:.4f} mm. One of them is of another depth."
     )
+    return replace(configuration, probe=None, scan_region=None), (note,)
+
+
+def _without_black_surround(sequence: TrackedSequence, known: Imaging, scanned: ImageRegion | None, pixel: tuple[float, float]) -> Imaging:
+    """Where a configuration's clip rectangle is the whole image: the part that ultrasound fills, with a note of that.
+
+    That is recognized in the images, else what the scan conversion fills.
+    """
+    columns, rows = sequence.frame_size
+    if known.region.fan is not None or not known.region.mask(columns, rows).all():
+        return known
+    try:
+        filled = recognized(sequence.images, pixel).region
+    except BeamGeometryError:
+        filled = scanned or known.region
+    if filled.mask(columns, rows).mean() > MOST_OF_AN_IMAGE:
+        return known
+    note = (
+        f"The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of it: "
+        "that part is used."
+    )
+    return replace(known, region=filled, notes=(*known.notes, note))
 
 
 def recognized_imaging(
@@ -352,5 +366,5 @@ def recognized_imaging(
         if need_probe and probe is None:
             raise
         return Imaging(region or ImageRegion(), probe)
-    note = f"Recognized in the images: {detected.description}."
+    note = f"{RECOGNIZED}: {detected.description}."
     return Imaging(region or detected.region, probe or detected.probe, (note,))

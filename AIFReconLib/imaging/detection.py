@@ -169,7 +169,10 @@ def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> Dete
     if box.mean() > FULL_BOX or upright:
         return _rectangle(brightest, lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
     if sides is None:
-        raise _unrecognized("its outline is neither a rectangle nor a sector")
+        faded = fit_sector(lit, spacing)
+        if faded is None:
+            raise _unrecognized("its outline is neither a rectangle nor a sector")
+        return _as_imaging(faded, faded, lit.shape, spacing, "")
     return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
 
 
@@ -286,7 +289,9 @@ def _upright(box: Box, values: Numbers, how: str = "") -> DetectedImaging:
     return DetectedImaging(ProbeGeometry(LINEAR), ImageRegion(clip), words)
 
 
-def _as_imaging(one: SectorFit, other: SectorFit, shape: tuple[int, ...], spacing: tuple[float, float]) -> DetectedImaging:
+def _as_imaging(
+    one: SectorFit, other: SectorFit, shape: tuple[int, ...], spacing: tuple[float, float], how: str = BY_CHANGE
+) -> DetectedImaging:
     fit = min(one, other, key=lambda fit: fit.apex_error)
     clip = None
     if fit.flat_top is not None:
@@ -294,7 +299,7 @@ def _as_imaging(one: SectorFit, other: SectorFit, shape: tuple[int, ...], spacin
     # At a higher level less of the far field changes
     fan = Fan(fit.apex_px, fit.angles_deg, (min(one.radii[0], other.radii[0]), max(one.radii[1], other.radii[1])), spacing)
     dark = "" if fit.dark_side is None else f"; its {fit.dark_side} side is dark and taken to be as wide as the other"
-    words = f"{_sector_words(fit.apex_px, fit.angles_deg)}{BY_CHANGE}{dark}"
+    words = f"{_sector_words(fit.apex_px, fit.angles_deg)}{how}{dark}"
     return DetectedImaging(ProbeGeometry(SECTOR, fit.apex_px), ImageRegion(clip, fan), words)
 
 

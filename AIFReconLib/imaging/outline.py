@@ -359,7 +359,9 @@ def _checked(fit: _Fit, seen: list[bool], outline: Outline, pixels: Floats, spac
     # What rings ends above, where a dark side begins
     cut_off = np.count_nonzero(outline.bottom[:, 1] > pixels[:, 1].mean()) < CUT_OFF * np.ptp(pixels[:, 0])
     if not fit.used[FAR]:
-        last = float(radius.max()) if cut_off else _last_filled(radius, angle, (left, right))
+        # Far beams may fade to black one by one, where the other three parts tell the sector
+        faded = cut_off or all(fit.used[:FAR])
+        last = float(radius.max()) if faded else _last_filled(radius, angle, (left, right))
     margin = _margin(radius)
     inside = (angle > left - margin) & (angle < right + margin) & (radius > first - 2.0) & (radius < last + 2.0)
     error = fit.error * spacing[1]

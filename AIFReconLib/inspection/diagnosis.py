@@ -15,6 +15,7 @@ from ..imaging.recognized import recognized
 from ..message import Sentence, columns, said
 from ..progress import Progress
 from ..remedies import Remedy
+from ..resolve import scanned_alike
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses, without_still_images
 from .offset_estimate import OffsetEstimate, estimate_time_offset
@@ -91,7 +92,7 @@ def diagnose(
         poses.require_usable(sequence.name)
     except AIFReconError as error:
         findings += [Sentence(f"Cannot be reconstructed yet. {said(error)}", error), *sequence.notes]
-        shown = probe or _describe_probe(sequence, (1.0, 1.0))
+        shown = probe or _describe_probe(sequence, None)
     else:
         usable = poses.usable
         facts.append(("pixel spacing", _describe_spacing(poses)))
@@ -146,14 +147,15 @@ def _describe_extent(poses: SweepPoses, frame_size: tuple[int, int]) -> str:
     return f"{wide:.4g} x {high:.4g} mm, its middle moves within {' x '.join(f'{side:.4g}' for side in np.ptp(middle, axis=0))} mm"
 
 
-def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float]) -> str | None:
+def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float] | None) -> str | None:
     """The probe in words; None where it is not known."""
-    probe = sequence.configuration.probe
+    configuration = sequence.configuration
+    probe = (scanned_alike(configuration, spacing)[0] if spacing else configuration).probe
     if probe is not None:
         apex = f", apex at column {probe.apex_px[0]:.1f}, row {probe.apex_px[1]:.1f}" if probe.apex_px else ""
         return f"{probe.kind}{apex} (configuration)"
     try:
-        return f"{recognized(sequence.images, spacing).description} (recognized in the images)"
+        return f"{recognized(sequence.images, spacing or (1.0, 1.0)).description} (recognized in the images)"
     except BeamGeometryError:
         return None
     except SequenceFormatError as error:

@@ -33,6 +33,7 @@ class PlusConfiguration:
     """Clip rectangle and fan of the volume reconstruction, in pixels."""
     probe: ProbeGeometry | None = None  #: From ScanConversion
     scan_region: ImageRegion | None = None  #: The part of the image that the scan conversion fills
+    scan_pixel: tuple[float, float] | None = None  #: Of the scan conversion, (x, y), mm
     method: str | None = None  #: How pixels are combined, in this library's words; None when not given or not supported
     interpolation: str | None = None  #: "nearest" or "linear"
     uses_importance_mask: bool = False  #: Whether an average is to be weighted by an importance mask

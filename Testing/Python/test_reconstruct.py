@@ -15,11 +15,9 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.message import advised
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.configuration import PlusConfiguration
-from AIFReconLib.terminal.remedies import in_options
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
@@ -39,15 +37,28 @@ def rectangle_images(count=6):
     return images
 
 
-def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround():
-    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL, spacing=(2.0,) * 3)
+@pytest.mark.parametrize("named", [{}, {"scan_region": ImageRegion(ClipRectangle((5, 3), (29, 23)))}], ids=["by the images", "by both"])
+def test_where_a_clip_rectangle_is_the_whole_image_its_black_surround_is_left_out(named):
+    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL, spacing=(2.0,) * 3, **named)
     result = reconstruct(sequence)
     (note,) = (note for note in result.notes if "clip rectangle" in note)
     assert "whole image of 40 x 30 pixels" in note
-    assert "clip_px=(5, 3, 29, 23)" in advised(note)
-    assert "--clip-px 5 3 29 23" in in_options(result.said[result.notes.index(note)])
-    columns, rows = np.nonzero(ImageRegion(ClipRectangle((5, 3), (29, 23))).mask(40, 30).T)
-    assert (columns.min(), columns.max(), rows.min(), rows.max()) == (5, 34, 3, 26)
+    assert result.hits.array.sum() == 6 * 30 * 24
+
+
+def test_a_scan_conversion_tells_what_a_clip_rectangle_of_the_whole_image_and_the_images_do_not():
+    scanned = ImageRegion(ClipRectangle((5, 3), (9, 9)))
+    result = reconstruct(calibrated(region=FULL, spacing=(1.0,) * 3, scan_region=scanned))
+    assert result.hits.array.sum() == 6 * 100
+
+
+def test_a_scan_conversion_of_another_depth_is_not_used_and_said():
+    sequence = calibrated(scan_region=ImageRegion(ClipRectangle((5, 3), (9, 9))), probe=ProbeGeometry("linear"), scan_pixel=(7.0, 7.0))
+    result = reconstruct(sequence, ReconstructionSettings(spacing=1.0))
+    assert "ScanConversion is not used: its pixels are 7.0000 x 7.0000 mm" in result.notes[0]
+    assert result.hits.array.sum() == 6 * 30 * 40
+    with pytest.raises(BeamGeometryError, match="ScanConversion is not used"):
+        reconstruct(sequence, ReconstructionSettings(spacing=1.0, method="aif"), sphere_bone())
 
 
 def test_the_configurations_spacing_is_used_where_none_is_given():
@@ -71,8 +82,8 @@ def test_the_black_surround_is_left_out_where_nobody_says_what_is_ultrasound():
 
 
 def test_a_region_of_the_configuration_is_not_second_guessed():
-    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL)
-    assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 30 * 40
+    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=ImageRegion(ClipRectangle((0, 0), (38, 28))))
+    assert reconstruct(sequence, ReconstructionSettings(spacing=1.0)).hits.array.sum() == 6 * 29 * 39
 
 
 def test_the_region_of_a_scan_conversion_is_used_where_there_is_no_other():

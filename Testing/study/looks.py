@@ -3,17 +3,22 @@
     python Testing/study looks --output study-output/looks
 
 Ten patients of real shape and the fibula, each under the looks of `scanner_looks.py`, by every method. A volume of another look has other
-gray levels: before it is measured, these are taken to those of the volume as recorded, by the percentiles of both. Two minutes a source.
+gray levels: before it is measured, these are taken to those of the volume as recorded, by the percentiles of both. What a look does to the
+picture and what it does to judging it are told apart: `weighted` is also measured where a look is judged and the frames as recorded are
+put into the voxels. Three minutes a source.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from unittest import mock
 
 import numpy as np
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
+from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.compounding.compiled.numba_evidence import FrameJudge
 from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import AIFReconError
@@ -24,10 +29,12 @@ from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
+from AIFReconLib.resolve import resolve_imaging
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.sweep.poses import sweep_poses
 
 from .command import carry_out, page_writer, parsed, study_parser
 from .method_cases import (
@@ -51,7 +58,12 @@ from .real_bone_cases import RealBone
 from .real_bone_measures import precision
 from .scanner_looks import LOOKS
 
+Look = Callable[[np.ndarray], np.ndarray]
+
 COMPARED = (PLAIN, PAPER, OURS, WITHOUT_CT)
+JUDGED = {OURS: f"{OURS}, judged", WITHOUT_CT: f"{WITHOUT_CT}, judged"}
+"""Methods under a look that is judged, where the frames as recorded are put into the voxels."""
+
 FIBULA = 0
 """Number of the source that is no patient; the others are the patients of seeds 0, 1, ..."""
 
@@ -96,14 +108,34 @@ def rows_of(seed: int) -> list[Row]:
             metrics = evaluate(matched(result, plain), truth, result.mask).to_dict()
             metrics["precision"] = precision(matched(result, plain), truth)["precision_180"]
             rows.append(Row(seed, name, method, metrics))
+            if method in JUDGED:
+                judged = _reconstructed(seen, labels, settings, method, sweep, look)
+                rows.append(Row(seed, name, JUDGED[method], evaluate(judged.intensity, truth, judged.mask).to_dict()))
     return rows
 
 
-def _reconstructed(sweep: TrackedSequence, labels: Volume, settings: ReconstructionSettings, method: str) -> Reconstruction:
+def _reconstructed(
+    seen: TrackedSequence,
+    labels: Volume,
+    settings: ReconstructionSettings,
+    method: str,
+    recorded: TrackedSequence | None = None,
+    look: Look | None = None,
+) -> Reconstruction:
+    """What a sweep shows as it is `seen`; where it is `recorded` otherwise, that is put into the voxels."""
     settings = replace(settings, method=OURS if method == WITHOUT_CT else method)
+    bone: BoneMap | LabeledBone | None = None
     if method == WITHOUT_CT:
-        return reconstruct(sweep, settings, bone_from_sweep(sweep, settings))
-    return reconstruct(sweep, settings, LabeledBone(labels, None, sweep, settings) if method_named(method).needs_bone else None)
+        bone = bone_from_sweep(seen, settings)
+    elif method_named(method).needs_bone:
+        bone = LabeledBone(labels, None, seen, settings)
+    if recorded is None or look is None:
+        return reconstruct(seen, settings, bone)
+    levels = resolve_imaging(seen, sweep_poses(seen), True, settings).gray_levels
+    judge = FrameJudge.judge
+    # What an image tells of bone and shadow is judged as the look shows it
+    with mock.patch.object(FrameJudge, "judge", lambda self, image, *more: judge(self, look(image[None])[0], *more)):
+        return reconstruct(recorded, replace(settings, gray_levels=levels.landmarks), bone)
 
 
 def matched(result: Reconstruction, to: Reconstruction) -> Volume:
@@ -128,7 +160,7 @@ def _mean(of: list[Row], look: str, metric: str) -> float:
 def _table(rows: list[Row], number: Callable[[list[Row], str], float], form: str) -> str:
     lines = table_head(LOOKS)
     for place, chosen in (("fibula", {FIBULA}), ("patients, mean", {row.seed for row in rows} - {FIBULA})):
-        for method in COMPARED:
+        for method in (*COMPARED, *JUDGED.values()):
             of = [row for row in rows if row.method == method and row.seed in chosen]
             if of:
                 lines.append(table_line(f"{place}: {method}", [form.format(number(of, look)) for look in LOOKS]))
@@ -137,7 +169,7 @@ def _table(rows: list[Row], number: Callable[[list[Row], str], float], form: str
 
 def _worst(rows: list[Row]) -> str:
     lines = table_head(("CNR", "coverage", "refused"))
-    for method in COMPARED:
+    for method in (*COMPARED, *JUDGED.values()):
         least = []
         for metric in ("bone_cnr", "bone_coverage"):
             each = [

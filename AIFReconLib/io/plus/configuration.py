@@ -38,8 +38,8 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     conversion = root.find("ScanConversion")
     conversion = next(root.iter("ScanConversion"), None) if conversion is None else conversion
     if conversion is not None:
-        probe, region = _read_scan_conversion(Attributes(path, conversion, "ScanConversion"))
-        configuration = replace(configuration, probe=probe, scan_region=region)
+        pixel, probe, region = _read_scan_conversion(Attributes(path, conversion, "ScanConversion"))
+        configuration = replace(configuration, probe=probe, scan_region=region, scan_pixel=pixel)
     return configuration
 
 
@@ -75,8 +75,8 @@ def _find_reconstruction(root: Element) -> Element | None:
     return next((element for device in devices for element in device.iter("VolumeReconstruction")), None)
 
 
-def _read_scan_conversion(attributes: Attributes) -> tuple[ProbeGeometry, ImageRegion | None]:
-    """The probe, and the part of the image that holds ultrasound, in MF pixels."""
+def _read_scan_conversion(attributes: Attributes) -> tuple[tuple[float, float], ProbeGeometry, ImageRegion | None]:
+    """The size of pixels, mm, the probe, and the part of the image that holds ultrasound, in MF pixels."""
     geometry = attributes.required_word("TransducerGeometry", ("CURVILINEAR", "LINEAR"))
     x, y = attributes.positive(attributes.required_numbers(2, "OutputImageSpacingMmPerPixel"), "OutputImageSpacingMmPerPixel")
     center = attributes.pair("TransducerCenterPixel")
@@ -88,7 +88,8 @@ def _read_scan_conversion(attributes: Attributes) -> tuple[ProbeGeometry, ImageR
         column = size[0] / 2
     else:
         raise attributes.failure("TransducerCenterPixel", "is missing, and OutputImageSizePixel too. Add one of them.")
-    return (_read_curvilinear if geometry == "CURVILINEAR" else _read_linear)(attributes, (x, y), column, row)
+    read = _read_curvilinear if geometry == "CURVILINEAR" else _read_linear
+    return (x, y), *read(attributes, (x, y), column, row)
 
 
 def _read_curvilinear(
