@@ -35,6 +35,7 @@ from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
 from ..resolve import resolve_settings
+from ..simulation.ultrasound import UltrasoundEffects
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands
 from .simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
@@ -67,6 +68,9 @@ PRINTED = (
 )
 """Metrics that are printed; the page and the CSV hold all."""
 
+KNOBS = UltrasoundEffects(gain_db=6.0)
+"""The scanner is turned up: no constant was chosen on such images."""
+
 WITHOUT_CT = "weighted, no CT"
 """What the picture calls the volume whose bone the sweep tells by itself."""
 
@@ -94,7 +98,7 @@ def run(arguments: argparse.Namespace) -> None:
     # While the patient is simulated, what the last method needs is compiled
     bar = ProgressBar()
     with bar as progress, compiled_aside(Recipe(), np.dtype(np.uint8)):
-        files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5))
+        files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5), effects=KNOBS)
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)
         labels = read_labels(files.labels).placed_by(ct_to_reference)

@@ -33,6 +33,7 @@ from ..simulation.scan import (
     simulate_sweep,
     single_angle_sweep,
 )
+from ..simulation.ultrasound import UltrasoundEffects
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
 
@@ -74,6 +75,9 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--path", choices=tuple(PATHS), default="multi-angle", help="how the probe moves (default: multi-angle)")
     parser.add_argument("--frames", type=int, default=144, metavar="N", help="frames of the sweep (default: %(default)s)")
     parser.add_argument("--plan", type=Path, metavar="PLAN.json", help="scan by this plan of aifrecon plan instead, with all its frames")
+    parser.add_argument("--gain", type=float, default=0.0, metavar="DB", help="turn the scanner's gain up by this")
+    parser.add_argument("--depth-gain", type=float, default=0.0, metavar="DB", help="the same, little by little down to the last row")
+    parser.add_argument("--gray-curve", type=float, default=1.0, metavar="POWER", help="power of the gray scale; above 1 is darker")
     parser.set_defaults(run=run)
 
 
@@ -84,8 +88,9 @@ def run(arguments: argparse.Namespace) -> None:
         refuse_to_overwrite(arguments, "output", more=[arguments.output / name for name in FILES])
         planned = planned_path(arguments.plan)
     name, frames = ("planned", len(planned)) if planned else (arguments.path, arguments.frames)
+    effects = UltrasoundEffects(gain_db=arguments.gain, depth_gain_db=arguments.depth_gain, gray_curve=arguments.gray_curve)
     with ProgressBar() as progress:
-        files = write_simulated_patient(arguments.output, arguments.seed, arguments.path, arguments.frames, progress, planned)
+        files = write_simulated_patient(arguments.output, arguments.seed, arguments.path, arguments.frames, progress, planned, effects)
     print(f"simulated patient {arguments.seed}, {name} sweep of {frames} frames")
     for path in (files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference):
         print(f"  wrote {path}")
@@ -132,6 +137,7 @@ def write_simulated_patient(
     frames: int = 144,
     progress: Progress | None = None,
     planned: ProbePath | None = None,
+    effects: UltrasoundEffects | None = None,
 ) -> SimulatedFiles:
     """Simulate a patient and a sweep, and write them as a user would have them.
 
@@ -143,6 +149,8 @@ def write_simulated_patient(
     progress : Progress or None
     planned : ProbePath or None
         Instead of `path` and `frames`.
+    effects : UltrasoundEffects or None
+        Among them the scanner's gain and gray curve.
 
     Notes
     -----
@@ -167,7 +175,8 @@ def write_simulated_patient(
     phantom.ct.write(files.ct)
     phantom.labels.write(files.labels)
     write_transform(phantom.ct_to_reference, files.ct_to_reference)
-    sweep = simulate_sweep(phantom, probe, trajectory, seed=seed, processes=usable_cores(), progress=part(progress, 0.25, 0.9))
+    drawn = part(progress, 0.25, 0.9)
+    sweep = simulate_sweep(phantom, probe, trajectory, effects=effects, seed=seed, processes=usable_cores(), progress=drawn)
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
     return replace(files, center_ras=junctions[len(junctions) // 2])

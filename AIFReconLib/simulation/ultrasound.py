@@ -23,6 +23,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Bytes, Floats, Matrix, Numbers, Singles
+from ..errors import SettingsError
 from ..geometry.volume import Volume
 from ..recipe.recipe import SCANNER_SPEED
 from .phased_array import PhasedArray
@@ -110,6 +111,10 @@ class UltrasoundEffects:
         Off: gray is amplitude, 255 for bone met squarely.
     clutter : bool
         Reverberation and clutter behind bone, which leave a real shadow gray. Off by default: see docs/decisions/0022.
+    gain_db, depth_gain_db : float, dB
+        By which the scanner's gain is turned up, at all depths and, growing from none at the face, at the last one.
+    gray_curve : float
+        Power of the gray scale, of which 1 is white: above 1 the picture is darker and harder.
     speed_of_sound : float, m/s
         Of the body. The scanner takes `SCANNER_SPEED`, so in faster tissue all lies deeper than it is shown.
     """
@@ -126,7 +131,14 @@ class UltrasoundEffects:
     noise: bool = True
     log_compression: bool = True
     clutter: bool = False
+    gain_db: float = 0.0
+    depth_gain_db: float = 0.0
+    gray_curve: float = 1.0
     speed_of_sound: float = SCANNER_SPEED
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.gain_db, self.depth_gain_db]).all() and 0.0 < self.gray_curve < np.inf):
+            raise SettingsError("A simulated scanner has gains in dB and a gray curve above 0.")
 
 
 def specular_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
@@ -383,7 +395,11 @@ def _blur(field: Field, lines: float, samples: float) -> Field:
 def _to_image(amplitude: Singles, probe: PhasedArray, effects: UltrasoundEffects) -> Bytes:
     """Gray levels of the sector image, (rows, columns) uint8."""
     if effects.log_compression:
-        gray = 1.0 + np.log10(np.maximum(amplitude, 1e-3)) * np.float32(20.0 * 254.0 / DYNAMIC_RANGE_DB)
+        turned_up = effects.gain_db + effects.depth_gain_db * np.linspace(0.0, 1.0, amplitude.shape[1], dtype=np.float32)
+        levels_per_db = np.float32(254.0 / DYNAMIC_RANGE_DB)
+        gray = 1.0 + np.log10(np.maximum(amplitude, 1e-3)) * np.float32(20.0 * levels_per_db) + turned_up * levels_per_db
+        if effects.gray_curve != 1.0:
+            gray = 1.0 + 254.0 * ((np.clip(gray, 1.0, 255.0) - 1.0) / 254.0) ** np.float32(effects.gray_curve)
     else:
         gray = amplitude * np.float32(255.0 * 10.0 ** (-BONE_ECHO_DB / 20.0))
     pixels, weights = probe.scan_conversion

@@ -3,6 +3,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.recipe.recipe import SCANNER_SPEED
@@ -192,3 +193,26 @@ def test_without_log_compression_gray_is_amplitude():
 def test_calibration_puts_the_face_where_the_transducer_is_on_the_probe():
     face = np.array([PROBE.apex_px[0], PROBE.apex_px[1] + PROBE.apex_offset / PROBE.pixel_spacing, 0.0])
     assert transform_points(PROBE.image_to_probe, face) == pytest.approx(PROBE.transducer_to_probe[:3, 3])
+
+
+def test_gain_depth_gain_and_gray_curve_change_the_picture_as_on_a_scanner():
+    normal = UltrasoundEffects()
+    band = {
+        name: middle_band(frame(Plane(500.0, tissue_db=30.0), effects), 20, 80).mean()
+        for name, effects in {
+            "normal": normal,
+            "gain": replace(normal, gain_db=6.0),
+            "depth gain": replace(normal, depth_gain_db=6.0),
+            "gray curve": replace(normal, gray_curve=1.6),
+        }.items()
+    }
+    # 254 levels are 58 dB
+    assert band["gain"] - band["normal"] == pytest.approx(6.0 * 254.0 / 58.0, abs=2.0)
+    assert 0.0 < band["depth gain"] - band["normal"] < band["gain"] - band["normal"]
+    assert band["gray curve"] < band["normal"]
+
+
+@pytest.mark.parametrize("knob", [{"gray_curve": 0.0}, {"gain_db": np.nan}])
+def test_knobs_that_no_scanner_has_are_refused(knob):
+    with pytest.raises(SettingsError, match="gray curve"):
+        UltrasoundEffects(**knob)
