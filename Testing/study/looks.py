@@ -12,9 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from measured import keep
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
@@ -26,6 +28,7 @@ from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
+from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
@@ -36,7 +39,7 @@ from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .command import carry_out, page_writer, parsed, study_parser
+from .command import carry_out, parsed, study_parser
 from .method_cases import (
     EFFECTS,
     HOLE_LIMIT,
@@ -182,10 +185,34 @@ def _worst(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
+def in_the_pages(rows: list[Row]) -> dict[str, str]:
+    """What docs/study.md and docs/real-bone.md show, by the names of the files in docs/measured."""
+    return {"study-looks": _worst_and_best(rows, False), "real-bone-looks": _worst_and_best(rows, True)}
+
+
+def _worst_and_best(rows: list[Row], of_fibula: bool) -> str:
+    lines = table_head(("CNR, worst look", "best", "coverage, worst look", "best"))
+    for method in (*COMPARED, *JUDGED.values()):
+        of = [row for row in rows if row.method == method and (row.seed == FIBULA) is of_fibula]
+        numbers = []
+        for metric, form in (("bone_cnr", "{:.2f}"), ("bone_coverage", "{:.0%}")):
+            means = {look: _mean(of, look, metric) for look in LOOKS}
+            worst, best = min(means, key=means.__getitem__), max(means, key=means.__getitem__)
+            numbers += [f"{form.format(means[worst])} ({worst})", form.format(means[best])]
+        lines.append(table_line(method, numbers))
+    return "\n".join(lines)
+
+
 def main(words: list[str]) -> int:
     """Run what is missing, then write the page; the answer is the exit status."""
     parser = study_parser("looks", __doc__)
     # Ten patients and the fibula
     parser.set_defaults(patients=11)
     arguments = parsed(parser, words)
-    return carry_out(arguments, rows_of, Row, page_writer(arguments, "looks", page), "reconstructions")
+
+    def write(rows: list[Row]) -> list[Path]:
+        written = arguments.output / "looks.md"
+        write_text(written, page(rows))
+        return [written, *(keep(in_the_pages(rows), "make study") if arguments.pages else ())]
+
+    return carry_out(arguments, rows_of, Row, write, "reconstructions")

@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 import AIFReconLib
+import weight
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
 FILES = [path for folder in ("AIFReconLib", "AIFRecon") for path in sorted((REPOSITORY / folder).rglob("*.py"))]
-LONGEST_FILE = 700
 LONGEST_NAME = 150
 """Of 260 characters of a path on Windows, what this repository may take; the folder that it lies in has the rest."""
 
@@ -47,8 +47,10 @@ def trusting(tree: ast.AST) -> list[str]:
     return found
 
 
-def test_a_library_file_stays_under_700_lines():
-    assert [name_of(path) for path in LIBRARY.rglob("*.py") if len(path.read_text("utf-8").splitlines()) >= LONGEST_FILE] == []
+@pytest.mark.parametrize("house", weight.HOUSES)
+def test_every_room_stays_within_its_budget(house):
+    today, budget = weight.weighed(house).budgets(), weight.budgets()[house]
+    assert {name: (number, budget.get(name, 0)) for name, number in today.items() if number > budget.get(name, 0)} == {}
 
 
 def test_nothing_unpickles_starts_a_shell_or_guesses_a_format():
