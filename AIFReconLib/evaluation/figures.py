@@ -6,6 +6,7 @@ import contextlib
 import importlib.util
 import io
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -17,7 +18,7 @@ from ..errors import OutputError
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
 from ..message import shorten
-from .slices import AXIAL, CORONAL, SAGITTAL, cut, whole_cut
+from .slices import cut, planes, whole_cut
 from .surface import BoneSurface
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ CT_WINDOW = (-200.0, 700.0)
 
 BACKGROUND = "#111111"
 INK = "#e8e8e8"
+PAPER, INK_ON_PAPER = "#ffffff", "#111111"
 NOT_SCANNED = "#1b2740"
 BONE_COLOR = "#ffb000"
 
@@ -71,12 +73,12 @@ def own_looks() -> Iterator[None]:
         yield
 
 
-def new_figure(width: float, height: float, **looks: str) -> Figure:
-    """A dark figure of this size in inches that no window shows."""
+def new_figure(width: float, height: float, background: str = BACKGROUND, **looks: str) -> Figure:
+    """A figure of this size in inches that no window shows; a dark one unless another color is named."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), facecolor=BACKGROUND, **looks)
+    figure = Figure(figsize=(width, height), facecolor=background, **looks)
     FigureCanvasAgg(figure)
     return figure
 
@@ -84,51 +86,57 @@ def new_figure(width: float, height: float, **looks: str) -> Figure:
 def save_figure(path: str | Path, figure: Figure) -> None:
     """Write a figure to a PNG, PDF or SVG file; an OutputError where it cannot be written."""
     with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=DPI, facecolor=BACKGROUND)
+        figure.savefig(temporary, dpi=DPI, facecolor=figure.get_facecolor())
 
 
 def png_of(figure: Figure) -> bytes:
     """A figure as a PNG file."""
     png = io.BytesIO()
-    figure.savefig(png, format="png", dpi=DPI, facecolor=BACKGROUND)
+    figure.savefig(png, format="png", dpi=DPI, facecolor=figure.get_facecolor())
     return png.getvalue()
 
 
-@own_looks()
-def compare_figure(
-    path: str | Path,
-    ct: Volume,
-    reconstructions: dict[str, Volume],
-    center_ras: ArrayLike,
-    bone: Volume | None = None,
-    mask: Volume | None = None,
-    title: str = "",
-) -> None:
-    """Draw sagittal, axial and coronal cuts of a CT and of reconstructions side by side, into a PNG, PDF or SVG file.
-
-    Raises OutputError when the file cannot be written.
+@dataclass(frozen=True)
+class Comparison:
+    """Sagittal, axial and coronal cuts of reconstructions side by side, beside the CT where there is one.
 
     Parameters
     ----------
-    ct : Volume of HU, placed in Reference
-    reconstructions : dict of str to Volume
-        The first one's grid says what is shown. 8-bit volumes are shown from 0 to 255, others to the brightest voxel of all.
+    volumes : dict of str to Volume
+        In Reference, by the names that are written above them. The first one's grid says what is shown.
     center_ras : (3,), mm
         Where the three planes meet.
+    ct : Volume of HU or None
+        Placed in Reference. Where neither it nor bone is given, nothing tells how the patient lies: planes have the names of the axes.
     bone : Volume of labels or None
-        Its outline is drawn over the CT.
+        Its outline is drawn over the CT; without one over all volumes.
     mask : Volume or None
         As reconstructions give it: where it is 0 nothing was scanned, and the picture is tinted instead of black.
+    title : str
+    window : (2,) or None
+        Gray levels shown black and white, the same for all. By default 0 to 255 for 8-bit volumes, others to the brightest voxel of all.
+    white : bool
+        On white, for a paper; else on black, for a screen.
     """
-    save_figure(path, _draw(ct, reconstructions, center_ras, bone, mask, title))
 
+    volumes: dict[str, Volume]
+    center_ras: ArrayLike
+    ct: Volume | None = None
+    bone: Volume | None = None
+    mask: Volume | None = None
+    title: str = ""
+    window: tuple[float, float] | None = None
+    white: bool = False
 
-@own_looks()
-def comparison_png(
-    ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None = None, mask: Volume | None = None
-) -> bytes:
-    """The picture of `compare_figure` as a PNG file."""
-    return png_of(_draw(ct, reconstructions, center_ras, bone, mask, ""))
+    @own_looks()
+    def write(self, path: str | Path) -> None:
+        """Draw into a PNG, PDF or SVG file; an OutputError when it cannot be written."""
+        save_figure(path, _draw(self))
+
+    @own_looks()
+    def png(self) -> bytes:
+        """The picture as a PNG file; an OutputError when matplotlib is not installed."""
+        return png_of(_draw(self))
 
 
 def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
@@ -152,61 +160,50 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
     return place
 
 
-def _draw(
-    ct: Volume, reconstructions: dict[str, Volume], center_ras: ArrayLike, bone: Volume | None, mask: Volume | None, title: str
-) -> Figure:
-    planes = (AXIAL, SAGITTAL, CORONAL)
-    grid = next(iter(reconstructions.values())).grid
-    columns = 1 + len(reconstructions)
+def _draw(shown: Comparison) -> Figure:
+    ways = planes(shown.ct is not None or shown.bone is not None)
+    mask, window = shown.mask, shown.window or (0.0, _brightest(shown.volumes.values()))
+    background, ink = (PAPER, INK_ON_PAPER) if shown.white else (BACKGROUND, INK)
+    grid = next(iter(shown.volumes.values())).grid
+    names = list(shown.volumes) if shown.ct is None else ["CT and its bone" if shown.bone is not None else "CT", *shown.volumes]
     # All panels have one width and one scale, so that one scale bar holds for all
-    wholes = [whole_cut(grid, plane, center_ras) for plane in planes]
+    wholes = [whole_cut(grid, plane, shown.center_ras) for plane in ways]
     width = max(size[0] for _, size in wholes)
     sizes = [(width, size[1]) for _, size in wholes]
     heights = [PANEL * height / width for _, height in sizes]
-    figure_width = LEFT + columns * (PANEL + GAP)
-    above = TOP if title or mask is not None else TOP_UNTITLED
-    figure_height = above + sum(heights) + len(planes) * GAP
-    figure = new_figure(figure_width, figure_height)
-    brightest = _brightest(reconstructions.values())
+    figure_width = LEFT + len(names) * (PANEL + GAP)
+    above = TOP if shown.title or mask is not None else TOP_UNTITLED
+    figure_height = above + sum(heights) + len(ways) * GAP
+    figure = new_figure(figure_width, figure_height, background)
     top = figure_height - above
-    for plane, (middle, (_, height)), panel_height in zip(planes, wholes, heights, strict=True):
+    for plane, (middle, (_, height)), panel_height in zip(ways, wholes, heights, strict=True):
         extent = (0.0, width, height, 0.0)
-        axes = [
-            figure.add_axes(
-                (
-                    (LEFT + column * (PANEL + GAP)) / figure_width,
-                    (top - panel_height) / figure_height,
-                    PANEL / figure_width,
-                    panel_height / figure_height,
-                )
-            )
-            for column in range(columns)
-        ]
-        picture = cut(ct, plane, middle, width, height)
-        axes[0].imshow(picture, cmap="gray", vmin=CT_WINDOW[0], vmax=CT_WINDOW[1], extent=extent)
-        if bone is not None:
-            outline = np.nan_to_num(cut(bone, plane, middle, width, height, order=0)) > 0
-            if outline.any() and not outline.all():
-                axes[0].contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=extent, origin="upper")
-        for ax, volume in zip(axes[1:], reconstructions.values(), strict=True):
-            picture = np.nan_to_num(cut(volume, plane, middle, width, height))
-            if mask is not None:
-                scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
-                # Not typed in every numpy
-                picture = cast("Any", np.ma).masked_array(picture, mask=~scanned)
-            ax.imshow(picture, cmap="gray", vmin=0, vmax=brightest, extent=extent)
-        for ax in axes:
+        places = [(LEFT + column * (PANEL + GAP), top - panel_height, PANEL, panel_height) for column in range(len(names))]
+        axes = [figure.add_axes((x / figure_width, y / figure_height, w / figure_width, h / figure_height)) for x, y, w, h in places]
+        pictures = [np.nan_to_num(cut(volume, plane, middle, width, height)) for volume in shown.volumes.values()]
+        if mask is not None:
+            scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
+            # Not typed in every numpy
+            pictures = [cast("Any", np.ma).masked_array(picture, mask=~scanned) for picture in pictures]
+        windows = [window] * len(pictures)
+        if shown.ct is not None:
+            pictures, windows = [cut(shown.ct, plane, middle, width, height), *pictures], [CT_WINDOW, *windows]
+        outline = None if shown.bone is None else np.nan_to_num(cut(shown.bone, plane, middle, width, height, order=0)) > 0
+        for column, (ax, picture, (black, white)) in enumerate(zip(axes, pictures, windows, strict=True)):
+            ax.imshow(picture, cmap="gray", vmin=black, vmax=white, extent=extent)
+            if outline is not None and (column == 0 or shown.ct is None) and outline.any() and not outline.all():
+                ax.contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=extent, origin="upper")
             edge_letters(ax, plane.edges, 0.02, 7, alpha=0.7)
-        axes[0].set_ylabel(plane.name, color=INK, fontsize=9)
-        if plane is planes[0]:
-            for ax, name in zip(axes, ["CT and its bone" if bone is not None else "CT", *reconstructions], strict=True):
-                ax.set_title(_shortened(name), color=INK, fontsize=10, parse_math=False)
+            if plane is ways[0]:
+                ax.set_title(_shortened(names[column]), color=ink, fontsize=10, parse_math=False)
+        axes[0].set_ylabel(plane.name, color=ink, fontsize=9)
         top -= panel_height + GAP
     _scale_bar(axes[-1], sizes[-1])
     title_y = 1 - 0.12 / figure_height
     if mask is not None:
-        figure.text(1 - GAP / figure_width, title_y, "blue: not scanned", color="#7f9ad0", fontsize=9, ha="right", va="top")
-    figure.suptitle(title, color=INK, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y, parse_math=False)
+        words = figure.text(1 - GAP / figure_width, title_y, "blue: not scanned", fontsize=9, ha="right", va="top")
+        words.set_color(NOT_SCANNED if shown.white else "#7f9ad0")
+    figure.suptitle(shown.title, color=ink, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y, parse_math=False)
     return figure
 
 

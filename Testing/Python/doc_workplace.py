@@ -58,6 +58,7 @@ def make_workplace(folder: Path) -> Path:
     """Write all files into `folder`, and return it."""
     patient = write_patient(folder, tracked_sequence(FRAMES, images=bone_images()))
     shutil.copy(patient.labels, folder / "lumbar.nrrd")
+    shutil.copy(patient.config, folder / "Probe.xml")
     shutil.copy(patient.labels, folder / "lumbar-segmentation.nrrd")
     write_transform(IMAGE_TO_PROBE, folder / "ImageToProbe.tfm")
     write_transform(LABELS_TO_REFERENCE, folder / "CTToReference.tfm")

@@ -71,6 +71,7 @@ TABLES = {
             "import",
             "registration",
             "calibration",
+            "first-calibration",
             "calibration-phantom",
             "guidance",
             "paths",

@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
+import weight
 
 import AIFReconLib
-import weight
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
