@@ -175,7 +175,9 @@ def _linear_parts(path: Path, text: str) -> str:
         if key == "Transform" and colon:
             parts.append({"Parameters": "", "FixedParameters": ""})
         if not parts or not colon or key not in ("Transform", "Parameters", "FixedParameters") or parts[-1].get(key):
-            raise _refusal(path, f"has a line that is none of an ITK transform file: {shorten(line)!r}. Save the transform from Slicer again.")
+            raise _refusal(
+                path, f"has a line that is none of an ITK transform file: {shorten(line)!r}. Save the transform from Slicer again."
+            )
         parts[-1][key] = value
     if not parts:
         raise _refusal(path, "is missing: the file holds none. Save the transform from Slicer again.")
