@@ -68,16 +68,6 @@ class Inflater:
         if self._pending or self._next < self._stop:
             raise PayloadError("are followed by bytes that do not belong to them")
 
-    def drain(self, file: BinaryIO) -> None:
-        """Decode to the end, whatever comes, to verify the checksum.
-
-        Raises PayloadError when the stream is corrupt or has no end.
-        """
-        while piece := self._decode(file, _PIECE):
-            self.position += len(piece)
-        if not self._decoder.eof:
-            raise PayloadError("are cut short")
-
     def _decode(self, file: BinaryIO, limit: int) -> bytes:
         """Up to `limit` decoded bytes; none only at the end of the stream or of the file."""
         while True:
