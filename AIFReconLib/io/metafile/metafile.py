@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ...arrays import NumberType
-from ...errors import FileFormatError
+from ...errors import AIFReconError, FileFormatError
 from ...remedies import Remedy
 from ..disk.regular_files import stamp
 from .frame_lines import FrameLines
@@ -26,6 +26,10 @@ UNFINISHED = "RecordingUnfinished"
 
 FORMER_LAST_LINE = "_lementDataFile"
 """Another field of such recordings: what the last line of the header becomes when a frame is added behind it."""
+
+
+class PayloadError(AIFReconError, ValueError):
+    """What is wrong with stored pixels, as the predicate of "the pixel data ..."."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +113,7 @@ class Metafile:
         Raises
         ------
         FileFormatError
-            `error`, for every OSError of the block too: a network disk that goes away shows even when the file is closed.
+            `error`, for every PayloadError and OSError of the block too: a network disk that goes away shows even when the file is closed.
         """
         try:
             file = open(self.data_path, "rb")  # noqa: SIM115 (closed below)
@@ -121,6 +125,8 @@ class Metafile:
             with file:
                 self.require_unchanged(file)
                 yield file
+        except PayloadError as error:
+            raise self.failure(f"the pixel data {error}. Copy the file again, or write it again.") from error
         except OSError as error:
             raise self.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error
 

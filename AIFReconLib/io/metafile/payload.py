@@ -5,8 +5,7 @@ from __future__ import annotations
 import zlib
 from typing import BinaryIO
 
-from ...errors import AIFReconError
-from .metafile import RAW, Metafile
+from .metafile import RAW, Metafile, PayloadError
 
 _PIECE = 2**18
 """Bytes read or decoded at a time."""
@@ -14,26 +13,14 @@ _PIECE = 2**18
 ZLIB_OR_GZIP = 32 + zlib.MAX_WBITS
 
 
-class PayloadError(AIFReconError, ValueError):
-    """What is wrong with compressed data, as the predicate of "the pixel data ..."."""
+class PayloadStream:
+    """The pixels of a metafile, decoded forward. It keeps its place, not a file handle: `file` is always that of `open_payload`."""
 
-
-class Inflater:
-    """A compressed stream, decoded forward. It keeps its place, not a file handle.
-
-    Parameters
-    ----------
-    start : int
-        Offset of the first compressed byte in the file.
-    length : int
-        Number of compressed bytes.
-    """
-
-    def __init__(self, start: int, length: int):
-        self._next = start
-        self._stop = start + length
+    def __init__(self, metafile: Metafile):
+        self._next = metafile.data_offset
+        self._stop = metafile.data_offset + metafile.data_length
         self._pending = b""
-        self._decoder = zlib.decompressobj(ZLIB_OR_GZIP)
+        self._decoder = None if metafile.encoding == RAW else zlib.decompressobj(ZLIB_OR_GZIP)
         self.position = 0
 
     def read(self, file: BinaryIO, count: int) -> bytes:
@@ -43,7 +30,7 @@ class Inflater:
         """
         pieces = []
         while count > 0:
-            piece = self._decode(file, min(count, _PIECE))
+            piece = self._decode(file, count)
             if not piece:
                 raise PayloadError("are cut short")
             pieces.append(piece)
@@ -53,14 +40,20 @@ class Inflater:
 
     def skip(self, file: BinaryIO, count: int) -> None:
         """Decode `count` bytes and drop them."""
+        if self._decoder is None:
+            self._next += count
+            self.position += count
+            return
         while count > 0:
             count -= len(self.read(file, min(count, _PIECE)))
 
     def finish(self, file: BinaryIO) -> None:
-        """Make sure that the stream ends here, with a right checksum, and that nothing follows.
+        """Make sure that the stream ends here, with a right checksum, and that nothing follows. The length of raw pixels is known.
 
         Raises PayloadError otherwise.
         """
+        if self._decoder is None:
+            return
         if self._decode(file, 1):
             raise PayloadError("go on behind the last frame or slice: the size in the header is wrong")
         if not self._decoder.eof:
@@ -68,21 +61,18 @@ class Inflater:
         if self._pending or self._next < self._stop:
             raise PayloadError("are followed by bytes that do not belong to them")
 
-    def drain(self, file: BinaryIO) -> None:
-        """Decode to the end, whatever comes, to verify the checksum.
-
-        Raises PayloadError when the stream is corrupt or has no end.
-        """
-        while piece := self._decode(file, _PIECE):
-            self.position += len(piece)
-        if not self._decoder.eof:
-            raise PayloadError("are cut short")
-
     def _decode(self, file: BinaryIO, limit: int) -> bytes:
         """Up to `limit` decoded bytes; none only at the end of the stream or of the file."""
+        if self._decoder is None:
+            return self._stored(file, limit)
         while True:
-            if self._decoder.eof and not self._begin_next_member(file):
-                return b""
+            if self._decoder.eof:
+                if len(self._pending) < 2:
+                    self._pending += self._stored(file, _PIECE)
+                if not self._pending.startswith(b"\x1f\x8b"):
+                    return b""
+                # The next member of a gzip file
+                self._decoder = zlib.decompressobj(ZLIB_OR_GZIP)
             try:
                 # An empty input still yields what the decoder held back when the last limit was reached.
                 piece = self._decoder.decompress(self._pending, limit)
@@ -91,25 +81,17 @@ class Inflater:
             self._pending = self._decoder.unused_data if self._decoder.eof else self._decoder.unconsumed_tail
             if piece:
                 return piece
-            if not self._decoder.eof and not self._pending and not self._fill(file):
-                return b""
+            if not self._decoder.eof and not self._pending:
+                self._pending = self._stored(file, _PIECE)
+                if not self._pending:
+                    return b""
 
-    def _begin_next_member(self, file: BinaryIO) -> bool:
-        """Go on with the next member of a gzip file; False when there is none."""
-        if len(self._pending) < 2:
-            self._fill(file)
-        if not self._pending.startswith(b"\x1f\x8b"):
-            return False
-        self._decoder = zlib.decompressobj(ZLIB_OR_GZIP)
-        return True
-
-    def _fill(self, file: BinaryIO) -> bool:
-        """Read on behind what is pending; False at the end of the payload."""
+    def _stored(self, file: BinaryIO, limit: int) -> bytes:
+        """The next bytes as they are stored; none at the end of the payload."""
         file.seek(self._next)
-        data = file.read(min(_PIECE, self._stop - self._next))
+        data = file.read(min(limit, self._stop - self._next))
         self._next += len(data)
-        self._pending += data
-        return bool(data)
+        return data
 
 
 def check_payload(metafile: Metafile) -> None:
@@ -120,12 +102,7 @@ def check_payload(metafile: Metafile) -> None:
     FileFormatError
         The metafile's kind. Raw payloads were measured when the header was read.
     """
-    if metafile.encoding == RAW:
-        return
-    stream = Inflater(metafile.data_offset, metafile.data_length)
+    stream = PayloadStream(metafile)
     with metafile.open_payload() as file:
-        try:
-            stream.skip(file, metafile.pixel_bytes)
-            stream.finish(file)
-        except PayloadError as error:
-            raise metafile.failure(f"the pixel data {error}. Copy or write the file again.") from error
+        stream.skip(file, metafile.pixel_bytes)
+        stream.finish(file)

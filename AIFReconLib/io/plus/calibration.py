@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from xml.parsers import expat
 
 from ...arrays import Matrix
 from ...errors import ConfigurationError
@@ -13,8 +12,8 @@ from ..disk.atomic import atomic_output
 from ..disk.small_files import read_bytes
 from .configuration import read_plus_configuration
 
+_TAGS = re.compile(rb"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|</?(Transform|CoordinateDefinitions)\b(?:"[^"]*"|'[^']*'|[^"'>])*>""", re.DOTALL)
 _MATRIX = re.compile(rb"""(\bMatrix\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
-_LAST = b"</CoordinateDefinitions>"
 
 
 def write_calibrated(configuration: Path, output: Path, name: TransformName, matrix: Matrix, note: str) -> None:
@@ -26,70 +25,34 @@ def write_calibrated(configuration: Path, output: Path, name: TransformName, mat
     """
     known = read_plus_configuration(configuration).transforms
     data = read_bytes(configuration, None, ConfigurationError)
-    if name not in known and name.inverse not in known and data.count(_LAST) == 1:
-        _write_added(configuration, data, output, name, matrix, note)
-        return
-    start, stop = _element(configuration, data, name)
-    found = _MATRIX.search(data, start, stop)
-    if found is None:
-        raise ConfigurationError(f"{configuration}: the transform {name} has no Matrix to replace. Write a .tfm instead.")
-    # Two hyphens would end a comment
-    old = f"{name} before ({note}): {' '.join(found[3].decode('ascii', 'replace').split())}".replace("--", "- -")
-    comment = f"<!-- {old} -->"
-    written = data[: found.start(3)] + _rows(matrix) + data[found.end(3) : stop] + comment.encode("ascii", "replace")
+    rows = "".join("\n        " + " ".join(f"{value:.9g}" for value in row) for row in matrix.tolist()).encode("ascii")
+    tags = [tag for tag in _TAGS.finditer(data) if tag[1]]
+    begin, end = (next((tag.start() for tag in tags if tag[0].startswith(mark)), -1) for mark in (b"<Coord", b"</Coord"))
+    if end < begin or begin < 0:
+        raise ConfigurationError(f"{configuration}: it has no CoordinateDefinitions that could hold {name}. Add that element.")
+    if name not in known and name.inverse not in known:
+        element = f'  <Transform From="{name.source}" To="{name.target}" Matrix="'.encode() + rows + b'" />'
+        written = data[:end] + element + _comment(f"{name} is new ({note})") + b"\n  " + data[end:]
+    else:
+        found = [tag for tag in tags if begin < tag.start() < end and _is_of(tag[0], name)]
+        old = _MATRIX.search(data, found[0].start(), found[0].end()) if len(found) == 1 else None
+        if old is None:
+            raise ConfigurationError(f"{configuration}: it does not hold {name} in CoordinateDefinitions. Write a .tfm instead.")
+        stop = found[0].end()
+        comment = _comment(f"{name} before ({note}): {' '.join(old[3].decode('ascii', 'replace').split())}")
+        written = data[: old.start(3)] + rows + data[old.end(3) : stop] + comment + data[stop:]
     with atomic_output(output) as temporary:
-        temporary.write_bytes(written + data[stop:])
-
-
-def _write_added(configuration: Path, data: bytes, output: Path, name: TransformName, matrix: Matrix, note: str) -> None:
-    comment = f"<!-- {name} is new ({note.replace('--', '- -')}) -->".encode("ascii", "replace")
-    element = f'  <Transform From="{name.source}" To="{name.target}" Matrix="'.encode() + _rows(matrix) + b'" />'
-    with atomic_output(output) as temporary:
-        temporary.write_bytes(data.replace(_LAST, element + comment + b"\n  " + _LAST))
+        temporary.write_bytes(written)
         if name not in read_plus_configuration(temporary).transforms:
-            raise ConfigurationError(f"{configuration}: it has no CoordinateDefinitions to which {name} could be added. Add that element.")
+            raise ConfigurationError(f"{configuration}: {name} cannot be put into it. Write a .tfm instead.")
 
 
-def _rows(matrix: Matrix) -> bytes:
-    """A matrix as an attribute holds it, a line a row."""
-    return "".join("\n        " + " ".join(f"{value:.9g}" for value in row) for row in matrix.tolist()).encode("ascii")
+def _comment(text: str) -> bytes:
+    # Two hyphens would end a comment
+    return f"<!-- {text.replace('--', '- -')} -->".encode("ascii", "replace")
 
 
-def _element(path: Path, data: bytes, name: TransformName) -> tuple[int, int]:
-    """From which to which byte the element of a transform goes, its end tag included."""
-    spans: list[tuple[int, int]] = []
-    stack: list[tuple[str, int, bool]] = []
-    parser = expat.ParserCreate()
-
-    def begin(tag: str, attributes: dict[str, str]) -> None:
-        inside = [one[0] for one in stack] == ["PlusConfiguration", "CoordinateDefinitions"] and tag == "Transform"
-        own = inside and capitalized(TransformName(attributes.get("From", ""), attributes.get("To", ""))) == name
-        stack.append((tag, parser.CurrentByteIndex, own))
-
-    def end(_tag: str) -> None:
-        _, first, own = stack.pop()
-        if own:
-            # Of an empty element both events stand at its beginning
-            last = parser.CurrentByteIndex
-            spans.append((first, data.index(b">", _after_attributes(data, max(first, last))) + 1))
-
-    parser.StartElementHandler, parser.EndElementHandler = begin, end
-    parser.Parse(data, True)
-    if len(spans) != 1:
-        raise ConfigurationError(f"{path}: it does not hold {name} in CoordinateDefinitions. Write a .tfm instead.")
-    return spans[0]
-
-
-def _after_attributes(data: bytes, first: int) -> int:
-    """Where a tag that begins at `first` can end: behind its last quoted value."""
-    place, quote = first, b""
-    while place < len(data):
-        letter = data[place : place + 1]
-        if quote:
-            quote = b"" if letter == quote else quote
-        elif letter in (b'"', b"'"):
-            quote = letter
-        elif letter == b">":
-            return place
-        place += 1
-    return first
+def _is_of(tag: bytes, name: TransformName) -> bool:
+    """Whether this is the tag of that transform."""
+    said = {key: text.decode("utf-8", "replace") for key, text in re.findall(rb"""\b(From|To)\s*=\s*["']\s*(.*?)\s*["']""", tag)}
+    return capitalized(TransformName(said.get(b"From", ""), said.get(b"To", ""))) == name

@@ -15,7 +15,7 @@ from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ...imaging.region import ClipRectangle, Fan, ImageRegion
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ..disk.xml_tree import parse_xml
-from .reconstruction import build, read_reconstruction
+from .reconstruction import read_reconstruction
 from .xml_attributes import Attributes
 
 
@@ -47,7 +47,7 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
     transforms: dict[TransformName, TransformSample] = {}
     for number, element in enumerate(root.iterfind("CoordinateDefinitions/Transform"), start=1):
         attributes = Attributes(path, element, f"CoordinateDefinitions/Transform[{number}]")
-        name = capitalized(TransformName(attributes.required_text("From"), attributes.required_text("To")))
+        name = capitalized(TransformName(attributes.text("From", required=True), attributes.text("To", required=True)))
         attributes.place = f"CoordinateDefinitions/Transform {name}"
         if name.source == name.target:
             raise attributes.failure("To", "must differ from From. Correct it.")
@@ -57,7 +57,7 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
         status = TransformStatus.parse(attributes.text("Status") or "OK")
         if status is TransformStatus.OK:
             try:
-                matrix = as_matrix(attributes.required_numbers(16, "Matrix"), f"transform {name}")
+                matrix = as_matrix(attributes.numbers(16, "Matrix", required=True), f"transform {name}")
             except GeometryError as error:
                 raise attributes.failure("Matrix", f"cannot be used. {error} Repeat the calibration, or correct it.") from error
         else:
@@ -76,41 +76,26 @@ def _find_reconstruction(root: Element) -> Element | None:
 
 
 def _read_scan_conversion(attributes: Attributes) -> tuple[tuple[float, float], ProbeGeometry, ImageRegion | None]:
-    """The size of pixels, mm, the probe, and the part of the image that holds ultrasound, in MF pixels."""
-    geometry = attributes.required_word("TransducerGeometry", ("CURVILINEAR", "LINEAR"))
-    x, y = attributes.positive(attributes.required_numbers(2, "OutputImageSpacingMmPerPixel"), "OutputImageSpacingMmPerPixel")
-    center = attributes.pair("TransducerCenterPixel")
-    size = attributes.pair("OutputImageSizePixel")
-    row = None
-    if center is not None:
-        column, row = center
-    elif size is not None:
-        column = size[0] / 2
-    else:
+    """The size of pixels, mm, the probe, and the part of the image that holds ultrasound, in MF pixels.
+
+    The apex of a curved probe is the center of its curvature: RadiusStartMm above the middle of its face. Below the face of a linear one
+    lies a rectangle, as wide as that and as deep as the image.
+    """
+    geometry = attributes.word("TransducerGeometry", ("CURVILINEAR", "LINEAR"), required=True)
+    x, y = spacing = attributes.numbers(2, "OutputImageSpacingMmPerPixel", positive=True, required=True)
+    center, size = attributes.numbers(2, "TransducerCenterPixel"), attributes.numbers(2, "OutputImageSizePixel")
+    if center is None and size is None:
         raise attributes.failure("TransducerCenterPixel", "is missing, and OutputImageSizePixel too. Add one of them.")
-    read = _read_curvilinear if geometry == "CURVILINEAR" else _read_linear
-    return (x, y), *read(attributes, (x, y), column, row)
-
-
-def _read_curvilinear(
-    attributes: Attributes, spacing: tuple[float, float], column: float, row: float | None
-) -> tuple[ProbeGeometry, ImageRegion | None]:
-    """Apex at the center of the transducer's curvature: RadiusStartMm above the middle of its face, (column, row)."""
-    radii = attributes.required_number("RadiusStartMm"), attributes.required_number("RadiusStopMm")
-    angles = attributes.required_number("ThetaStartDeg"), attributes.required_number("ThetaStopDeg")
-    rows = radii[0] / spacing[1]
-    apex = (column, (rows if row is None else row) - rows)
-    fan = build(attributes, "ThetaStartDeg", lambda: Fan(apex, angles, radii, spacing))
-    return ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan)
-
-
-def _read_linear(
-    attributes: Attributes, spacing: tuple[float, float], column: float, row: float | None
-) -> tuple[ProbeGeometry, ImageRegion | None]:
-    """A rectangle below the transducer's face, as wide as that and as deep as the image."""
-    width = attributes.positive(attributes.numbers(1, "TransducerWidthMm"), "TransducerWidthMm")
-    depth = attributes.positive(attributes.numbers(1, "ImagingDepthMm"), "ImagingDepthMm")
-    if width is None or depth is None:
-        return ProbeGeometry(LINEAR), None
-    size_px = (width[0] / spacing[0], depth[0] / spacing[1])
-    return ProbeGeometry(LINEAR), ImageRegion(clip=ClipRectangle((column - size_px[0] / 2, row or 0.0), size_px))
+    column, row = center or (size[0] / 2, None)
+    if geometry == "LINEAR":
+        width, depth = (attributes.number(name, positive=True) for name in ("TransducerWidthMm", "ImagingDepthMm"))
+        if width is None or depth is None:
+            return (x, y), ProbeGeometry(LINEAR), None
+        size_px = width / x, depth / y
+        return (x, y), ProbeGeometry(LINEAR), ImageRegion(clip=ClipRectangle((column - size_px[0] / 2, row or 0.0), size_px))
+    start, stop, first, last = (
+        attributes.number(name, required=True) for name in ("RadiusStartMm", "RadiusStopMm", "ThetaStartDeg", "ThetaStopDeg")
+    )
+    apex = (column, 0.0 if row is None else row - start / y)
+    fan = attributes.build("ThetaStartDeg", lambda: Fan(apex, (first, last), (start, stop), spacing))
+    return (x, y), ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan)

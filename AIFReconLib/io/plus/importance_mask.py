@@ -11,22 +11,13 @@ import SimpleITK as sitk
 from ...arrays import Numbers, Singles
 from ...errors import ConfigurationError, FileFormatError
 from ...sweep.configuration import PlusConfiguration
-from ..disk.itk import itk_path, short_cause
+from ..disk.itk import itk_path, short_cause, without_warnings
 
 MAXIMUM_PIXELS = 2**24
 """An ultrasound image has one or two million."""
 
-MAXIMUM_BYTES = 2**26
-_PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
-
-_READERS = {
-    ".png": "PNGImageIO",
-    ".jpg": "JPEGImageIO",
-    ".jpeg": "JPEGImageIO",
-    ".tif": "TIFFImageIO",
-    ".tiff": "TIFFImageIO",
-}
-"""ITK's name of the reader, by suffix."""
+_READERS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF"}
+"""The kind of picture, by suffix."""
 
 
 def read_importance_mask(path: str | Path) -> Singles:
@@ -47,21 +38,20 @@ def read_importance_mask(path: str | Path) -> Singles:
         raise FileFormatError(f"{path}: there is no such file. Name an 8-bit gray image as importance mask.")
     if path.suffix.lower() not in _READERS:
         raise FileFormatError(f"{path}: an importance mask must be one of {', '.join(_READERS)}. Save it as a PNG image.")
-    if path.suffix.lower() == ".png":
-        _check_chunks(path)
     reader = sitk.ImageFileReader()
     # Other readers of ITK would follow a header to another file
-    reader.SetImageIO(_READERS[path.suffix.lower()])
+    reader.SetImageIO(f"{_READERS[path.suffix.lower()]}ImageIO")
     reader.SetFileName(itk_path(path, FileFormatError))
     try:
-        reader.ReadImageInformation()
-        if math.prod(reader.GetSize()) > MAXIMUM_PIXELS:
-            size = " x ".join(map(str, reader.GetSize()))
-            raise FileFormatError(
-                f"{path}: an importance mask must have at most {MAXIMUM_PIXELS} pixels; got {size}. Give one as large as the ultrasound "
-                "images."
-            )
-        image = reader.Execute()
+        with without_warnings():
+            reader.ReadImageInformation()
+            if math.prod(reader.GetSize()) > MAXIMUM_PIXELS:
+                size = " x ".join(map(str, reader.GetSize()))
+                raise FileFormatError(
+                    f"{path}: an importance mask must have at most {MAXIMUM_PIXELS} pixels; got {size}. Give one as large as the "
+                    "ultrasound images."
+                )
+            image = reader.Execute()
     except RuntimeError as error:
         raise FileFormatError(f"{path}: it cannot be read as an importance mask: {short_cause(error)}. Give a PNG image.") from error
     array: Numbers = sitk.GetArrayFromImage(image)
@@ -72,23 +62,6 @@ def read_importance_mask(path: str | Path) -> Singles:
     if not array.any():
         raise FileFormatError(f"{path}: an importance mask must have pixels above 0; got none. Draw what counts in white.")
     return array.astype(np.float32) / np.float32(255)
-
-
-def _check_chunks(path: Path) -> None:
-    """Return if every chunk of a PNG file lies within it: libpng reserves memory for whatever length a chunk declares."""
-    try:
-        with open(path, "rb") as file:
-            data = file.read(MAXIMUM_BYTES + 1)
-    except OSError as error:
-        raise FileFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
-    place, kind = 8, b""
-    while data.startswith(_PNG_MAGIC) and len(data) <= MAXIMUM_BYTES and kind != b"IEND":
-        length, kind = int.from_bytes(data[place : place + 4], "big"), data[place + 4 : place + 8]
-        place += 12 + length
-        if place > len(data):
-            break
-    if kind != b"IEND" or place > len(data):
-        raise FileFormatError(f"{path}: it cannot be read as an importance mask: it is damaged or no PNG image. Save it again.")
 
 
 def configured_importance(configuration: PlusConfiguration) -> Singles | None:

@@ -40,8 +40,8 @@ def read_wire_phantom(path: str | Path) -> dict[str, Floats]:
             raise ConfigurationError(f"{path}: NWire pattern {number} must have three wires; it has {len(elements)}. Correct it.")
         for element in elements:
             attributes = Attributes(path, element, f"NWire pattern {number}, Wire")
-            name = attributes.required_text("Name")
+            name = attributes.text("Name", required=True)
             if name in wires:
                 raise attributes.failure("Name", f"is {name} twice. Give every wire a name of its own.")
-            wires[name] = np.array([attributes.required_numbers(3, end) for end in ("EndPointFront", "EndPointBack")])
+            wires[name] = np.array([attributes.numbers(3, end, required=True) for end in ("EndPointFront", "EndPointBack")])
     return wires

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+import math
+import tempfile
+import weakref
 from typing import BinaryIO
 
 import numpy as np
 
 from ...arrays import Numbers
 from ...imaging.images import ImagesOnDemand, luminance
-from ..metafile.metafile import RAW, Metafile
-from ..metafile.payload import Inflater, PayloadError
+from ..metafile.metafile import RAW, Metafile, PayloadError
+from ..metafile.payload import PayloadStream
 
 MAXIMUM_FRAMES = 1_000_000
 MAXIMUM_FRAME_BYTES = 2**28
@@ -19,23 +23,34 @@ KEPT_BYTES = 2**27
 """Compressed recordings that take no more than this are kept once they are decoded: to look for the probe, for bone and to reconstruct all
 read them from the first frame on."""
 
+_SORTED_BYTES = 2**23
+"""Bytes of interleaved frames that are turned over at a time."""
+
 _SPACE_KINDS = frozenset(("domain", "space"))
 _TIME_KINDS = frozenset(("list", "time"))
 
 
-class StoredImages(ImagesOnDemand):
-    """Images of a metafile, an `ImageStack` (frames, rows, columns); who derives from it says how to read the bytes of one.
+class FileImages(ImagesOnDemand):
+    """Images in a sequence file, an `ImageStack` (frames, rows, columns).
 
     Parameters
     ----------
     metafile : Metafile
-    shape : (frames, rows, columns)
     flip_columns, flip_rows : bool
         What brings the stored images to MF orientation.
+    interleaved : bool
+        Whether the frame is the first axis: all frames of a pixel lie together, as Slicer wrote sequences before 2022.
+
+    Notes
+    -----
+    `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
+    data are one stream: reading in frame order decodes each byte once, going back starts over, but for recordings of up to `KEPT_BYTES`.
+    No file stays open, but of interleaved frames: when the first is asked for, all are sorted, 8 MB at a time, into a temporary file that
+    goes away with this object.
     """
 
-    def __init__(self, metafile: Metafile, shape: tuple[int, int, int], flip_columns: bool, flip_rows: bool):
-        frames, rows, columns = shape
+    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False, interleaved: bool = False):
+        self.shape = frames, rows, columns = (_interleaved_layout if interleaved else frame_layout)(metafile)
         described = len(metafile.frame_lines) if metafile.frame_lines is not None else 0
         if frames > max(MAXIMUM_FRAMES, described) or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
             raise metafile.failure(
@@ -45,78 +60,85 @@ class StoredImages(ImagesOnDemand):
         if metafile.channels not in (1, 3, 4):
             raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
         self._metafile = metafile
-        self.shape = shape
         self.dtype = metafile.dtype.newbyteorder("=")
         self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
         self._frame_bytes = metafile.pixel_bytes // frames
+        self._stream = PayloadStream(metafile)
+        self._keeps_all = metafile.encoding != RAW and metafile.pixel_bytes <= KEPT_BYTES
+        self._kept: dict[int, bytes] = {}
+        self._interleaved = interleaved
+        self._sorted: BinaryIO | None = None
 
     def _image(self, index: int) -> Numbers:
         _, rows, columns = self.shape
-        image = np.frombuffer(self._read(index), self._metafile.dtype)
+        image = np.frombuffer(self._read_sorted(index) if self._interleaved else self._read(index), self._metafile.dtype)
         if self._metafile.channels > 1:
             image = luminance(image.reshape(rows, columns, self._metafile.channels))
         return np.array(image.reshape(rows, columns)[self._flips], dtype=self.dtype, order="C")
 
     def _read(self, index: int) -> bytes:
         """The stored bytes of one frame."""
-        raise NotImplementedError
-
-
-class FileImages(StoredImages):
-    """Images in a sequence file.
-
-    Notes
-    -----
-    `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
-    data are one stream: reading in frame order decodes each byte once, going back starts over, but for recordings of up to `KEPT_BYTES`.
-    No file stays open.
-    """
-
-    def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False):
-        super().__init__(metafile, frame_layout(metafile), flip_columns, flip_rows)
-        self._stream: Inflater | None = None
-        self._keeps_all = metafile.pixel_bytes <= KEPT_BYTES
-        self._kept: dict[int, bytes] = {}
-
-    def _read(self, index: int) -> bytes:
-        metafile = self._metafile
-        kept = self._kept.get(index)
-        if kept is not None:
-            return kept
-        with metafile.open_payload() as file:
+        if index in self._kept:
+            return self._kept[index]
+        with self._metafile.open_payload() as file:
             try:
-                if metafile.encoding == RAW:
-                    file.seek(metafile.data_offset + index * self._frame_bytes)
-                    data = file.read(self._frame_bytes)
-                    if len(data) != self._frame_bytes:
-                        raise PayloadError("are cut short")
-                else:
-                    data = self._decode(file, index)
-                metafile.require_unchanged(file)
-            except PayloadError as error:
-                broken = index if self._stream is None else min(self._stream.position // self._frame_bytes, len(self) - 1)
-                self._stream = None
-                raise metafile.failure(f"the pixel data {error}, in frame {broken}. Copy the file again, or record it again.") from error
-            except OSError as error:
-                self._stream = None
-                raise metafile.failure(f"frame {index} cannot be read ({error.strerror}). Copy the file again.") from error
-        return data
+                if self._stream.position > index * self._frame_bytes:
+                    self._stream = PayloadStream(self._metafile)
+                if not self._keeps_all:
+                    self._kept.clear()
+                    self._stream.skip(file, index * self._frame_bytes - self._stream.position)
+                for number in range(self._stream.position // self._frame_bytes, index + 1):
+                    self._kept[number] = self._stream.read(file, self._frame_bytes)
+                if index == len(self) - 1:
+                    self._stream.finish(file)
+                self._metafile.require_unchanged(file)
+            except BaseException as error:
+                broken = min(self._stream.position // self._frame_bytes, len(self) - 1)
+                self._stream, self._kept = PayloadStream(self._metafile), {}
+                if isinstance(error, PayloadError):
+                    raise PayloadError(f"{error}, in frame {broken}") from error
+                raise
+        return self._kept[index]
 
-    def _decode(self, file: BinaryIO, index: int) -> bytes:
-        start = index * self._frame_bytes
-        if self._stream is None or self._stream.position > start:
-            self._stream = Inflater(self._metafile.data_offset, self._metafile.data_length)
-        if self._keeps_all:
-            for before in range(self._stream.position // self._frame_bytes, index):
-                self._kept[before] = self._stream.read(file, self._frame_bytes)
-        else:
-            self._kept.clear()
-            self._stream.skip(file, start - self._stream.position)
-        data = self._stream.read(file, self._frame_bytes)
-        if index == len(self) - 1:
-            self._stream.finish(file)
-        self._kept[index] = data
-        return data
+    def _read_sorted(self, index: int) -> bytes:
+        if self._sorted is None:
+            self._sorted = self._sort()
+        try:
+            self._sorted.seek(index * self._frame_bytes)
+            return self._sorted.read(self._frame_bytes)
+        except OSError as error:
+            raise self._metafile.failure(f"its sorted copy cannot be read ({error.strerror}). Read the file again.") from error
+
+    def _sort(self) -> BinaryIO:
+        """A temporary file that holds frame after frame: reading one from the original would mean reading all of it."""
+        metafile, stream = self._metafile, PayloadStream(self._metafile)
+        frames, rows, columns = self.shape
+        pixel_bytes = frames * metafile.channels * metafile.dtype.itemsize
+        step = max(_SORTED_BYTES // pixel_bytes, 1)
+        with contextlib.ExitStack() as stack, metafile.open_payload() as file:
+            try:
+                by_frame = stack.enter_context(tempfile.TemporaryFile())
+                for start in range(0, rows * columns, step):
+                    count = min(step, rows * columns - start)
+                    pixels = np.frombuffer(stream.read(file, count * pixel_bytes), metafile.dtype).reshape(count, frames, metafile.channels)
+                    for frame in range(frames):
+                        by_frame.seek(frame * self._frame_bytes + start * pixel_bytes // frames)
+                        by_frame.write(pixels[:, frame].tobytes())
+                stream.finish(file)
+                by_frame.flush()
+            except OSError as error:
+                raise metafile.failure(f"its frames cannot be sorted ({error.strerror}). Free some space on the disk.") from error
+            stack.pop_all()
+            weakref.finalize(self, by_frame.close)
+            return by_frame
+
+
+def _interleaved_layout(metafile: Metafile) -> tuple[int, int, int]:
+    frames, columns, *others = metafile.size
+    rows = others.pop(0) if others else 1
+    if math.prod(others) != 1:
+        raise metafile.failure(f"its frames must be 2D images; got {metafile.size[1:]}. Save the sequence from a newer Slicer.")
+    return frames, rows, columns
 
 
 def frame_layout(metafile: Metafile) -> tuple[int, int, int]:

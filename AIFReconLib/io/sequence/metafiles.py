@@ -14,7 +14,6 @@ from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.text_values import parse_numbers
 from .fields import FRAME_KEY, split_fields, stated_spacing
 from .file_images import FileImages
-from .interleaved_images import InterleavedImages
 from .kinds import Recorded, RecordingKind
 from .orientation import is_image_key, required_flips
 from .slicer import is_interleaved, is_slicer_sequence, node_geometry, slicer_records
@@ -23,8 +22,7 @@ from .slicer import is_interleaved, is_slicer_sequence, node_geometry, slicer_re
 def _read(path: Path, orientation: str | None) -> Recorded:
     metafile = read_metafile(path, SequenceFormatError)
     flip_columns, flip_rows = required_flips(metafile, orientation)
-    kind = InterleavedImages if is_interleaved(metafile) else FileImages
-    images = kind(metafile, flip_columns=flip_columns, flip_rows=flip_rows)
+    images = FileImages(metafile, flip_columns=flip_columns, flip_rows=flip_rows, interleaved=is_interleaved(metafile))
     from_slicer = is_slicer_sequence(metafile)
     records, fields, transforms = split_fields(metafile, len(images), None if from_slicer else _header_spacing(metafile))
     notes: tuple[str, ...] = ()

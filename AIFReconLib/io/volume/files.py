@@ -25,7 +25,6 @@ from .dicom_writer import check_dicom, write_dicom
 from .itk_images import to_sitk
 from .itk_reading import StoredVolume, read_metafile_volume, read_nifti
 from .nifti_payload import check_nifti
-from .nrrd_writer import type_name, write_nrrd
 
 __all__ = [
     "check_volume_path",
@@ -105,13 +104,9 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
     """
     path = Path(path)
     suffix = _writable_suffix(path)
-    if suffix == ".nrrd" and type_name(volume.array) is not None:
-        with atomic_output(path) as temporary:
-            write_nrrd(volume, temporary)
-        return
     if suffix == DICOM_SUFFIX:
         with atomic_output(path) as temporary:
-            write_dicom(volume, path, Path(temporary), None if study is None else Path(study))
+            write_dicom(volume, path, temporary, None if study is None else Path(study))
         return
     try:
         image = to_sitk(volume)
@@ -122,18 +117,20 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
     for key, text in volume.fields.items():
         image.SetMetaData(key, text)
     pair = suffix == ".mhd"
-    beside = [sidecar_of(path)] if suffix in NIFTI_SUFFIXES and volume.fields else []
-    companions = (path.with_suffix(".zraw"),) if pair else tuple(beside)
-    with atomic_outputs(*companions, path) as temporaries:
-        one_file = temporaries[-1].with_suffix(".mha") if pair else temporaries[-1]
+    companions = [path.with_suffix(".zraw")] if pair else [sidecar_of(path)] if suffix in NIFTI_SUFFIXES and volume.fields else []
+    with atomic_outputs(*companions, path) as (*beside, temporary):
+        one_file = temporary.with_suffix(".mha") if pair else temporary
         try:
             sitk.WriteImage(image, itk_path(one_file, OutputError), useCompression=suffix != ".nii")
-            if beside:
-                Path(temporaries[0]).write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
             if pair:
-                split_metaimage(one_file, temporaries[-1], temporaries[0])
+                split_metaimage(one_file, temporary, beside[0])
+            elif beside:
+                beside[0].write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
-            _check_complete(temporaries[-1])
+            if suffix in NIFTI_SUFFIXES:
+                check_nifti(temporary, VolumeFormatError)
+            else:
+                check_payload(read_metafile(temporary, VolumeFormatError))
         except FileFormatError as error:
             raise OutputError(f"Cannot write {path}: the file came out incomplete. Check that the disk is not full.") from error
         except RuntimeError as error:
@@ -166,14 +163,6 @@ def suffix_of(path: Path) -> str:
     """The suffix that names the format, ``.nii.gz`` being one."""
     name = path.name.lower()
     return ".nii.gz" if name.endswith(".nii.gz") else path.suffix.lower()
-
-
-def _check_complete(path: Path) -> None:
-    """Return if all voxels of a file that was just written are there."""
-    if suffix_of(path) in NIFTI_SUFFIXES:
-        check_nifti(path, VolumeFormatError)
-    else:
-        check_payload(read_metafile(path, VolumeFormatError))
 
 
 def _read_stored(path: Path) -> StoredVolume:

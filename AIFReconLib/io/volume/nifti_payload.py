@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import math
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +17,15 @@ from ...errors import FileFormatError
 from ...machine.memory import available_memory, require_bytes
 from ..disk.itk import itk_path, short_cause, without_warnings
 from ..disk.regular_files import require_regular_file
-from ..metafile.payload import Inflater, PayloadError
 
 HEADER = 348
 """Bytes of the header, which begins with their number."""
 
 ITK_COPIES = 2
 """What SimpleITK reads from the file, and the image that it makes of it."""
+
+_PIECE = 2**20
+"""Bytes that are decoded at a time."""
 
 _UNIT_MM = {1: 1e3, 3: 1e-3}
 """By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
@@ -36,39 +40,40 @@ def check_nifti(path: Path, error: type[FileFormatError]) -> dict[str, str]:
         Of the class given.
     """
     require_regular_file(path, error)
-    length = path.stat().st_size
-    stream = Inflater(0, length) if path.suffix.lower() == ".gz" else None
+    length, zipped = path.stat().st_size, path.suffix.lower() == ".gz"
     try:
-        with open(path, "rb") as file:
-            head = file.read(HEADER) if stream is None else stream.read(file, HEADER)
-            _check_magic(head)
-            header = _header(path, error)
-            dimensions = [int(header[f"dim[{n}]"]) for n in range(1, int(header["dim[0]"]) + 1)]
-            needed = int(float(header["vox_offset"])) + (math.prod(dimensions) * int(header["bitpix"]) + 7) // 8
-            require_bytes(path, ITK_COPIES * needed, available_memory())
-            if stream is not None:
-                stream.skip(file, needed - HEADER)
-                stream.drain(file)
-            elif length < needed:
-                raise PayloadError(f"are cut short: the header promises {needed} bytes, there are {length}")
-    except PayloadError as cause:
-        raise error(f"{path}: the voxels {cause}. Copy or export the file again.") from cause
+        with gzip.open(path) if zipped else open(path, "rb") as file:
+            problem = _magic_problem(file.read(HEADER))
+            if problem is None:
+                header = _header(path, error)
+                dimensions = [int(header[f"dim[{n}]"]) for n in range(1, int(header["dim[0]"]) + 1)]
+                needed = int(float(header["vox_offset"])) + (math.prod(dimensions) * int(header["bitpix"]) + 7) // 8
+                require_bytes(path, ITK_COPIES * needed, available_memory())
+                if zipped:
+                    length = HEADER + sum(map(len, iter(lambda: file.read(_PIECE), b"")))
+                if length < needed:
+                    problem = f"are cut short: the header promises {needed} bytes, there are {length}"
+    except EOFError:
+        problem = "are cut short"
+    except (gzip.BadGzipFile, zlib.error) as cause:
+        problem = f"are corrupt ({cause})"
     except OSError as cause:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+    if problem is not None:
+        raise error(f"{path}: the voxels {problem}. Copy or export the file again.")
     return header
 
 
-def _check_magic(head: bytes) -> None:
-    """Return if these are the first bytes of a NIfTI file."""
+def _magic_problem(head: bytes) -> str | None:
+    """What shows in the first bytes that this is no NIfTI file, as the predicate of "the voxels ..."."""
     sizes = {int.from_bytes(head[:4], order) for order in ("little", "big")}
     if 540 in sizes:
-        raise PayloadError("are in a NIfTI-2 file, which ITK does not read. Save it as NIfTI-1 or as .nrrd")
+        return "are in a NIfTI-2 file, which ITK does not read. Save it as NIfTI-1 or as .nrrd"
     if HEADER not in sizes:
-        raise PayloadError("are not those of a NIfTI file: it does not begin with 348")
+        return "are not those of a NIfTI file: it does not begin with 348"
     if len(head) < HEADER:
-        raise PayloadError("are missing, and part of the header too")
-    if head[344:347] != b"n+1":
-        raise PayloadError("are not in this file: it is the header of a pair, or an old Analyze file")
+        return "are missing, and part of the header too"
+    return None if head[344:347] == b"n+1" else "are not in this file: it is the header of a pair, or an old Analyze file"
 
 
 def _header(path: Path, error: type[FileFormatError]) -> dict[str, str]:

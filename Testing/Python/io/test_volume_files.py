@@ -20,7 +20,6 @@ from AIFReconLib.errors import OutputError, TransformFileError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform, write_transform
-from AIFReconLib.io.volume import nrrd_writer
 from AIFReconLib.io.volume.files import read_volume, write_volume
 from AIFReconLib.io.volume.label_files import read_label_names, read_labels
 
@@ -145,7 +144,7 @@ def test_a_failure_of_simpleitk_is_an_output_error_and_leaves_nothing(tmp_path, 
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("suffix", [suffix for suffix in SUFFIXES if suffix != ".nrrd"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_file_that_came_out_incomplete_does_not_get_its_name(tmp_path, monkeypatch, suffix):
     write = sitk.WriteImage
 
@@ -167,8 +166,7 @@ def header_of(text):
 
 
 @pytest.mark.parametrize("kind", ["u1", "i1", "i2", "u4", "f4", "f8"])
-def test_a_nrrd_has_the_header_and_the_voxels_of_the_one_that_simpleitk_writes(tmp_path, monkeypatch, kind):
-    monkeypatch.setattr(nrrd_writer, "BLOCK", 200)
+def test_a_nrrd_has_the_header_and_the_voxels_of_the_one_that_simpleitk_writes(tmp_path, kind):
     whole = noise_volume(kind)
     volume = Volume(whole.array[:, ::-1, ::2], whole.ijk_to_reference, {"AIFRecon_settings": '{"path": "a\\b"}', "AIFRecon_a": "1"})
     image = volume.to_sitk()

@@ -26,7 +26,7 @@ from AIFReconLib.io.sequence.files import KINDS  # noqa: E402
 
 ITK_TEXT = b"#Insight Transform File V1.0\n#Transform 0\nTransform: "
 HUGE_GRID = b"FixedParameters: 3000 3000 3000 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1\n"
-(PNG,), (JPEG,) = seeds.masks(".png"), seeds.masks(".jpg")
+(JPEG,) = seeds.masks(".jpg")
 NO_PLACE = {"space": None, "space_directions": None, "space_origin": None}
 
 REFUSED = [
@@ -54,8 +54,6 @@ REFUSED = [
     ),
     # A header that promises 4000 million pixels was believed (100 million of a bitmap: 600 MB)
     ("importance-mask-jpg", re.sub(rb"(?s)(\xff[\xc0\xc2]...)....", lambda found: found[1] + b"\xea\x60" * 2, JPEG)),
-    # libpng reserved 2 GB for a chunk that declares them
-    ("importance-mask-png", PNG[:33] + b"\x7f\xff\xff\xf0sCAL" + PNG[33:]),
     # An old Analyze header made ITK print warnings
     ("volume-nifti", seeds.nifti()[0][:344] + b"ni1\0" + seeds.nifti()[0][348:]),
     # A type of voxels that is none made ITK's reader print its own complaint
