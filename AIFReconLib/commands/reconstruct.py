@@ -39,7 +39,7 @@ from ..terminal.reconstruction_options import (
     grid_from,
     labeled_bone_from,
 )
-from ..terminal.remedies import IN_OPTIONS, in_options
+from ..terminal.remedies import as_option, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
 from .info import register_command
@@ -211,7 +211,7 @@ def _write_page(
             None if ct is None else ct.placed_by(place),
         ),
     )
-    tell(about, arguments.report, IN_OPTIONS, part(progress, 0.3, 1.0))
+    tell(about, arguments.report, as_option, part(progress, 0.3, 1.0))
 
 
 def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
@@ -252,7 +252,7 @@ def describe(
     agreement: list[str] | None = None,
 ) -> str:
     """What was done, in a few lines; `tracking` by the names of the sweeps."""
-    first, *others = summary_lines(result, frames, seconds, IN_OPTIONS)
+    first, *others = summary_lines(result, frames, seconds, as_option)
     tracking = tracking or {}
     findings = [
         f"{name}: {line}" if len(tracking) > 1 else line for name, report in tracking.items() for line in report.findings_on_poses()
