@@ -16,8 +16,8 @@ Spelling = Callable[[str, str], str]
 """How a door (terminal, Python, panel) writes a setting, of its name and its value, which may be empty: ``--probe linear``."""
 
 ARGUMENTS = {
-    "accept": "transform",
-    "mirror": "mirrored",
+    "accept": "found.transform",
+    "mirror": "edits.mirrored",
     "bone_labels": "bone=BoneMap.from_labels(...)",
     "bone_probability": "bone=BoneMap.from_probability(...)",
     "ct": "labels_from_ct(...)",
@@ -75,10 +75,10 @@ class _Setting:
 
 
 def as_argument(name: str, value: str = "") -> str:
-    """A setting as Python writes it: ``apex_px=(column, row)``; a value in capitals stands for another."""
+    """A setting as Python writes it: ``probe=``, ``apex_px=(column, row)``; a value in capitals stands for another."""
     name = ARGUMENTS.get(name, name)
     if not value:
-        return name
+        return name if "." in name else f"{name}="
     if value.startswith('"'):
         return f"{name}={value}"
     words = [word.lower() if word.isupper() or word.strip("-.0123456789") == "" else f'"{word}"' for word in value.split()]

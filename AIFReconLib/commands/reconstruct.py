@@ -185,7 +185,7 @@ def _write_page(
     progress: Progress,
 ) -> None:
     """The page that the panel saves, with what was measured beside it where a method has raised bone."""
-    from ..evaluation.preview import gray_window
+    from ..imaging.gray_window import gray_window
     from ..worker.page import PageAbout, Pictured, tell
     from ..worker.reconstructing import plain_mean
 
@@ -206,7 +206,7 @@ def _write_page(
         problem="No CT was given." if labeled is None else "",
         pictured=Pictured(
             result.intensity,
-            gray_window(result.intensity, result.mask),
+            gray_window(result.intensity.array, result.mask.array),
             plain_mean(sequence, recipe, result, part(progress, 0.0, 0.3)) if weighs else None,
             None if ct is None else ct.placed_by(place),
         ),

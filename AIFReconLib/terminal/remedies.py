@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from ..message import advised
 
 
@@ -10,16 +12,12 @@ def as_option(name: str, value: str = "") -> str:
     return f"--{name.replace('_', '-')} {value}".rstrip()
 
 
-def as_column(name: str, value: str = "") -> str:
-    """A setting as a column of the table of a batch."""
-    return f"{name} {value}".rstrip()
-
-
 def in_options(sentence: object) -> str:
     """A sentence or an error, and what to do about it, for the terminal."""
     return advised(sentence, as_option)
 
 
 def in_columns(sentence: object) -> str:
-    """The same for who fills in the table of a batch."""
-    return advised(sentence, as_column)
+    """The same for who fills in the table of a batch, whose columns are named as the options."""
+    command, option = r"(?P<command>pip install .*|aifrecon [a-z][^.,;]*)", r"(?<![\w-])--(?P<option>[a-z][a-z-]*)"
+    return re.sub(f"{command}|{option}", lambda found: found["command"] or found["option"].replace("-", "_"), in_options(sentence))

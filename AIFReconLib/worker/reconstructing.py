@@ -25,7 +25,7 @@ from ..geometry.transforms import pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, extreme_pixels
-from ..inspection.bone_surface import BoneSurface, bone_surface
+from ..inspection.bone_surface import ShownSurface, bone_surface
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..message import Spelling, advised, as_argument
@@ -81,7 +81,7 @@ class Made:
     lines: tuple[str, ...]  #: What was done, in the words of who asked
     comparison: Comparison | None = None  #: Of CT and sweep, where bone is labeled
     measured: Volume | None = None  #: The plain mean of the echoes, on the same voxels
-    surface: BoneSurface | None = None  #: Of the bone that shows
+    surface: ShownSurface | None = None  #: Of the bone that shows
 
 
 def reconstructed(
@@ -306,7 +306,7 @@ def plain_mean(sequence: TrackedSequence, recipe: Recipe, result: Reconstruction
     return reconstruct(sequence, plain, None, result.grid, beside=(), progress=progress).intensity
 
 
-def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> BoneSurface | None:
+def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> ShownSurface | None:
     """The bone that a result shows, for 3D; None of one without score and hits."""
     from ..inspection.shown_bone import shown_bone
 

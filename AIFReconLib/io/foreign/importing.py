@@ -376,9 +376,9 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportSett
     if len(moved) > 5 and extent == 0.0 and not np.ptp(moved, axis=0).any():
         doubts.append(Sentence("The tool never moves: all poses are the same. Was it the fixed one of several?", SURE))
     if 0 < extent < 1.0 and len(moved) > 5:
-        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", UNITS, unit="meters"))
+        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", UNITS, unit="meters", choice="m"))
     if extent > 2000.0:
-        doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", UNITS, unit="another unit"))
+        doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", UNITS, unit="another unit", choice=""))
     times = None if poses.times is None else poses.times[good]
     if times is not None and len(np.unique(times)) > 5:
         steps = np.diff(times)
