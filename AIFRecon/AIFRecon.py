@@ -28,7 +28,7 @@ except ImportError:
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.inputs import Inputs, settingsAndInputs
 from AIFReconScene.inputs.parameters import readingFrom, takeConfigured
-from AIFReconScene.panelWords import inPanelWords, remedies
+from AIFReconScene.panelWords import asControl, inPanelWords
 from AIFReconScene.sweep.sweepStatus import SweepReport, SweepStatus, offered
 from AIFReconScene.work import inWorker, warmUp, worker
 
@@ -356,7 +356,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         from AIFReconLib.worker.reconstructing import reconstructed
 
         asked = inputs.asked(part(progress, 0.0, 0.1))
-        made = inWorker(reconstructed, asked, keep, forViews, remedies(), progress=part(progress, 0.1, 1.0))
+        made = inWorker(reconstructed, asked, keep, forViews, asControl(), progress=part(progress, 0.1, 1.0))
         self._tracking.remember(inputs, made.result.method, made.tracking)
         return asked, made
 

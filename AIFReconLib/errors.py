@@ -1,7 +1,7 @@
 """Every error that a user can cause or meet.
 
 Each class is a domain error and a builtin one, so that callers may catch either. An error says in a complete sentence what is wrong and
-where, and names the `Remedy`; the terminal, Python and the panel each say in their own words what to do.
+where, and which settings would mend it; the terminal, Python and the panel each write those in their own way.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from pathlib import PurePath
 
 from .message import Sentence, advised
-from .remedies import Remedy
 
 
 class AIFReconError(Exception):
@@ -19,13 +18,13 @@ class AIFReconError(Exception):
     ----------
     sentence : str
         What is wrong, and where.
-    remedy, **details
+    advice, **details
         As `Sentence` takes them.
     """
 
-    def __init__(self, sentence: str = "", /, remedy: Remedy | str | BaseException | None = None, **details: object):
-        if remedy is not None or not isinstance(sentence, Sentence):
-            sentence = Sentence(sentence, remedy, **details)
+    def __init__(self, sentence: str = "", /, advice: str | BaseException = "", **details: object):
+        if advice or not isinstance(sentence, Sentence):
+            sentence = Sentence(sentence, advice, **details)
         super().__init__(sentence)
 
     def __reduce__(self) -> tuple[type[AIFReconError], tuple[object, ...], dict[str, object]]:

@@ -1,11 +1,10 @@
-"""Sentences for people: what is wrong and where, in English, and the name of what can be done about it."""
+"""Sentences for people: what is wrong and where, in English, and which settings would mend it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from html import escape
-
-from .remedies import IN_PYTHON, Remedy
+from string import Formatter
 
 LONGEST_QUOTE = 500
 """Characters of a text that a sentence repeats at most."""
@@ -13,45 +12,101 @@ LONGEST_SENTENCE = 2000
 """Characters that an error has at most, whatever a file holds that it quotes."""
 
 
-class Sentence(str):
-    """What the library says, and the remedy for it, which every door (terminal, Python, panel) puts in its own words.
+Spelling = Callable[[str, str], str]
+"""How a door (terminal, Python, panel) writes a setting, of its name and its value, which may be empty: ``--probe linear``."""
 
-    It is a `str`, the sentence alone, wherever a string is wanted; `advised` adds the remedy.
+ARGUMENTS = {
+    "accept": "found.transform",
+    "mirror": "edits.mirrored",
+    "bone_labels": "bone=BoneMap.from_labels(...)",
+    "bone_probability": "bone=BoneMap.from_probability(...)",
+    "ct": "labels_from_ct(...)",
+    "bone_transform": "start",
+    "bone_unit": "unit",
+    "grid_like": "grid",
+    "transform_sequence": "transform_sequences",
+    "wrong_calibration": "wrong",
+    "image_origin_px": "origin_px",
+    "status_ok": "good_statuses",
+    "units": "length_unit",
+}
+"""Inputs that have another name in Python than on the command line."""
+
+
+class Sentence(str):
+    """What the library says, and the advice that goes with it, in which every door writes settings in its own way.
+
+    It is a `str`, the sentence alone, wherever a string is wanted; `advised` adds the advice.
 
     Parameters
     ----------
     text : str
         What is wrong, and where. Names from a file may be in it: it is shown on one line, and cut to `LONGEST_SENTENCE` characters.
-    remedy : Remedy, str, Exception or None
-        What to do; of a sentence or an error, the remedy that it names.
+    advice : str, Sentence or Exception
+        What to do, in words that hold for all doors, with names of settings in braces, and values where there are any:
+        ``"Give {probe:linear}, or choose another {method}."``. Of a sentence or an error, its advice.
     **details
-        What the words of the remedy name in braces.
+        What else stands in braces there.
     """
 
-    remedy: Remedy | None
+    advice: str
     details: dict[str, object]
 
-    def __new__(cls, text: str, /, remedy: Remedy | str | BaseException | None = None, **details: object) -> Sentence:
+    def __new__(cls, text: str, /, advice: str | BaseException = "", **details: object) -> Sentence:
         sentence = super().__new__(cls, one_line(shorten(text.strip(), LONGEST_SENTENCE)))
-        if remedy is not None and not isinstance(remedy, Remedy):
-            other = said(remedy) if isinstance(remedy, BaseException) else remedy
-            remedy, details = (other.remedy, other.details) if isinstance(other, Sentence) else (None, {})
-        sentence.remedy, sentence.details = remedy, details
+        other = said(advice) if isinstance(advice, BaseException) else advice
+        sentence.advice, sentence.details = (other.advice, other.details) if isinstance(other, Sentence) else (other, details)
         return sentence
 
+    @property
+    def settings(self) -> tuple[str, ...]:
+        """The settings that would mend it, in the order of the advice."""
+        return tuple(name for _, name, *_ in Formatter().parse(self.advice) if name and name not in self.details)
 
-def advised(sentence: object, words: Mapping[Remedy, str] = IN_PYTHON) -> str:
-    """A sentence with its remedy in a door's words; any other text, and an error that names no remedy, as it is."""
+
+class _Setting:
+    """A setting in an advice, whose format is its value."""
+
+    def __init__(self, name: str, spelling: Spelling):
+        self._name, self._spelling = name, spelling
+
+    def __format__(self, value: str) -> str:
+        return self._spelling(self._name, value)
+
+
+def as_argument(name: str, value: str = "") -> str:
+    """A setting as Python writes it: ``probe=``, ``apex_px=(column, row)``; a value in capitals stands for another."""
+    name = ARGUMENTS.get(name, name)
+    if not value:
+        return name if "." in name else f"{name}="
+    if value.startswith('"'):
+        return f"{name}={value}"
+    words = [word.lower() if word.isupper() or word.strip("-.0123456789") == "" else f'"{word}"' for word in value.split()]
+    return f"{name}={words[0] if len(words) == 1 else '(' + listed(words) + ')'}"
+
+
+def as_label(labels: Mapping[str, str], name: str, value: str = "") -> str:
+    """A setting as a panel shows it, by the labels of its controls; without one, its name in words."""
+    label = labels.get(name)
+    control = f"“{label}”" if label else name.replace("_", " ")
+    return control if value.isupper() or not value else f"{control} ({value})"
+
+
+def advised(sentence: object, spelling: Spelling = as_argument) -> str:
+    """A sentence with its advice, settings as a door writes them; any other text, and an error that has none, as it is."""
     if isinstance(sentence, BaseException):
         sentence = said(sentence)
-    if not isinstance(sentence, Sentence) or sentence.remedy is None:
+    if not isinstance(sentence, Sentence):
         return str(sentence)
-    return f"{sentence} {words[sentence.remedy].format(**sentence.details)}".strip()
+    settings = {name: _Setting(name, spelling) for name in sentence.settings}
+    return f"{sentence} {sentence.advice.format(**sentence.details, **settings)}".strip()
 
 
-def said(error: BaseException) -> Sentence:
-    """What an error says, without what to do about it."""
-    return error.args[0] if error.args and isinstance(error.args[0], Sentence) else Sentence(str(error))
+def said(error: object) -> Sentence:
+    """What an error says, or a sentence or text that may have an advice."""
+    if isinstance(error, BaseException):
+        error = error.args[0] if error.args and isinstance(error.args[0], Sentence) else str(error)
+    return error if isinstance(error, Sentence) else Sentence(str(error))
 
 
 def listed(items: Iterable[object], separator: str = ", ") -> str:
@@ -103,7 +158,7 @@ class Judged(Described):
 
     @property
     def refusal(self) -> str | None:
-        """Why it must not be used unseen, in Python's words."""
+        """Why it must not be used unseen, and what to do about it in Python."""
         return None if self.said is None else advised(self.said)
 
 

@@ -35,7 +35,6 @@ from .provenance.record import input_files, with_origin
 from .recipe.recipe import Recipe
 from .registration.comparison import warn_of_disagreement
 from .registration.labeled_bone import LabeledBone
-from .remedies import Remedy
 from .resolve import BEFORE_FRAMES, RECOGNIZED, Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
 from .sweep.frames import TrackedFrame, TrackedSequence
 from .sweep.joined import joined, shares
@@ -84,7 +83,7 @@ def _prepare(
     order = time_order(sequence)[:: settings.skip]
     chosen = order[[poses.problems[number] is None for number in order]]
     if not chosen.size:
-        raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed.", Remedy.SMALLER_SKIP)
+        raise NoUsableFramesError(f"{sequence.name}: none of every {settings.skip}th frames can be placed.", "Use a smaller {skip}.")
     uses_beams, uses_bone = needs_beams(method, settings), needs_bone(method, settings)
     imaging = resolve_imaging(sequence, poses, uses_beams or depth_factor(settings) != 1.0, asked)
     if method_named(method).needs_shadows:
@@ -303,7 +302,8 @@ def reconstruct(
     reconstructor, results, counts, notes = _worked(sequence, prepared, bone, beside, cut, left, part(progress, 0.02, 0.95))
     if not counts.inserted:
         raise NoUsableFramesError(
-            f"{sequence.name}: no frame falls into the volume ({describe_skipped(counts.skipped)}).", Remedy.CHECK_THE_BOX
+            f"{sequence.name}: no frame falls into the volume ({describe_skipped(counts.skipped)}).",
+            ("Check its box ({grid_like}, or the configuration's OutputOrigin and OutputExtent) and {reference}."),
         )
     for last in np.cumsum([len(each) for each in sequence.sweeps]) - 1:
         if last not in order or prepared.poses.problems[last] is not None:

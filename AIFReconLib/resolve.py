@@ -24,7 +24,7 @@ from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import said
 from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
-from .remedies import Remedy
+from .remedies import NAME_THE_PROBE
 from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .sweep.frames import TrackedSequence
 from .sweep.joined import names_of
@@ -81,7 +81,7 @@ def resolve_settings(settings: Recipe, configuration: PlusConfiguration, has_bon
     Raises SettingsError when a way to fill holes has no limit.
     """
     if settings.holes not in (None, "off") and settings.hole_limit == 0:
-        raise SettingsError(f"Input hole_limit must be above 0 mm to fill holes by {settings.holes}; got 0.", Remedy.HOLE_LIMIT)
+        raise SettingsError(f"Input hole_limit must be above 0 mm to fill holes by {settings.holes}; got 0.", "Give {hole_limit:MM}.")
 
     method = settings.method
     if method is None and not has_bone:
@@ -171,7 +171,7 @@ class Imaging:
         Raises BeamGeometryError when it is not known.
         """
         if self.probe is None:
-            raise BeamGeometryError("The directions of the beams are not known.", Remedy.NAME_THE_PROBE)
+            raise BeamGeometryError("The directions of the beams are not known.", NAME_THE_PROBE)
         return self.probe
 
 
@@ -255,7 +255,7 @@ def asked_imaging(
         if any(asked.fan_radius_px):
             about = next((each for each in abouts if each is not None), None)
             if about is None:
-                raise SettingsError("A fan stands about the apex of a sector probe, which is not known.", Remedy.NAME_THE_PROBE)
+                raise SettingsError("A fan stands about the apex of a sector probe, which is not known.", NAME_THE_PROBE)
             more = (asked.fan_pixel_size,) if asked.fan_pixel_size else ()
             fan = Fan(about, asked.fan_angles_deg, asked.fan_radius_px, *more)
             detection = FanDetection(asked.fan_detection[0], int(asked.fan_detection[1])) if asked.fan_detection else None
@@ -267,7 +267,7 @@ def _asked_probe(
 ) -> ProbeGeometry | None:
     if asked.probe == LINEAR:
         if asked.apex_px:
-            raise SettingsError("A linear probe has no apex, and one is given.", Remedy.NAME_THE_PROBE)
+            raise SettingsError("A linear probe has no apex, and one is given.", NAME_THE_PROBE)
         return ProbeGeometry(LINEAR)
     if asked.apex_px:
         return ProbeGeometry(SECTOR, asked.apex_px)
@@ -276,10 +276,10 @@ def _asked_probe(
     known = configuration.probe
     if known is None:
         if images is None:
-            raise SettingsError("A sector probe has an apex, which is not known before the scan.", Remedy.NAME_THE_PROBE)
+            raise SettingsError("A sector probe has an apex, which is not known before the scan.", NAME_THE_PROBE)
         known = recognized(images, pixel).probe
     if known.kind != SECTOR:
-        raise SettingsError("The images or the configuration show a linear probe, not a sector.", Remedy.NAME_THE_PROBE)
+        raise SettingsError("The images or the configuration show a linear probe, not a sector.", NAME_THE_PROBE)
     return known
 
 
@@ -308,10 +308,14 @@ def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_reg
     for other, name in zip(sequence.sweeps, names, strict=True):
         if about_region and other.configuration.imaged_region != first.imaged_region:
             raise BeamGeometryError(
-                f"The configurations of {names[0]} and {name} name different parts of the image.", Remedy.ONE_CLIP_FOR_ALL
+                f"The configurations of {names[0]} and {name} name different parts of the image.",
+                "Give {clip_px:X Y W H} for all, or reconstruct them one by one.",
             )
         if about_probe and other.configuration.probe != first.probe:
-            raise BeamGeometryError(f"The configurations of {names[0]} and {name} name different probes.", Remedy.ONE_PROBE_FOR_ALL)
+            raise BeamGeometryError(
+                f"The configurations of {names[0]} and {name} name different probes.",
+                "Give {probe} for all, or reconstruct them one by one.",
+            )
 
 
 def scanned_alike(configuration: PlusConfiguration, pixel: tuple[float, float]) -> tuple[PlusConfiguration, tuple[str, ...]]:

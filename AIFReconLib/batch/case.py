@@ -35,7 +35,7 @@ from ..io.transform.files import write_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import write_volume
 from ..io.volume.label_files import read_labels
-from ..message import listed
+from ..message import listed, said
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
@@ -196,7 +196,7 @@ class _Work:
         if not (found.accepted or arguments.accept or arguments.level is not None):
             path = self._folder.parents[1] / RECORDS / f"{self._case.name}{ALTERNATIVES}"
             write_text(path, json.dumps(self._report, indent=1) + "\n")
-            raise RegistrationRefused(f"No transform is written. {found.said} The report is {path}.", found.said)
+            raise RegistrationRefused(f"No transform is written. {found.said} The report is {path}.", said(found.said))
         self._arguments = self._placed(found, labels)
         agreement = found.agreement
         self._numbers["registration_agreement"] = float(agreement.share)

@@ -12,7 +12,6 @@ from ..errors import GeometryError
 from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
-from ..remedies import Remedy
 
 PITCH = 1.0
 """mm between the places at which labels are asked for the canal."""
@@ -37,7 +36,9 @@ def canal_between(labels: Labels, level: str, labels_to_reference: Matrix | None
     for number, bone in zip(pair, bones, strict=True):
         middle = bone.canal(bones[1].center - bones[0].center)
         if middle is None:
-            raise GeometryError(f"The canal of {labels.called(number)} is not closed by its bone in the labels.", Remedy.AIM_AT_A_POINT)
+            raise GeometryError(
+                f"The canal of {labels.called(number)} is not closed by its bone in the labels.", "Give a point X Y Z as {target}."
+            )
         middles.append(middle)
     between: Floats = np.mean(middles, axis=0)
     return between

@@ -23,7 +23,7 @@ from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
-from ..remedies import Remedy
+from ..remedies import TAKE_AS_CT, TAKE_AS_PROBABILITY
 from .field import BoneField
 from .placed.at_voxels import BoneAtVoxels
 from .placed.coordinates import SLABS, MapCoordinates
@@ -109,9 +109,9 @@ class BoneMap(Described):
         report(progress, 0.0, "Making the bone map")
         labels = as_volume(read_labels(labels) if isinstance(labels, str | Path) else labels, ijk_to_reference, "labels")
         if labels.array.dtype.kind == "f" and (labels.array != np.rint(labels.array)).any():
-            raise GeometryError("Input labels must be whole numbers; got fractions.", Remedy.TAKE_AS_PROBABILITY)
+            raise GeometryError("Input labels must be whole numbers; got fractions.", TAKE_AS_PROBABILITY)
         if labels.array.dtype.kind != "b" and labels.array.min() < 0:
-            raise GeometryError(f"Input labels must not be negative; got {labels.array.min()}.", Remedy.TAKE_AS_CT)
+            raise GeometryError(f"Input labels must not be negative; got {labels.array.min()}.", TAKE_AS_CT)
         bone = labels.array > 0
         if not bone.any():
             raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")
@@ -184,7 +184,8 @@ class BoneMap(Described):
         probability = as_volume(probability, ijk_to_reference, "probability")
         if probability.array.size and np.nanmax(np.where(np.isfinite(probability.array), probability.array, 0)) > 2:
             raise GeometryError(
-                f"Input probability must be 0 to 1; got values up to {np.nanmax(probability.array):g}.", Remedy.TAKE_AS_LABELS
+                f"Input probability must be 0 to 1; got values up to {np.nanmax(probability.array):g}.",
+                "Divide it by its largest possible value, or give labels as {bone_labels}.",
             )
         array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
         return cls(Volume(array, probability.ijk_to_reference).placed_by(probability_to_reference))

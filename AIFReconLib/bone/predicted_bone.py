@@ -10,7 +10,6 @@ from typing import Protocol
 from ..errors import GeometryError
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
 from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import joined
@@ -106,7 +105,7 @@ def bone_from_frames(
             found.append(points.of(frame, said))
     echoes = SweepEchoes.joined(found)
     if not len(echoes):
-        raise GeometryError(f"{sequence.name}: no frame shows bone by what it is looked for with.", Remedy.BONE_OF_CT)
+        raise GeometryError(f"{sequence.name}: no frame shows bone by what it is looked for with.", "Give {bone_labels}, or no bone.")
     notes = list(estimator.notes())
     if silent:
         notes.append(f"Nothing is said of bone in {silent} of {len(usable)} frames.")

@@ -10,7 +10,6 @@ import numpy as np
 from ..arrays import Floats, Integers, Numbers, Singles
 from ..errors import GeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformStatus
-from ..remedies import Remedy
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import sweeps_of
 from .predictions import Prediction
@@ -53,7 +52,8 @@ class RecordedPredictions:
         sweeps, of_each = sweeps_of(sequence), sweeps_of(predictions)
         if len(sweeps) != len(of_each):
             raise GeometryError(
-                f"Predictions must be one sequence for each sweep; got {len(of_each)} for {len(sweeps)}.", Remedy.PREDICTIONS_FOR_EACH
+                f"Predictions must be one sequence for each sweep; got {len(of_each)} for {len(sweeps)}.",
+                "Give one for each, in their order.",
             )
         self._rectangle = checked_rectangle(rectangle)
         self.made: dict[str, object] = {} if self._rectangle is None else {"bone_frames_px": self._rectangle}
@@ -90,7 +90,7 @@ class RecordedPredictions:
         if self._rectangle is None and predicted.frame_size != sweep.frame_size:
             raise GeometryError(
                 f"{predicted.name}: predictions of {_size(predicted)} pixels do not fit frames of {_size(sweep)}.",
-                Remedy.PREDICTED_RECTANGLE,
+                "Say with {bone_frames_px:X Y W H} which rectangle of the frame they cover.",
             )
 
     def _matched(self, sweep: TrackedSequence, predicted: TrackedSequence) -> Integers:

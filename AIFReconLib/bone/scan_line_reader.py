@@ -12,7 +12,7 @@ from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
 from ..errors import BeamGeometryError
 from ..geometry.transforms import pixel_spacing
 from ..imaging.scan_lines import scan_line_samples
-from ..remedies import Remedy
+from ..remedies import NAME_THE_PROBE
 from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
 
@@ -60,7 +60,7 @@ class ScanLineReader:
 
     def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
         if imaging.probe is None:
-            raise BeamGeometryError("Bone is looked for along the beams, whose directions are not known.", Remedy.NAME_THE_PROBE)
+            raise BeamGeometryError("Bone is looked for along the beams, whose directions are not known.", NAME_THE_PROBE)
         mask = imaging.region.mask(*size)
         at_row, at_column = np.nonzero(mask)
         lines = scan_line_samples(at_column, at_row, spacing, imaging.probe)

@@ -19,7 +19,6 @@ from ..registration.agreement import Agreement
 from ..registration.comparison import check
 from ..registration.registration import LEAST_CLOSENESS
 from ..registration.search import anywhere, search
-from ..remedies import Remedy
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
@@ -195,7 +194,10 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     if angles < FEWEST_ANGLES:
         return ONE_ANGLE
     if not after.enough or after.closeness > LEAST_CLOSENESS:
-        return Sentence(f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}", Remedy.CHECK_CALIBRATION)
+        return Sentence(
+            f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}",
+            ("Check that both are of one bone; aifrecon calibrate looks with {check} for mirrored images and the like."),
+        )
     rival = next((one for one in others if one.cost < best.cost + AS_GOOD and _apart(best, one, echoes) > ELSEWHERE), None)
     if rival is not None:
         return Sentence(

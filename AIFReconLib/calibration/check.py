@@ -16,11 +16,11 @@ from ..errors import AIFReconError, require_kind
 from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import as_matrix, invert, with_unit_depth
 from ..geometry.volume import Volume
-from ..message import Sentence, listed
+from ..message import Sentence, listed, said
 from ..progress import Progress, part, report
 from ..recipe.recipe import SCANNER_SPEED, Recipe
 from ..registration.registration import LEAST_CLOSENESS
-from ..remedies import Remedy
+from ..remedies import ADD_TIME_OFFSET, CALIBRATE
 from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
@@ -44,7 +44,7 @@ class Repair:
     """One thing that may be wrong, and the echoes as they would lie were it mended."""
 
     words: str  #: What is wrong, as in "the images look ..."
-    remedy: Remedy
+    advice: str
     details: dict[str, object]
     make: Callable[[], ImagedEchoes]
 
@@ -60,7 +60,7 @@ class Checked:
     @property
     def lines(self) -> list[str]:
         """All of it, in sentences."""
-        return [Sentence(f"Calibration: {self.finding}", self.finding), *self.more]
+        return [Sentence(f"Calibration: {self.finding}", said(self.finding)), *self.more]
 
 
 def check_calibration(
@@ -167,7 +167,7 @@ def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> Checked:
     before, after = found.halves.before, found.halves.after
     lie = f"echoes of different angles lie {before:.2f} mm off each other's surface"
     if after <= GAIN * before:
-        return Checked(False, Sentence(f"{lie}, and {after:.2f} mm with another calibration.", Remedy.CALIBRATE))
+        return Checked(False, Sentence(f"{lie}, and {after:.2f} mm with another calibration.", CALIBRATE))
     return Checked(
         None,
         f"{lie}, and another calibration lays them no nearer. Whether that is near enough cannot be told without a CT or a phantom, nor "
@@ -179,11 +179,16 @@ def _size(echoes: ImagedEchoes, found: Calibration) -> Checked:
     """What is said where pixels of quite another size explain the sweep."""
     times = found.correction.scale * np.array(found.echoes.spacing) / np.array(echoes.spacing)
     words = f"pixels look {1 / times[0]:.0%} as wide and {1 / times[1]:.0%} as high as they are."
-    return Checked(False, Sentence(words, Remedy.SCALE, across=f"{times[0]:.3f}", along=f"{times[1]:.3f}"))
+    return Checked(
+        False,
+        Sentence(
+            words, "Mend recordings with aifrecon convert {scale:{across} {along}}.", across=f"{times[0]:.3f}", along=f"{times[1]:.3f}"
+        ),
+    )
 
 
 def _told(repair: Repair, why: str) -> Checked:
-    return Checked(False, Sentence(f"{repair.words} ({why}).", repair.remedy, **repair.details))
+    return Checked(False, Sentence(f"{repair.words} ({why}).", repair.advice, **repair.details))
 
 
 def _near(found: Calibration) -> Checked:
@@ -201,25 +206,29 @@ def _near(found: Calibration) -> Checked:
             Sentence(f"The size along would fit a speed of sound of {speed:.0f} m/s where the scanner took {SCANNER_SPEED:.0f} m/s.")
         )
     if sure[-1]:
-        more.append(Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", Remedy.STEP, offset=f"{found.values[-1]:.3f}"))
-    return Checked(False, Sentence(off, Remedy.CALIBRATE), tuple(more))
+        more.append(
+            Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", ADD_TIME_OFFSET, offset=f"{found.values[-1]:.3f}")
+        )
+    return Checked(False, Sentence(off, CALIBRATE), tuple(more))
 
 
 def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:
     """All that is tried."""
-    yield Repair("the images look mirrored", Remedy.MIRROR, {}, partial(mirrored, echoes))
+    yield Repair("the images look mirrored", "Mend recordings with aifrecon convert {mirror}.", {}, partial(mirrored, echoes))
     whole = [with_configured_transforms(sweep) for sweep in sweeps]
     recorded = whole[0].transform_names()
     for step in sweep_poses(sweeps[0], recipe.image_to_reference, recipe.reference).path:
         name = step if step in recorded else step.inverse
         if name in recorded and name not in (CROPPED, CROPPED.inverse):
             mend = partial(_inverted, echoes, whole, name, recipe)
-            yield Repair(f"{name} looks recorded as its inverse", Remedy.INVERT, {"name": str(name)}, mend)
+            yield Repair(
+                f"{name} looks recorded as its inverse", "Mend recordings with aifrecon convert {invert:{name}}.", {"name": str(name)}, mend
+            )
     calibration = _calibration(whole[0], recipe)
     if calibration is not None:
         for words, turn in quarter_turns():
             mend = partial(_turned, echoes, calibration, turn)
-            yield Repair(f"the probe's marker looks turned {words} since it was calibrated", Remedy.CALIBRATE, {}, mend)
+            yield Repair(f"the probe's marker looks turned {words} since it was calibrated", CALIBRATE, {}, mend)
 
 
 def mirrored(echoes: ImagedEchoes) -> ImagedEchoes:

@@ -25,7 +25,7 @@ from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import invert, transform_points
 from ..message import Judged, Sentence, listed
 from ..progress import Progress, part, report
-from ..remedies import Remedy
+from ..remedies import MISSING_LINK
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.joined import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
@@ -173,7 +173,7 @@ def _poses(sweep: TrackedSequence, probe: str) -> list[tuple[int, Matrix]]:
         raise TransformError(
             f"{sweep.name}: nothing says where the phantom is. PhantomToReference is missing, which Plus's phantom registration finds with "
             "a stylus.",
-            Remedy.MISSING_LINK,
+            MISSING_LINK,
         )
     if probe not in frames:
         raise TransformError(

@@ -22,6 +22,7 @@ from ..io.plus.calibration import write_calibrated
 from ..io.plus.configuration import read_plus_configuration
 from ..io.plus.phantom import read_wire_phantom
 from ..io.transform.files import HDF5_SUFFIXES, TEXT_SUFFIXES, read_transform, write_transform
+from ..message import said
 from ..progress import part
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import JoinedImages
@@ -147,18 +148,18 @@ def _run_on_wires(arguments: argparse.Namespace, each: list[argparse.Namespace])
 
 
 def _tell(
-    arguments: argparse.Namespace, sequences: list[TrackedSequence], lines: list[str], facts: dict[str, object], said: str | None
+    arguments: argparse.Namespace, sequences: list[TrackedSequence], lines: list[str], facts: dict[str, object], refusal: str | None
 ) -> None:
     """Write the report, say what was found and written, and why no calibration is, if so."""
     written = [arguments.preview] if arguments.preview else []
-    written += [] if said is not None else [arguments.output]
+    written += [] if refusal is not None else [arguments.output]
     if arguments.report:
         facts = {"sequences": [sequence.name for sequence in sequences], "version": __version__, **facts}
         write_text(arguments.report, json.dumps(facts, indent=2) + "\n")
         written.append(arguments.report)
     print("\n  ".join([*map(in_options, lines), *(f"wrote {path}" for path in written)]))
-    if said is not None:
-        raise RegistrationRefused(f"No calibration is written. {said}", said)
+    if refusal is not None:
+        raise RegistrationRefused(f"No calibration is written. {refusal}", said(refusal))
 
 
 def _check_output(arguments: argparse.Namespace) -> None:

@@ -10,7 +10,7 @@ from ..errors import SettingsError
 from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
 from ..io.disk.atomic import check_writable, write_text
-from ..io.volume.surfaces import check_surface_path, write_surface
+from ..io.volume.surfaces import check_labels_surface_path, check_surface_path, write_surface
 from ..progress import part
 from ..registration.labeled_bone import LabeledBone
 from ..terminal.console import ProgressBar
@@ -70,7 +70,8 @@ def run(arguments: argparse.Namespace) -> None:
     each = of_each(arguments, arguments.sequences)
     refuse_to_overwrite(arguments, "surface", "report")
     if arguments.surface:
-        check_surface_path(arguments.surface)
+        check = check_labels_surface_path if arguments.bone_labels or arguments.ct else check_surface_path
+        check(arguments.surface)
     if arguments.report:
         check_writable(arguments.report)
     with ProgressBar() as progress:

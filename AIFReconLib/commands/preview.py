@@ -18,7 +18,7 @@ from ..io.disk.atomic import check_writable
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import Sentence
-from ..remedies import Remedy
+from ..remedies import PLACE_THE_CT
 from ..sweep.poses import SweepPoses
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, names_labels, place_from, refuse_to_overwrite
@@ -86,7 +86,7 @@ def _in_sight(labels: Labels, volume: Volume, place: Matrix | None) -> Labels:
     labels = labels.told_by(volume.grid, place)
     if labels.share_within(volume.grid, place):
         return labels
-    return replace(labels, notes=(*labels.notes, Sentence("WARNING: None of the bone lies in the volume.", Remedy.REGISTER)))
+    return replace(labels, notes=(*labels.notes, Sentence("WARNING: None of the bone lies in the volume.", PLACE_THE_CT)))
 
 
 def write_preview(

@@ -39,7 +39,7 @@ from ..terminal.reconstruction_options import (
     grid_from,
     labeled_bone_from,
 )
-from ..terminal.remedies import IN_OPTIONS, in_options
+from ..terminal.remedies import as_option, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
 from .info import register_command
@@ -185,7 +185,7 @@ def _write_page(
     progress: Progress,
 ) -> None:
     """The page that the panel saves, with what was measured beside it where a method has raised bone."""
-    from ..evaluation.preview import gray_window
+    from ..imaging.gray_window import gray_window
     from ..worker.page import PageAbout, Pictured, tell
     from ..worker.reconstructing import plain_mean
 
@@ -206,12 +206,12 @@ def _write_page(
         problem="No CT was given." if labeled is None else "",
         pictured=Pictured(
             result.intensity,
-            gray_window(result.intensity, result.mask),
+            gray_window(result.intensity.array, result.mask.array),
             plain_mean(sequence, recipe, result, part(progress, 0.0, 0.3)) if weighs else None,
             None if ct is None else ct.placed_by(place),
         ),
     )
-    tell(about, arguments.report, IN_OPTIONS, part(progress, 0.3, 1.0))
+    tell(about, arguments.report, as_option, part(progress, 0.3, 1.0))
 
 
 def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
@@ -252,7 +252,7 @@ def describe(
     agreement: list[str] | None = None,
 ) -> str:
     """What was done, in a few lines; `tracking` by the names of the sweeps."""
-    first, *others = summary_lines(result, frames, seconds, IN_OPTIONS)
+    first, *others = summary_lines(result, frames, seconds, as_option)
     tracking = tracking or {}
     findings = [
         f"{name}: {line}" if len(tracking) > 1 else line for name, report in tracking.items() for line in report.findings_on_poses()

@@ -17,6 +17,7 @@ from ..io.disk.atomic import check_writable, write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
+from ..message import said
 from ..progress import Progress, part
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
@@ -118,7 +119,7 @@ def run(arguments: argparse.Namespace) -> None:
     lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels), *calibration]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
-        raise RegistrationRefused(f"No transform is written. {found.said}", found.said)
+        raise RegistrationRefused(f"No transform is written. {found.said}", said(found.said))
     print(f"next: {reconstruct_command(arguments, bone_transform=arguments.output)}")
 
 

@@ -16,7 +16,6 @@ from ..imaging.region import ImageRegion, PixelFilter
 from ..imaging.sound_speed import depth_scale
 from ..message import Sentence
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .evidence import ScanLines
@@ -82,12 +81,14 @@ class ImageKind:
             found.append(
                 Sentence(
                     f"Warning: {method} judges brightness against the full gray scale, which {self.dtype.name} images do not tell.",
-                    Remedy.BRIGHTEST_VALUE,
+                    "Give their brightest value with {intensity_maximum}.",
                 )
             )
         if settings.output_type == "uint8":
             found.append(
-                Sentence(f"Warning: {self.dtype.name} images are written as uint8: values above 255 are cut off.", Remedy.FLOAT_OUTPUT)
+                Sentence(
+                    f"Warning: {self.dtype.name} images are written as uint8: values above 255 are cut off.", "Use {output_type:float32}."
+                )
             )
         return found
 

@@ -9,7 +9,6 @@ from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..message import listed
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, OF_READING, Recipe
-from ..remedies import Remedy
 from .methods.table import BUILT_IN, method_named
 
 
@@ -33,7 +32,10 @@ def require_bone(name: str, settings: Recipe, has_bone: bool) -> bool:
     uses_bone = needs_bone(name, settings)
     if uses_bone and not has_bone:
         wish = f"Method {name}" if method_named(name).needs_bone else "The cosine of incidence"
-        raise SettingsError(f"{wish} needs to know where bone is.", Remedy.SAY_WHERE_BONE_IS)
+        raise SettingsError(
+            f"{wish} needs to know where bone is.",
+            ("Give {bone_labels} or {ct}, or {bone_from_sweep} for what the echoes show, or choose {method:average}."),
+        )
     return uses_bone
 
 

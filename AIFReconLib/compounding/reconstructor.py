@@ -23,7 +23,7 @@ from ..machine.memory import require_memory
 from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
+from ..remedies import NAME_THE_PROBE, PLACE_THE_CT
 from ..resolve import given_imaging
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
@@ -50,7 +50,7 @@ from .own.method import Method
 from .splat_engine import check_shares, splat_engine, uses_shares
 from .state import BESIDE, MOST_IN_SINGLE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
 
-BESIDE_BONE = Sentence("Warning: the bone map does not overlap the volume, so incidence weights nothing.", Remedy.PLACE_THE_CT)
+BESIDE_BONE = Sentence("Warning: the bone map does not overlap the volume, so incidence weights nothing.", PLACE_THE_CT)
 
 
 @dataclass(eq=False)
@@ -171,10 +171,10 @@ class Reconstructor:
         uses_bone = require_bone(self.method, self.settings, bone is not None)
         uses_beams = needs_beams(self.method, self.settings)
         if uses_beams and probe is None:
-            raise BeamGeometryError(f"Method {self.method} needs the direction of the beams.", Remedy.NAME_THE_PROBE)
+            raise BeamGeometryError(f"Method {self.method} needs the direction of the beams.", NAME_THE_PROBE)
         self._moves_pixels = depth_factor(self.settings) != 1.0
         if self._moves_pixels and probe is None:
-            raise BeamGeometryError("A speed of sound needs the direction of the beams.", Remedy.NAME_THE_PROBE)
+            raise BeamGeometryError("A speed of sound needs the direction of the beams.", NAME_THE_PROBE)
         check_shares(self.method, self.settings, importance)
         self._importance = None if importance is None else np.asarray(importance, dtype=np.float32)
         self._shares = uses_shares(self.settings, importance)

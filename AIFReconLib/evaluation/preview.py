@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import Floats, Mask, Numbers
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume, VoxelGrid
+from ..imaging.gray_window import gray_window
 from ..io.disk.atomic import atomic_output
 from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, INK, edge_letters, new_figure, own_looks, png_of
 from .slices import Plane, axis_ends, cut, planes, whole_cut
@@ -67,14 +68,6 @@ class _Panel:
     outline: Mask | None = None
 
 
-def gray_window(volume: Volume, mask: Volume) -> tuple[float, float]:
-    """Gray levels to show black and white, of what was scanned: where a mask (on the same voxels) is not 0."""
-    some = max(volume.grid.voxels // LOOKED_AT, 1)
-    levels = volume.array.reshape(-1)[::some][mask.array.reshape(-1)[::some] != 0]
-    levels = levels[np.isfinite(levels)]
-    return (min(float(levels.min()), 0.0), float(np.quantile(levels, BRIGHTEST)) or 1.0) if levels.size else (0.0, 1.0)
-
-
 @own_looks()
 def preview(
     volume: Volume,
@@ -113,7 +106,7 @@ def preview(
     scanned = (volume.array if mask is None else mask.array) != 0
     center = middle_of_bone(volume, scanned, labels)
     seen = Volume(scanned.view(np.uint8), volume.ijk_to_reference)
-    window = gray_window(volume, seen)
+    window = gray_window(volume.array, seen.array)
     patient = labels is not None or ct is not None if patient is None else patient
     ways = planes(patient)
     panels = [_cut_panel(volume, plane, center, window, seen, labels) for plane in ways]

@@ -119,14 +119,16 @@ class Candidates:
         """
         there = support.astype(np.float32)
         missing, gains = unseen(there), np.zeros(len(self.passes))
-        for seen in self._seen:
+        # Another thread may look at passes again meanwhile
+        looks = self._seen
+        for seen in looks:
             for first in range(0, len(seen.points), PAIRS_AT_ONCE):
                 report(progress, 0.0, "Comparing candidate passes")
                 some = slice(first, first + PAIRS_AT_ONCE)
                 points = seen.points[some]
                 more = missing[points] - unseen(there[points] + np.float32(rounds) * seen.support[some])
                 gains += np.bincount(seen.owner[some], self._weights[points] * more, len(gains))
-        return MOST / len(self._seen) * gains
+        return MOST / len(looks) * gains
 
     def make(self, number: int, support: Floats) -> Floats:
         """Support after a pass, which a sure hand would need for what this hand is expected to show."""

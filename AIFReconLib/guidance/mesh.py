@@ -9,6 +9,7 @@ import scipy
 
 from ..arrays import Bytes, Floats, Integers, Matrix, Numbers
 from ..evaluation.surface import BoneSurface
+from ..geometry.level_surface import level_surface, triangles_of
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from .bone import APART, GuidedBone, axes_across
@@ -33,44 +34,10 @@ OUT_OF_REACH, NOT_MET, GRAZED, ASLANT, SQUARELY = range(5)
 
 
 def bone_mesh(distance: Volume) -> BoneMesh:
-    """The zero level of a signed distance as triangles.
-
-    Notes
-    -----
-    Surface nets [1]_: a corner in every cell of eight voxels that the level crosses, in the middle of the crossings on its edges; around
-    each crossing the four cells that share the edge are joined by two triangles.
-
-    References
-    ----------
-    .. [1] Gibson (1998), Constrained elastic surface nets, MICCAI, LNCS 1496:888-898.
-    """
-    array = np.pad(distance.array.astype(np.float64), 1, constant_values=float(np.abs(distance.array).max()) + 1.0)
-    strides = np.array([1, array.shape[2], array.shape[1] * array.shape[2]])
-    flat = array.reshape(-1)
-    inside = flat <= 0
-    number = np.full(flat.size, -1, dtype=np.int64)
-    cells, crossings, quads = [], [], []
-    for axis in range(3):
-        stride, b, c = strides[axis], strides[(axis + 1) % 3], strides[(axis + 2) % 3]
-        at = np.flatnonzero(inside[:-stride] != inside[stride:])
-        fraction = flat[at] / (flat[at] - flat[at + stride])
-        ijk = np.stack(np.unravel_index(at, array.shape)[::-1], axis=1).astype(np.float64)
-        ijk[:, axis] += fraction
-        around = np.stack([at, at - b, at - b - c, at - c], axis=1)
-        cells.append(around.reshape(-1))
-        crossings.append(np.repeat(ijk, 4, axis=0))
-        # Out of bone along +axis: the ring b, c turns the right way; else the other way round
-        quads.append(np.where(inside[at][:, None], around, around[:, ::-1]))
-    of_cell, crossing = np.concatenate(cells), np.concatenate(crossings)
-    crossed, which = np.unique(of_cell, return_inverse=True)
-    number[crossed] = np.arange(len(crossed))
-    count = np.bincount(which)
-    ijk = np.stack([np.bincount(which, crossing[:, axis]) / count for axis in range(3)], axis=1) - 1.0
-    corners = number[np.concatenate(quads)]
-    if np.linalg.det(distance.ijk_to_reference[:3, :3]) < 0:
-        corners = corners[:, ::-1]
-    triangles = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
-    return BoneMesh(transform_points(distance.ijk_to_reference, ijk), triangles)
+    """The zero level of a signed distance as triangles; VTK makes it."""
+    inside = Volume(-distance.array.astype(np.float32), distance.ijk_to_reference)
+    points, triangles = triangles_of(level_surface(inside, 0.0, -float(np.abs(inside.array).max()) - 1.0))
+    return BoneMesh(points.astype(np.float64), triangles)
 
 
 def _tiles(surface: BoneSurface) -> BoneMesh:

@@ -14,7 +14,7 @@ from ..message import Described
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..remedies import Remedy
+from ..remedies import PLACE_THE_CT
 from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
@@ -210,7 +210,7 @@ def plan_scan(
         seen = Candidates(passes, bone, probe, target, hand, share)
         best = max(best, _greedy(seen, seen.looked(nothing), frames), key=lambda option: option[0])
     if not best[1]:
-        raise GeometryError(f"No pass of this probe would show more of {target}.", Remedy.PLACE_THE_CT)
+        raise GeometryError(f"No pass of this probe would show more of {target}.", PLACE_THE_CT)
     return _planned(target, _filled(best[1], frames), probe, bone, np.flatnonzero(chosen), hand, part(progress, 0.8, 1.0))
 
 

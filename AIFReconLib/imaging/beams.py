@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Floats, Mask, Singles
 from ..errors import BeamGeometryError
-from ..remedies import Remedy
+from ..remedies import NAME_THE_PROBE
 
 LINEAR = "linear"
 SECTOR = "sector"
@@ -34,9 +34,7 @@ class ProbeGeometry:
         if self.kind not in (LINEAR, SECTOR):
             raise BeamGeometryError(f"Input probe must be linear or sector; got {self.kind!r}.")
         if self.kind == SECTOR and (self.apex_px is None or len(self.apex_px) != 2 or not all(math.isfinite(v) for v in self.apex_px)):
-            raise BeamGeometryError(
-                f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}.", Remedy.NAME_THE_PROBE
-            )
+            raise BeamGeometryError(f"Input apex of a sector probe must be a column and a row; got {self.apex_px!r}.", NAME_THE_PROBE)
 
     @property
     def apex(self) -> tuple[float, float]:
@@ -48,7 +46,7 @@ class ProbeGeometry:
             When the probe is linear: its beams meet nowhere.
         """
         if self.apex_px is None:
-            raise BeamGeometryError("A linear probe has no apex.", Remedy.NAME_THE_PROBE)
+            raise BeamGeometryError("A linear probe has no apex.", NAME_THE_PROBE)
         return self.apex_px
 
     def directions(self, columns: int, rows: int, spacing: tuple[float, float]) -> Singles:

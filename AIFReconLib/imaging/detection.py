@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Floats, Mask, Numbers
 from ..errors import BeamGeometryError
-from ..remedies import Remedy
+from ..remedies import NAME_THE_PROBE
 from .beams import LINEAR, SECTOR, ProbeGeometry
 from .change import extremes, is_sharp, standing_out
 from .images import ImageStack
@@ -321,7 +321,7 @@ def _rectangle(brightest: Numbers, lit: Mask, box: Mask, sides: Sides | None, co
         raise _SidesCutOff(
             "The probe cannot be told from the images: its sides are upright and its upper or lower edge is bent, as of a sector whose "
             "sides were cut off.",
-            Remedy.NAME_THE_PROBE,
+            NAME_THE_PROBE,
         )
     left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
     if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
@@ -363,4 +363,4 @@ def _outer_radius(radius: Floats, across: Floats) -> float:
 
 
 def _unrecognized(why: str) -> BeamGeometryError:
-    return BeamGeometryError(f"The probe cannot be told from the images: {why}.", Remedy.NAME_THE_PROBE)
+    return BeamGeometryError(f"The probe cannot be told from the images: {why}.", NAME_THE_PROBE)

@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Floats, Mask, Matrix
 from ..errors import BeamGeometryError
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
+from ..remedies import NAME_THE_PROBE
 from .beams import LINEAR, ProbeGeometry
 
 
@@ -71,7 +71,7 @@ def depth_scale(settings: Recipe, mask: Mask, probe: ProbeGeometry | None, spaci
     if factor == 1.0:
         return None
     if probe is None:
-        raise BeamGeometryError("A speed of sound needs the direction of the beams.", Remedy.NAME_THE_PROBE)
+        raise BeamGeometryError("A speed of sound needs the direction of the beams.", NAME_THE_PROBE)
     return DepthScale.of(mask, probe, factor, spacing)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Integers, Singles
+from ..geometry.level_surface import level_surface, triangles_of
 
 if TYPE_CHECKING:
     from .shown_bone import ShownBone
@@ -17,7 +18,7 @@ ITERATIONS, PASS_BAND = 25, 0.08
 
 
 @dataclass(frozen=True, eq=False)
-class BoneSurface:
+class ShownSurface:
     """Triangles in Reference, smoothed for display."""
 
     points: Singles  #: (n, 3), mm
@@ -26,42 +27,23 @@ class BoneSurface:
     distances: Singles | None  #: (n,), mm. To the CT's bone, where there is one
 
 
-def bone_surface(shown: ShownBone) -> BoneSurface | None:
+def bone_surface(shown: ShownBone) -> ShownSurface | None:
     """The surface of a `ShownBone`; None where it shows none.
 
     Notes
     -----
     Flying edges, then a windowed sinc filter (Taubin, Zhang and Golub 1996), which keeps the size.
     """
-    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-    from vtkmodules.vtkCommonDataModel import vtkImageData
-    from vtkmodules.vtkCommonTransforms import vtkTransform
-    from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
-    from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkPolyDataNormals, vtkWindowedSincPolyDataFilter
 
     from .shown_bone import LEVEL
 
-    # A rim of nothing closes surfaces at the border of the volume
-    array = np.pad(shown.field.array, 1)
-    image = vtkImageData()
-    image.SetDimensions(*array.shape[::-1])
-    image.SetOrigin(-1.0, -1.0, -1.0)
-    image.GetPointData().SetScalars(numpy_to_vtk(array.ravel(), deep=True))
-    edges = vtkFlyingEdges3D()
-    edges.SetInputData(image)
-    edges.SetValue(0, LEVEL)
-    edges.ComputeNormalsOff()
-    edges.ComputeScalarsOff()
-    edges.Update()
-    if not edges.GetOutput().GetNumberOfPolys():
+    placed = level_surface(shown.field, LEVEL, 0.0)
+    if not placed.GetNumberOfPolys():
         return None
-    place = vtkTransform()
-    place.SetMatrix(shown.field.ijk_to_reference.ravel().tolist())
-    placed = vtkTransformPolyDataFilter()
-    placed.SetInputConnection(edges.GetOutputPort())
-    placed.SetTransform(place)
     smooth = vtkWindowedSincPolyDataFilter()
-    smooth.SetInputConnection(placed.GetOutputPort())
+    smooth.SetInputData(placed)
     smooth.SetNumberOfIterations(ITERATIONS)
     smooth.SetPassBand(PASS_BAND)
     smooth.NormalizeCoordinatesOn()
@@ -71,11 +53,11 @@ def bone_surface(shown: ShownBone) -> BoneSurface | None:
     normals.SplittingOff()
     normals.Update()
     surface = normals.GetOutput()
-    points = vtk_to_numpy(surface.GetPoints().GetData())
+    points, triangles = triangles_of(surface)
     distances = shown.distances(points.astype(np.float64))
-    return BoneSurface(
+    return ShownSurface(
         points,
         vtk_to_numpy(surface.GetPointData().GetNormals()),
-        vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3),
+        triangles,
         None if distances is None else distances.astype(np.float32),
     )

@@ -14,7 +14,7 @@ from ..geometry.transforms import pixel_spacing
 from ..imaging.recognized import recognized
 from ..message import Sentence, columns, said
 from ..progress import Progress
-from ..remedies import Remedy
+from ..remedies import NAME_THE_PROBE
 from ..resolve import scanned_alike
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses, without_still_images
@@ -101,9 +101,9 @@ def diagnose(
         shown = probe or _describe_probe(sequence, pixel_spacing(poses.image_to_reference[usable[0]]))
         ready = shown is not None or not has_bone
         placed = f"{len(usable)} of {len(sequence)} frames can be placed by {chain}."
-        findings.append(f"Ready: {placed}" if ready else Sentence(f"Not ready for bone: {placed} But {UNKNOWN}", Remedy.NAME_THE_PROBE))
+        findings.append(f"Ready: {placed}" if ready else Sentence(f"Not ready for bone: {placed} But {UNKNOWN}", NAME_THE_PROBE))
         if shown is None and not has_bone:
-            findings.append(Sentence(f"Frames can be averaged. For a CT's bone, more is needed: {UNKNOWN}", Remedy.NAME_THE_PROBE))
+            findings.append(Sentence(f"Frames can be averaged. For a CT's bone, more is needed: {UNKNOWN}", NAME_THE_PROBE))
         findings += [*tracking.findings(), *poses.notes]
         try:
             offset = estimate_time_offset(sequence, poses, progress)

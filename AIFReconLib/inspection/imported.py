@@ -21,7 +21,7 @@ from ..io.foreign.options import ImportOptions
 from ..io.foreign.poses.files import read_poses
 from ..io.foreign.poses.rotations import PoseFormat
 from ..message import said
-from ..remedies import Remedy
+from ..remedies import SURE
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
 from .offset_estimate import estimate_time_offset
@@ -81,7 +81,7 @@ def _check_direction(sequence: TrackedSequence, name: TransformName) -> None:
         inverse = TransformName(name.target, name.source)
         raise SettingsError(
             f"Images that look alike lie far apart by {name}, and near each other by its inverse, {inverse}: which are the poses?",
-            Remedy.SURE,
+            SURE,
         )
 
 

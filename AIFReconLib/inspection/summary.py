@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..holes.filling import FILLED, MEASURED
-from ..message import advised
-from ..remedies import IN_PYTHON, Remedy
+from ..message import Spelling, advised, as_argument
 from ..sweep.poses import describe_frames, describe_skipped
 
 if TYPE_CHECKING:
@@ -41,7 +40,7 @@ class SweepSummary:
         return [placed, *(f"Will be skipped: {frames}: {reason}." for frames, reason in skipped)]
 
 
-def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None, words: Mapping[Remedy, str] = IN_PYTHON) -> list[str]:
+def summary_lines(result: Reconstruction, frames: int, seconds: float | None = None, spelling: Spelling = as_argument) -> list[str]:
     """Method, frames, voxels, how many of them hold something, which frames were skipped and why, and what else is to be known.
 
     `frames` are those of the sweep, `seconds` what it took; `words` say what to do as the reader knows it.
@@ -56,7 +55,7 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
         done if seconds is None else f"{done}, in {seconds:.1f} s",
         describe_coverage(measured / grid.voxels, filled / grid.voxels if filled else None),
         *_skipped(result),
-        *(advised(note, words) for note in result.said),
+        *(advised(note, spelling) for note in result.said),
     ]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..bone.echoes.found import FEWEST
-from ..message import Sentence, listed
+from ..message import Sentence, listed, said
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
@@ -142,4 +142,4 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
 def calibration_verdict(checked: Checked) -> Verdict:
     """Whether the calibration agrees with the bone of a CT that lies on the sweep."""
     level = Level.UNKNOWN if checked.agrees is None else Level.GOOD if checked.agrees else Level.LOOK
-    return Verdict(level, checked.finding, Sentence(" ".join(checked.more), checked.finding))
+    return Verdict(level, checked.finding, Sentence(" ".join(checked.more), said(checked.finding)))

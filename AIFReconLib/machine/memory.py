@@ -10,7 +10,6 @@ from pathlib import Path
 
 from ..arrays import Floats
 from ..errors import InsufficientMemoryError
-from ..remedies import Remedy
 
 SAFETY = 0.9
 """Part of the free memory that a volume may take."""
@@ -74,8 +73,8 @@ def require_memory(
             needed=_gigabytes(needed),
             usable=f"at most {fitting}" if available is None else fitting,
         ),
-        Remedy.FREE_MEMORY if fits is None else Remedy.COARSER,
-        spacing=fits,
+        "No spacing would fit: free some memory, or choose a smaller box." if fits is None else "A {spacing} of {fits:g} mm would fit.",
+        fits=fits,
     )
 
 

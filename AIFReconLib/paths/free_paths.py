@@ -20,7 +20,7 @@ from ..geometry.volume import Volume
 from ..message import Described, Sentence, advised, columns
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
+from ..remedies import PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 from .states import FREE, NOT_SEEN, STATES, states_of
 from .surroundings import PlacedField, ShownVolume, Surroundings, in_cubes
@@ -243,7 +243,7 @@ def _notes(shown: ShownVolume, agrees: bool | None, states: Bytes, margin: float
             else Sentence(
                 "WARNING: the CT does not lie on the volume's bone, and the level may be a wrong one. Only the volume's bone counts: no "
                 "lower bound is promised.",
-                Remedy.REGISTER,
+                PLACE_THE_CT,
             )
         )
     if not (states == FREE).any() and (states == NOT_SEEN).any():

@@ -12,6 +12,7 @@ from ..evaluation.figures import BACKGROUND, INK, new_figure, own_looks, save_fi
 from ..evaluation.slices import Plane, axis_ends, cut
 from ..geometry.transforms import LPS_FROM_RAS, transform_points
 from ..geometry.volume import Volume
+from ..imaging.gray_window import gray_window
 from ..io.volume.surfaces import write_surface
 from .free_paths import RESEARCH, FreePaths
 from .states import COLORS, FREE, NOT_SEEN, ROOM, STATES, TIGHT
@@ -111,7 +112,7 @@ def paths_figure(path: Path, volume: Volume, found: FreePaths) -> None:
     figure = new_figure(13.0, 5.2, layout="constrained")
     figure.suptitle(RESEARCH, color=INK, fontsize=11)
     slices = figure.subplots(1, 3)
-    brightest = float(np.percentile(volume.array[volume.array > 0], 99.5)) if (volume.array > 0).any() else 1.0
+    _, brightest = gray_window(volume.array, volume.array > 0)
     for ax, way in zip(slices[:2], (right, np.cross(down, right)), strict=True):
         plane = Plane("along the line", tuple(way), tuple(down), (*axis_ends(way), *axis_ends(down)))
         picture = cut(volume, plane, (entry + end) / 2, 2 * BESIDE, height)

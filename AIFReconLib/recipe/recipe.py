@@ -18,7 +18,6 @@ from ..compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD
 from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..message import listed
-from ..remedies import Remedy
 from .rules import FILE, FLAG, MATRIX, NUMBERS, TEXT, WHOLE, Rule, checked, rule_of, setting
 
 AUTOMATIC = "auto"
@@ -359,8 +358,8 @@ class Recipe(OutputSettings, MethodSettings, VolumeSettings, BoneSettings, Imagi
         super().__post_init__()
         for name, needed in _NEEDED.items():
             if getattr(self, name) is not None and getattr(self, needed) is None:
-                remedy = Remedy.WHOLE_FAN if name.startswith("fan_") else None
-                raise SettingsError(f"Input {needed} is missing, and {name} needs it.", remedy)
+                advice = "Give both {fan_angles_deg:A B} and {fan_radius_px:R0 R1}." if name.startswith("fan_") else ""
+                raise SettingsError(f"Input {needed} is missing, and {name} needs it.", advice)
 
 
 _NEEDED = {

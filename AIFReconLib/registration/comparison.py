@@ -20,7 +20,7 @@ from ..machine.read_ahead import read_ahead
 from ..message import Sentence, advised, said
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
+from ..remedies import PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 from .agreement import CLOSE, NEAR, TIGHT, Agreement, Comparison, LabelAgreement
 
@@ -139,7 +139,7 @@ def compared(
     warning, sentence = agreement.warning(labels.names if isinstance(labels, Labels) else None), agreement.sentence()
     if warning is None:
         return Comparison(agreement, (sentence,))
-    return Comparison(agreement, (sentence, Sentence(f"WARNING: {warning}", Remedy.REGISTER)))
+    return Comparison(agreement, (sentence, Sentence(f"WARNING: {warning}", PLACE_THE_CT)))
 
 
 def warn_of_disagreement(comparison: Comparison | None) -> None:

@@ -17,7 +17,7 @@ from ..geometry.volume import Volume
 from ..message import Judged, Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
+from ..remedies import START_NEARER
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
 from .certainty import HELD_MM, Loose, not_held, restart_spread
@@ -174,7 +174,7 @@ def register_echoes(
     refusal = _disagreement(agreement) or (None if level else _ambiguity(agreement, alternatives))
     if refusal is None and mirrored(echoes, bone, chosen.labels_to_reference).agreement.tightness > chosen.agreement.tightness:
         words = "The CT fits more closely mirrored: its left and right, or those of the images, may be swapped."
-        refusal = Sentence(words, Remedy.START_NEARER)
+        refusal = Sentence(words, START_NEARER)
     report(progress, 1.0, "Registered")
     return Registration(chosen.labels_to_reference, agreement, refusal, tuple(loose), restarts, alternatives, moved, segments, echoes)
 
@@ -222,7 +222,10 @@ def _disagreement(agreement: Agreement) -> Sentence | None:
         )
     if warning is None:
         return None
-    return Sentence(f"{agreement.sentence()} {warning}", Remedy.START_NEARER_OR_PIECES)
+    return Sentence(
+        f"{agreement.sentence()} {warning}",
+        ("Start nearer with {bone_transform}, give {per_segment} if the spine has bent, or take it as it is with {accept}."),
+    )
 
 
 def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Sentence | None:
@@ -232,16 +235,19 @@ def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Sentence | Non
         return Sentence(
             f"Only {best.explained:.0%} of all echoes agree in the place that fits most closely, and {most:.0%} in one that fits too "
             "roughly.",
-            Remedy.START_NEARER,
+            START_NEARER,
         )
     rival = max(others, key=lambda other: other.agreement.tightness, default=None)
     if rival is None or rival.agreement.tightness < AS_GOOD * best.tightness:
         return None
     there = f"{rival.agreement.explained:.0%} of all echoes agree there, {best.explained:.0%} here"
     if rival.levels is None:
-        return Sentence(f"The CT's one bone fits nearly as well elsewhere: {there}. More bones would tell.", Remedy.START_NEARER)
+        return Sentence(f"The CT's one bone fits nearly as well elsewhere: {there}. More bones would tell.", START_NEARER)
     where = "elsewhere" if not rival.levels else f"{rival.levels:+d} level(s) away (+: toward the head)"
-    return Sentence(f"The CT fits nearly as well {where}: {there}.", Remedy.CHOOSE_A_PLACE)
+    return Sentence(
+        f"The CT fits nearly as well {where}: {there}.",
+        "Compare the alternatives, then choose one with {level:N}, or take the best with {accept}.",
+    )
 
 
 def as_report(found: Registration) -> dict[str, object]:

@@ -15,7 +15,7 @@ from ..errors import SettingsError, TransformError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ..geometry.transforms import as_matrix, invert, with_unit_depth
 from ..imaging.images import ImagesOnDemand, ImageStack
-from ..remedies import Remedy
+from ..remedies import CALIBRATION_FILE
 from .frames import CROPPED, FrameRecord, TrackedSequence, records_from
 
 Transforms = dict[TransformName, TransformSample]
@@ -76,7 +76,7 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
         raise SettingsError(
             f"{sequence.name}: cropping moves the first pixel, so the calibration must move along, and the recording has none of "
             f"{image_frame}.",
-            Remedy.CALIBRATION_FILE,
+            CALIBRATION_FILE,
         )
     moved = np.eye(4)
     moved[:2, 3] = x, y
@@ -141,7 +141,7 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
         if wrong is None:
             raise SettingsError(
                 f"{sequence.name}: its {others[0]} includes the calibration that it was recorded with, which is not in the file.",
-                Remedy.WRONG_CALIBRATION,
+                "Give that too, with {wrong_calibration:FILE}.",
             )
     was_recorded = {name, name.inverse} & set(sequence.transform_names())
     sequence = _map_transforms(
@@ -194,7 +194,7 @@ def corrected(sequence: TrackedSequence, correction: Matrix, image_frame: str = 
     """
     correction = as_matrix(correction, "correction")
     if not any(image_frame in (name.source, name.target) for name in sequence.transform_names()):
-        raise SettingsError(f"{sequence.name}: it has no transform of {image_frame} to correct.", Remedy.CALIBRATION_FILE)
+        raise SettingsError(f"{sequence.name}: it has no transform of {image_frame} to correct.", CALIBRATION_FILE)
 
     def changed(transforms: Transforms) -> Transforms:
         result = {}

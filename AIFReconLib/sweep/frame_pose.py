@@ -13,7 +13,6 @@ from ..errors import GeometryError, TransformError
 from ..geometry.transform_graph import AGREE, TransformName, TransformSample, TransformStatus, Ways, largest_gap
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from ..message import listed
-from ..remedies import Remedy
 from .frames import CROPPED
 
 
@@ -69,7 +68,7 @@ def require_agreement(whose: str, frame_size: tuple[int, int], ways: Ways, pairs
     if gaps[frame, pair] > AGREE:
         raise TransformError(
             f"{whose}{ways.describe(int(pair))}. They differ by {float(gaps[frame, pair]):.3g} mm in frame {list(pairs)[frame]}.",
-            Remedy.WHICH_CHAIN,
+            "Say which one is right, as in {image_to_reference:{chain}}.",
             chain=listed((link.name for link in ways.path), ","),
         )
 

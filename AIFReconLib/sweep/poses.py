@@ -21,7 +21,7 @@ from ..geometry.transform_graph import (
     find_ways,
 )
 from ..message import Sentence, listed, said
-from ..remedies import Remedy
+from ..remedies import MISSING_LINK, TRANSFORM_SEQUENCES
 from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
@@ -316,23 +316,25 @@ def _find_ways(
         raise TransformError(f"{sequence.name}: {said(error)} {advice}", advice) from None
 
 
-NO_TRANSFORMS = Sentence("The recording has no transforms at all: was a tracker connected?", Remedy.TRANSFORM_SEQUENCES)
+NO_TRANSFORMS = Sentence("The recording has no transforms at all: was a tracker connected?", TRANSFORM_SEQUENCES)
 
 
 def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: Sequence[TransformName]) -> Sentence:
     """What is missing of a chain, and what to do; of all known `names`, those `moving` are not the same in every frame."""
     frames = {frame for name in names for frame in (name.source, name.target)}
     if wanted.source not in frames:
-        return Sentence("", Remedy.CALIBRATION, example=f"{wanted.source}ToProbe")
+        return Sentence(
+            "", "Give the calibration (for example {example}) with {config:PlusDeviceSet.xml}.", example=f"{wanted.source}ToProbe"
+        )
     near = connected(names, wanted.source)
     if wanted.target in frames - near:
-        return Sentence("", Remedy.MISSING_LINK)
+        return Sentence("", MISSING_LINK)
     # In a frame that the image is fixed to, all images would lie in one plane
     fixed = connected([name for name in names if name not in moving], wanted.source)
     others = ", ".join(sorted(near - fixed))
     if not others:
         return Sentence("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
-    return Sentence("", Remedy.OTHER_REFERENCE, frames=others)
+    return Sentence("", "Choose another frame to reconstruct in with {reference}, one of: {frames}.", frames=others)
 
 
 def _moves(sequence: TrackedSequence, name: TransformName) -> bool:

@@ -14,7 +14,6 @@ import numpy as np
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..recipe.recipe import LONGEST_GAP, ReadingSettings
-from ..remedies import Remedy
 from .frames import TrackedSequence
 from .pose_tracks import PoseTrack
 
@@ -54,7 +53,8 @@ def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap:
     times = sequence.timestamps.tolist()
     if not np.isfinite(times).all() or len(set(times)) < 2:
         raise SettingsError(
-            f"{sequence.name}: a time offset needs a time stamp for every frame, and they must differ.", Remedy.NO_TIME_OFFSET
+            f"{sequence.name}: a time offset needs a time stamp for every frame, and they must differ.",
+            "Leave out {time_offset}, or record the sweep with time stamps.",
         )
     images_taken = [time + time_offset for time in times]
     names = dict.fromkeys(name for record in sequence.records for name in record.transforms)

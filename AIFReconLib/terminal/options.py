@@ -26,7 +26,7 @@ from ..io.volume.label_files import LABEL_SUFFIXES, doubts, read_labels
 from ..io.volume.models import LPS, RAS, UNITS
 from ..message import Sentence
 from ..progress import Progress
-from ..remedies import Remedy
+from ..remedies import CHOOSE_LABELS
 from .console import real_path
 from .one_line_parser import FilesAction, OneLineParser
 
@@ -208,7 +208,7 @@ def labels_from(arguments: argparse.Namespace, progress: Progress | None = None)
         found = labels_from_ct(read_ct(arguments.ct), above, progress=progress)
         return found.chosen(chosen) if chosen else found
     labels = read_labels(arguments.bone_labels, chosen, space=arguments.bone_space, unit=arguments.bone_unit)
-    more = [Sentence(f"WARNING: {doubt}", Remedy.CHOOSE_LABELS) for doubt in doubts(labels, read_ct(ct) if ct else None)]
+    more = [Sentence(f"WARNING: {doubt}", CHOOSE_LABELS) for doubt in doubts(labels, read_ct(ct) if ct else None)]
     return replace(labels, notes=(*labels.notes, *more))
 
 

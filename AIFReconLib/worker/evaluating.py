@@ -21,10 +21,10 @@ from ..guidance.seen import GuidanceSeen, Share
 from ..inspection.verdicts import Verdict, calibration_verdict
 from ..io.disk.workspace import workspace
 from ..machine.threads import usable_cores
-from ..message import Sentence
+from ..message import Sentence, said
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..remedies import Remedy
+from ..remedies import ADD_TIME_OFFSET, PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def calibrated_by(
 
     found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
     if found.said is not None:
-        return Calibrated((Sentence(f"The calibration was not changed. {found.said}", found.said),), None)
+        return Calibrated((Sentence(f"The calibration was not changed. {found.said}", said(found.said)),), None)
     if found.changed <= found.uncertainty:
         agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
         return Calibrated((agrees, *_more(found)), None)
@@ -115,7 +115,7 @@ def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
     """Where the CT belongs by the new calibration, if that is elsewhere."""
     points = np.column_stack([found.echoes_on_bone[1], np.ones(len(found.echoes))])
     apart = float(np.median(np.linalg.norm((points @ (found.labels_to_reference - labels_to_reference).T)[:, :3], axis=1)))
-    return [Sentence(f"With it the CT belongs {apart:.1f} mm from where it lies.", Remedy.PLACE_THE_CT)] if apart > FAR else []
+    return [Sentence(f"With it the CT belongs {apart:.1f} mm from where it lies.", PLACE_THE_CT)] if apart > FAR else []
 
 
 def _more(found: Calibration) -> list[str]:
@@ -126,7 +126,7 @@ def _more(found: Calibration) -> list[str]:
     delay = float(found.values[-1])
     if found.held[-1] and abs(delay) > SURE * found.deviation[-1]:
         words = f"Images and poses are {1000 * abs(delay):.0f} ms out of step, which a calibration cannot mend."
-        lines.append(Sentence(words, Remedy.STEP, offset=f"{delay:.3f}"))
+        lines.append(Sentence(words, ADD_TIME_OFFSET, offset=f"{delay:.3f}"))
     return [*lines, found.advice] if found.advice else lines
 
 

@@ -14,10 +14,9 @@ from ..errors import AIFReconError, OperationCanceled
 from ..geometry.volume import Volume
 from ..inspection.tracking_report import TrackingReport
 from ..inspection.verdicts import registration_verdict
-from ..message import advised
+from ..message import Spelling, advised, as_argument
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..remedies import IN_PYTHON, Remedy
 from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
@@ -57,7 +56,7 @@ class PageAbout:
     pictured: Pictured | None = None
 
 
-def tell(about: PageAbout, path: Path | None = None, words: Mapping[Remedy, str] = IN_PYTHON, progress: Progress | None = None) -> str:
+def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argument, progress: Progress | None = None) -> str:
     """Write the page, completely or not at all, where a path is given; the same comes back in one line.
 
     `words` say what to do about what is found. Raises AIFReconError with what cannot be told or written.
@@ -130,7 +129,7 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
     return (Section("Pictures", said=tuple(said), pictures=tuple(pictures)),)
 
 
-def _agreement(about: PageAbout, words: Mapping[Remedy, str], progress: Progress | None) -> tuple[Section, str]:
+def _agreement(about: PageAbout, words: Spelling, progress: Progress | None) -> tuple[Section, str]:
     """How CT and sweep agree: a section, and words for the line."""
     from ..bone.echoes.search import sweep_echoes
     from ..bone.field import BoneField
@@ -157,7 +156,7 @@ def _agreement(about: PageAbout, words: Mapping[Remedy, str], progress: Progress
     return Section(title, said=said, table=table), registration_verdict(agreement, about.names).finding
 
 
-def _coverage(about: PageAbout, words: Mapping[Remedy, str], progress: Progress | None) -> tuple[Section | None, str]:
+def _coverage(about: PageAbout, words: Spelling, progress: Progress | None) -> tuple[Section | None, str]:
     """How much of each bone the sweep met: a section, and words for the line."""
     from ..evaluation.report import Section
     from ..guidance.coverage import coverage

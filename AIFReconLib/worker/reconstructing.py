@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cache
@@ -25,13 +25,12 @@ from ..geometry.transforms import pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, extreme_pixels
-from ..inspection.bone_surface import BoneSurface, bone_surface
+from ..inspection.bone_surface import ShownSurface, bone_surface
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport, tracking_report
-from ..message import advised
+from ..message import Spelling, advised, as_argument
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..remedies import IN_PYTHON, Remedy
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 
@@ -82,14 +81,14 @@ class Made:
     lines: tuple[str, ...]  #: What was done, in the words of who asked
     comparison: Comparison | None = None  #: Of CT and sweep, where bone is labeled
     measured: Volume | None = None  #: The plain mean of the echoes, on the same voxels
-    surface: BoneSurface | None = None  #: Of the bone that shows
+    surface: ShownSurface | None = None  #: Of the bone that shows
 
 
 def reconstructed(
     asked: Asked,
     keep: Collection[str] = (),
     for_views: bool = False,
-    words: Mapping[Remedy, str] = IN_PYTHON,
+    words: Spelling = as_argument,
     progress: Progress | None = None,
 ) -> Made:
     """Reconstruct what is asked for.
@@ -123,7 +122,7 @@ def reconstructed(
         if not wished:
             raise
         result = _one(asked, asked.recipe, bone, labeled, wanted, share)
-    lines = summary_lines(replace(result, said=(*result.said, *unasked)), len(asked.sequence), words=words)
+    lines = summary_lines(replace(result, said=(*result.said, *unasked)), len(asked.sequence), spelling=words)
     comparison = None if labeled is None else labeled.comparison(part(progress, 0.75, 0.8))
     if labeled is not None and comparison is not None and labeled.is_automatic(result.method):
         lines += [advised(line, words) for line in labeled.lines(result.method)[len(comparison.lines) :]]
@@ -152,7 +151,7 @@ class Compared:
 
 
 def compared_methods(
-    asked: Asked, labels: Volume | None = None, words: Mapping[Remedy, str] = IN_PYTHON, progress: Progress | None = None
+    asked: Asked, labels: Volume | None = None, words: Spelling = as_argument, progress: Progress | None = None
 ) -> Compared:
     """Reconstruct with each of the methods that are compared, in turn, and measure the volumes against `labels` in Reference."""
     from .evaluating import measured_volumes
@@ -168,7 +167,7 @@ def compared_methods(
         mask = next(iter(results.values())).mask
         volumes = {method: result.intensity for method, result in results.items()}
         metrics = measured_volumes(volumes, labels, asked.sequence, mask, asked.recipe, part(progress, 0.7, 1.0))
-    lines = [summary_lines(result, len(asked.sequence), words=words)[0] for result in results.values()]
+    lines = [summary_lines(result, len(asked.sequence), spelling=words)[0] for result in results.values()]
     return Compared({method: _with(result, ()) for method, result in results.items()}, metrics, tuple(lines))
 
 
@@ -307,7 +306,7 @@ def plain_mean(sequence: TrackedSequence, recipe: Recipe, result: Reconstruction
     return reconstruct(sequence, plain, None, result.grid, beside=(), progress=progress).intensity
 
 
-def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> BoneSurface | None:
+def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> ShownSurface | None:
     """The bone that a result shows, for 3D; None of one without score and hits."""
     from ..inspection.shown_bone import shown_bone
 

@@ -11,8 +11,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.remedies import Remedy
-
 NAMES = [
     *(
         "Probe",
@@ -68,7 +66,7 @@ class Made:
     times: np.ndarray | None
     text: str
     name: str = "poses.csv"
-    answers: dict[Remedy, dict[str, Any]] = field(default_factory=dict)
+    answers: dict[str, dict[str, Any]] = field(default_factory=dict)
     layout: str = ""
 
 
@@ -115,10 +113,6 @@ def quaternion(pose, order="wxyz") -> list[str]:
     return numbers([dict(zip("xyzw", Rotation.from_matrix(pose[:3, :3]).as_quat()))[axis] for axis in order])
 
 
-def answers(**given) -> dict[Remedy, dict[str, Any]]:
-    return {getattr(Remedy, name): value for name, value in given.items()}
-
-
 def ndi_side_by_side(r: Recording) -> Made:
     """NDI's sample of the Combined API: headings again and again, markers beside tools."""
     marker = ",Marker0.Status,Tx,Ty,Tz" if r.random.uniform() < 0.5 else ""
@@ -137,7 +131,7 @@ def ndi_side_by_side(r: Recording) -> Made:
             line += ",".join(values) + ",0.12,1" + (",OK,1,2,3" if marker else "")
         lines.append(line)
     poses, times = r.of(0)
-    return Made(poses, times, "\n".join(lines), answers=answers(WHICH_TOOL={"tool": "01"}))
+    return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": "01"}})
 
 
 def ndi_in_rows(r: Recording) -> Made:
@@ -149,7 +143,7 @@ def ndi_in_rows(r: Recording) -> Made:
             values = [*numbers(pose[:3, 3]), *quaternion(pose)] if r.good[tool, n] else ["0"] * 7
             rows.append(",".join([str(tool), f"{time:.6f}", str(n), *values, "0.2"]))
     poses, times = r.of(0)
-    return Made(poses, times, "\n".join(rows), answers=answers(WHICH_TOOL={"tool": "0"}))
+    return Made(poses, times, "\n".join(rows), answers={"tool": {"tool": "0"}})
 
 
 def motive(r: Recording) -> Made:
@@ -172,7 +166,7 @@ def motive(r: Recording) -> Made:
             cells += [*quaternion(pose, "xyzw"), *numbers(factor * pose[:3, 3]), "0.0002"] if r.good[tool, n] else [""] * 8
         rows.append(",".join(cells))
     poses, times = r.of(0)
-    return Made(poses, times, "\n".join([*head, *rows]), answers=answers(WHICH_TOOL={"tool": f"{shown(r.names[0])} 17"}))
+    return Made(poses, times, "\n".join([*head, *rows]), answers={"tool": {"tool": f"{shown(r.names[0])} 17"}})
 
 
 def vicon(r: Recording) -> Made:
@@ -192,7 +186,7 @@ def vicon(r: Recording) -> Made:
     after = ["", "Trajectories", str(rate), "," + ",Probe:M1,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm", "1,0,1,2,3"]
     poses, times = r.of(0)
     text = "\n".join([*head, *rows, *(after if r.random.uniform() < 0.5 else [])])
-    said = answers(WHICH_TOOL={"tool": shown(f"{r.names[0]} {r.names[0]}")}, EULER_ORDER={"euler_order": "vector"})
+    said = {"tool": {"tool": shown(f"{r.names[0]} {r.names[0]}")}, "euler_order": {"euler_order": "vector"}}
     return Made(poses, times, text, answers=said)
 
 
@@ -221,7 +215,11 @@ def qualisys(r: Recording) -> Made:
         rows.append("\t".join(cells))
     poses, times = r.of(0)
     columns = ("frame", "time", *"xyz", *"----", *(f"r{k}" for k in range(9)), *["-"] * 16 * (len(r.names) - 1))
-    said = answers(WHICH_TOOL={"tool": shown(r.names[0])}, ROWS_OR_COLUMNS={"column_major": True}, NAME_THE_COLUMNS={"columns": columns})
+    said: dict[str, dict[str, Any]] = {
+        "tool": {"tool": shown(r.names[0])},
+        "column_major": {"column_major": True},
+        "columns": {"columns": columns},
+    }
     return Made(poses, times, "\n".join([*head, *rows]), "poses.tsv", said)
 
 
@@ -240,7 +238,7 @@ def robot(r: Recording, kuka: bool | None = None) -> Made:
         head = ["time_s", "x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"] if said else ["time", "x", "y", "z", "rx", "ry", "rz"]
         turns, factor = Rotation.from_matrix(poses[:, :3, :3]).as_rotvec(), 1e-3
     rows = [numbers([t, *(factor * pose[:3, 3]), *turn]) for t, pose, turn in zip(r.times, poses, turns)]
-    given = answers(EULER_ORDER={"euler_order": "vector"}, ANGLE_UNIT={"angle_unit": "rad"}, UNITS={"length_unit": "m"})
+    given = {"euler_order": {"euler_order": "vector"}, "angle_unit": {"angle_unit": "rad"}, "units": {"length_unit": "m"}}
     return Made(poses, times, "\n".join(";".join(row) for row in [head, *rows]), answers=given)
 
 
@@ -265,7 +263,7 @@ def ros(r: Recording) -> Made:
         head = "sec,nanosec,frame_id,x,y,z,qx,qy,qz,qw"
         front = [f"{stamp // 10**9},{stamp % 10**9},tracker" for stamp in stamps]
     rows = [",".join([f, *numbers(1e-3 * pose[:3, 3]), *quaternion(pose, "xyzw")]) for f, pose in zip(front, poses)]
-    return Made(poses, times, "\n".join([head, *rows]), answers=answers(UNITS={"length_unit": "m"}, SURE={"length_unit": "m"}))
+    return Made(poses, times, "\n".join([head, *rows]), answers={"units": {"length_unit": "m"}, "tool": {"length_unit": "m"}})
 
 
 WAYS = [f"{first}{separator}{then}" for separator in ("_", ".", ":", "/", " ", "") for first, then in (("{0}", "{1}"), ("{1}", "{0}"))]
@@ -320,15 +318,15 @@ def plain(r: Recording) -> Made:
     columns = [head[0], *(name if tool == 0 else "-" for tool, name in fields)]
     place = str(order.index(0) + 1)
     unnamed = f"unnamed {place}" if any(place in shown(label).split() for label in labels) else place
-    given = answers(
-        WHICH_TOOL={"tool": shown(labels[0]) or unnamed},
-        NAME_THE_COLUMNS={"columns": tuple(columns), "tool": None},
-        TIME_UNIT={"time_unit": unit},
-        QUATERNION_ORDER={"quaternion_order": "wxyz"},
-        EULER_ORDER={"euler_order": "xyz"},
-        ANGLE_UNIT={"angle_unit": "deg"},
-        GOOD_STATUS={"good_statuses": (words[0],)},
-    )
+    given: dict[str, dict[str, Any]] = {
+        "tool": {"tool": shown(labels[0]) or unnamed},
+        "columns": {"columns": tuple(columns), "tool": None},
+        "time_unit": {"time_unit": unit},
+        "quaternion_order": {"quaternion_order": "wxyz"},
+        "euler_order": {"euler_order": "xyz"},
+        "angle_unit": {"angle_unit": "deg"},
+        "status_ok": {"good_statuses": (words[0],)},
+    }
     return Made(poses, times, "\n".join(separator.join(row) for row in [head, *rows]), answers=given)
 
 
@@ -344,7 +342,7 @@ def bare(r: Recording, kind: int | None = None) -> Made:
         text = "\n".join(" ".join(numbers(pose[:rows_written])) for pose in poses)
     elif kind == 1:
         text = "\n".join(",".join(numbers(pose.T)) for pose in poses)
-        return Made(poses, None, text, answers=answers(COLUMN_MAJOR={"column_major": True}))
+        return Made(poses, None, text, answers={"column_major": {"column_major": True}})
     elif kind == 2:
         height = 3 + int(r.random.integers(2))
         text = "\n".join("\n".join(" ".join(numbers(line)) for line in pose[:height]) for pose in poses)

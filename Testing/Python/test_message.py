@@ -12,41 +12,68 @@ import pytest
 
 from AIFReconLib.commands.parser import build_parser
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import LONGEST_SENTENCE, Sentence, advised, listed, one_line, said
-from AIFReconLib.remedies import IN_PYTHON, Remedy
-from AIFReconLib.terminal.remedies import IN_OPTIONS, in_columns, in_options
+from AIFReconLib.message import LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, one_line, said
+from AIFReconLib.terminal.remedies import as_option, in_columns, in_options
 
 LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
+HOLES = "Give {hole_limit:MM}."
+CHAIN = "Say which one is right, as in {image_to_reference:{chain}}."
 OF_THE_TERMINAL = ("batch", "commands", "terminal")
 
 
 def test_a_sentence_is_the_text_alone():
-    assert Sentence("No probe is known.", Remedy.NAME_THE_PROBE) == "No probe is known."
+    assert Sentence("No probe is known.", "Give {probe}.") == "No probe is known."
 
 
 def test_each_door_says_the_remedy_in_its_own_words():
-    error = SettingsError("got 0.", Remedy.HOLE_LIMIT)
+    error = SettingsError("got 0.", HOLES)
     assert (str(error), in_options(error), in_columns(error), said(error)) == (
-        "got 0. Give hole_limit in mm.",
+        "got 0. Give hole_limit=mm.",
         "got 0. Give --hole-limit MM.",
         "got 0. Give hole_limit MM.",
         "got 0.",
     )
 
 
+@pytest.mark.parametrize(
+    ("advice", "python", "options"),
+    [
+        ("{probe:linear}", 'probe="linear"', "--probe linear"),
+        ("{clip_px:5 3 29.5 -2}", "clip_px=(5, 3, 29.5, -2)", "--clip-px 5 3 29.5 -2"),
+        ("{apex_px:COLUMN ROW}", "apex_px=(column, row)", "--apex-px COLUMN ROW"),
+        ('{columns:"time x"}', 'columns="time x"', '--columns "time x"'),
+        ("{bone_from_sweep}", "bone_from_sweep=", "--bone-from-sweep"),
+        ("{grid_like}", "grid=", "--grid-like"),
+    ],
+)
+def test_a_setting_and_its_value_are_written_as_each_door_does(advice, python, options):
+    sentence = Sentence("", advice)
+    assert (advised(sentence), in_options(sentence)) == (python, options)
+
+
+def test_a_panel_writes_labels():
+    labels = {"probe": "Probe"}
+    spelled = [as_label(labels, *each) for each in (("probe", "linear"), ("probe", "NAME"), ("per_segment", ""))]
+    assert spelled == ["“Probe” (linear)", "“Probe”", "per segment"]
+
+
+def test_an_advice_names_its_settings():
+    assert Sentence("", "Give {probe:linear} or {method} of {these}.", these="x").settings == ("probe", "method")
+
+
 def test_details_are_named_in_the_remedy():
-    sentence = Sentence("Two ways.", Remedy.WHICH_CHAIN, chain="ImageToReference")
+    sentence = Sentence("Two ways.", CHAIN, chain="ImageToReference")
     assert in_options(sentence).endswith("as in --image-to-reference ImageToReference.")
 
 
-@pytest.mark.parametrize("inner", [SettingsError("late.", Remedy.HOLE_LIMIT), Sentence("late.", Remedy.HOLE_LIMIT)])
+@pytest.mark.parametrize("inner", [SettingsError("late.", HOLES), Sentence("late.", HOLES)])
 def test_an_error_about_another_takes_its_remedy_over(inner):
     outer = OutputError(f"a.mha: {said(inner) if isinstance(inner, Exception) else inner}", inner)
-    assert (str(outer), in_options(outer)) == ("a.mha: late. Give hole_limit in mm.", "a.mha: late. Give --hole-limit MM.")
+    assert (str(outer), in_options(outer)) == ("a.mha: late. Give hole_limit=mm.", "a.mha: late. Give --hole-limit MM.")
 
 
 def test_an_error_may_be_raised_with_a_sentence():
-    assert in_options(SettingsError(Sentence("late.", Remedy.HOLE_LIMIT))) == "late. Give --hole-limit MM."
+    assert in_options(SettingsError(Sentence("late.", HOLES))) == "late. Give --hole-limit MM."
 
 
 def test_what_names_no_remedy_is_said_as_it_is():
@@ -54,17 +81,17 @@ def test_what_names_no_remedy_is_said_as_it_is():
 
 
 def test_braces_in_a_file_s_name_stay():
-    assert in_options(SettingsError("{x}.mha: late.", Remedy.HOLE_LIMIT)) == "{x}.mha: late. Give --hole-limit MM."
+    assert in_options(SettingsError("{x}.mha: late.", HOLES)) == "{x}.mha: late. Give --hole-limit MM."
 
 
 def test_what_a_file_holds_cannot_command_a_terminal_nor_fill_it():
-    said_of_it = str(SettingsError(f"bad \x1b[2J\n{'x' * 10**6}", Remedy.HOLE_LIMIT))
-    assert re.fullmatch(r"bad \?\[2J\?x+\.\.\. Give hole_limit in mm\.", said_of_it)
+    said_of_it = str(SettingsError(f"bad \x1b[2J\n{'x' * 10**6}", HOLES))
+    assert re.fullmatch(r"bad \?\[2J\?x+\.\.\. Give hole_limit=mm\.", said_of_it)
     assert len(said_of_it) < LONGEST_SENTENCE + 100
 
 
 def test_an_error_comes_through_a_pickle_with_its_remedy():
-    error = pickle.loads(pickle.dumps(SettingsError("got 0.", Remedy.WHICH_CHAIN, chain="AToB")))
+    error = pickle.loads(pickle.dumps(SettingsError("got 0.", CHAIN, chain="AToB")))
     assert (type(error), in_options(error)[-26:]) == (SettingsError, "--image-to-reference AToB.")
 
 
@@ -80,16 +107,46 @@ def test_one_line_is_left_of_several():
     assert one_line("a\nb\x00é") == "a?b?é"
 
 
-# ---- the tables of remedies
+# ---- the advice that the library gives
 
 
-@pytest.mark.parametrize("words", [IN_PYTHON, IN_OPTIONS], ids=["Python", "terminal"])
-def test_every_remedy_has_words_and_all_doors_name_the_same_details(words):
-    def details(text):
-        return set(re.findall(r"(?<!\{)\{(\w+)", text))
+def texts(tree: ast.Module) -> list[str]:
+    """Every string of a file but docstrings."""
+    told = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    return [
+        node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told
+    ]
 
-    assert set(words) == set(Remedy)
-    assert [each.name for each in Remedy if not details(words[each]) <= details(IN_PYTHON[each]) | {"module"}] == []
+
+def advice_in(path: Path) -> set[str]:
+    """Every advice of a file that names a setting."""
+    strings = [text for text in texts(ast.parse(path.read_text("utf-8"))) if "{needed}" not in text]
+    return {text for text in strings if re.match(r"[A-Z].*\{[a-z_]+(:[^}]*)?\}.*\.$", text)}
+
+
+ADVICE = set().union(*map(advice_in, LIBRARY.rglob("*.py")))
+DETAILS = {
+    "choice",
+    "frame",
+    "frames",
+    "fits",
+    "first",
+    "unit",
+    "word",
+    "example",
+    "offset",
+    "methods",
+    "or_calibration",
+    "across",
+    "along",
+    "name",
+}
+"""What is no setting in an advice."""
+
+
+def named() -> set[str]:
+    """The settings that an advice names."""
+    return {name for text in ADVICE for name in Sentence("", text).settings} - DETAILS - {"module"}
 
 
 def options_of(parser: argparse.ArgumentParser) -> set[str]:
@@ -102,9 +159,10 @@ def options_of(parser: argparse.ArgumentParser) -> set[str]:
     return options
 
 
-def test_every_option_that_a_remedy_names_exists():
+def test_every_setting_of_an_advice_is_an_option():
     known = options_of(build_parser())
-    assert {option for words in IN_OPTIONS.values() for option in re.findall(r"--[a-z][a-z-]*", words)} - known == set()
+    assert len(named()) > 30
+    assert {name for name in named() if as_option(name) not in known} == set()
 
 
 def names_in(path: Path) -> set[str]:
@@ -121,25 +179,9 @@ def names_in(path: Path) -> set[str]:
     return found
 
 
-def test_every_name_of_python_that_a_remedy_names_exists():
+def test_every_setting_of_an_advice_is_a_name_in_python():
     known = set().union(*map(names_in, LIBRARY.rglob("*.py")))
-    named = {
-        name
-        for words in IN_PYTHON.values()
-        for pair in re.findall(r"\b([a-z]+(?:_[a-z]+)+)\b|\b(\w+)[=(]", re.sub(r"\{\w+[^}]*\}", "", words))
-        for name in pair
-        if name
-    }
-    assert len(named) > 15
-    assert named - known == set()
-
-
-def texts(tree: ast.Module) -> list[str]:
-    """Every string of a file but docstrings."""
-    told = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    return [
-        node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in told
-    ]
+    assert {name for name in named() if re.split("[=(]", as_argument(name))[0].split(".")[-1] not in known} == set()
 
 
 OF_OTHERS = ("--force-reinstall", "rosbags-convert", "--exclude-topic", "{ ")
@@ -155,8 +197,3 @@ def test_the_library_names_no_option_outside_the_terminal():
         if re.search(r"(^|[ (])--[a-z]", text) and not any(known in text for known in OF_OTHERS)
     ]
     assert offenders == []
-
-
-def test_every_remedy_is_named_where_something_is_wrong():
-    told = "".join(path.read_text("utf-8") for path in LIBRARY.rglob("*.py") if path.name != "remedies.py")
-    assert [each.name for each in Remedy if f"Remedy.{each.name}" not in told] == []

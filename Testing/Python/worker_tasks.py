@@ -13,7 +13,6 @@ import numpy as np
 
 from AIFReconLib.errors import GeometryError, OperationCanceled
 from AIFReconLib.progress import Progress, report
-from AIFReconLib.remedies import Remedy
 from AIFReconLib.worker.channel import shared_array
 
 
@@ -93,7 +92,7 @@ def computing(seconds: float) -> None:
 def refuse(kind: str) -> object:
     """An error of this kind."""
     if kind == "ours":
-        raise GeometryError("The grid has no voxels.", Remedy.CLIP_AS_RECOGNIZED, x=1, y=2, width=3, height=4)
+        raise GeometryError("The grid has no voxels.", "Recognized: {clip_px:{x} {y} {width} {height}}.", x=1, y=2, width=3, height=4)
     if kind == "file":
         raise FileNotFoundError(2, "No such file", "sweep.mha")
     if kind == "cannot be pickled":

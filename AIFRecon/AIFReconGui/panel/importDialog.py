@@ -5,7 +5,7 @@ import pathlib
 import qt
 import slicer
 from AIFReconScene.inputs.parameters import fileFrom
-from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.panelWords import inImportWords
 from AIFReconScene.sweep.recordings import ForeignSweep
 from slicer.i18n import tr as _
 
@@ -118,7 +118,7 @@ class ImportDialog(PanelPart):
         for each in said:
             self._ask(questions_of(each))
         self._show(self._seen and self._seen.checked.drawing)
-        return "\n".join(map(inPanelWords, said))
+        return "\n".join(map(inImportWords, said))
 
     # ---- what is shown
 

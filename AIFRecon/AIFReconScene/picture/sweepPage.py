@@ -9,7 +9,7 @@ from AIFReconLib.worker.page import PageAbout, Pictured, tell
 
 from ..inputs.boneNodes import boneNames, isLabeled
 from ..inputs.inputs import Inputs
-from ..panelWords import inPanelWords, remedies
+from ..panelWords import asControl, inPanelWords
 from ..registration.ctRegistration import rigidPlace
 from ..volumes.volumeNodes import OWN_FIELDS, SETTINGS_ATTRIBUTE, measuredOf, ultrasoundWindowOf, volumeOf
 from ..work import inWorker
@@ -52,7 +52,7 @@ def tellOf(parameters, tracking, path=None, progress=None) -> str:
         pictured=None if path is None else _pictured(output, parameters.ctVolume, bone),
         **_boneOf(inputs, bone, part(progress, 0.0, 0.1)),
     )
-    return inWorker(tell, about, path, remedies(), progress=part(progress, 0.1, 1.0))
+    return inWorker(tell, about, path, asControl(), progress=part(progress, 0.1, 1.0))
 
 
 def _boneOf(inputs, bone, progress) -> dict:

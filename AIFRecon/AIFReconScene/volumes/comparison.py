@@ -10,7 +10,7 @@ from AIFReconLib.progress import part, report
 from AIFReconLib.worker.reconstructing import compared_methods
 
 from ..inputs.boneNodes import isLabeled, labelsFromNode
-from ..panelWords import remedies
+from ..panelWords import asControl
 from ..sceneNodes import removeNodes
 from ..work import inWorker
 from .volumeNodes import COMPARED_ROLE, giveName, hasGivenName, intoFolder, outputNodes
@@ -32,7 +32,7 @@ def compareMethods(inputs, progress=None) -> Comparison:
     reconstructed into them, or chosen them as an input: those stay as they are, and new ones are made.
     """
     asked, labels = inputs.asked(part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
-    compared = inWorker(compared_methods, asked, labels, remedies(), progress=part(progress, 0.05, 0.98))
+    compared = inWorker(compared_methods, asked, labels, asControl(), progress=part(progress, 0.05, 0.98))
     report(progress, 0.98, "Showing the volumes")
     volumes = _volumes(compared.results, inputs)
     _shareWindow(volumes.values())

@@ -10,7 +10,7 @@ import vtk
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.inspection.gray_levels import gray_levels
+from AIFReconLib.imaging.gray_window import gray_window
 from AIFReconLib.worker.evaluating import write_settings
 
 from ..sceneNodes import freeName, newImage, removeNodes, setWindow, sharedColors
@@ -115,7 +115,7 @@ def outputNodes(
         volumes[MEASURED] = measured
     # All memory is taken before the first node changes
     images = {kind: _imageData(volume.array) for kind, volume in volumes.items()}
-    window = gray_levels(result.intensity.array, result.mask.array)
+    window = gray_window(result.intensity.array, result.mask.array)
     made = []
     try:
         placed = {}
@@ -175,7 +175,7 @@ def _removeHelpers(node, roles) -> None:
 def ultrasoundWindowOf(node) -> tuple[float, float]:
     """Darkest and brightest gray level to show of a volume node, whose voxels are 0 where nothing was measured."""
     array = slicer.util.arrayFromVolume(node)
-    return gray_levels(array, array)
+    return gray_window(array, array)
 
 
 def _imageData(array: np.ndarray):
@@ -225,7 +225,7 @@ def followIntensity(node, result, shown: tuple[float, float] | None = None) -> t
 
     `shown` is what this function returned the last time. A window that is another by now is the user's, and stays.
     """
-    window = gray_levels(result.intensity.array, result.mask.array)
+    window = gray_window(result.intensity.array, result.mask.array)
     if node.GetDisplayNode() is not None and shown in (None, windowOf(node)):
         _show(node, INTENSITY, window)
         return window

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...arrays import Floats, Numbers
 from ...errors import GeometryError
-from ...remedies import Remedy
 
 AIR = -300.0
 """HU below which nothing is tissue, nor a table's foam."""
@@ -64,7 +63,9 @@ def soft_tissue(values: Numbers) -> SoftTissue:
         lies = f"its values run from {low:g} to {high:g}"
         if high > 1000 and (low > LEAST_LOW or dense > MOST_DENSE * solid):
             lies += ", which may be Hounsfield units with 1000 or 1024 added"
-        raise GeometryError(f"The CT is not in Hounsfield units: {lies}.", Remedy.HOUNSFIELD)
+        raise GeometryError(
+            f"The CT is not in Hounsfield units: {lies}.", "Give the CT as the scanner's DICOM files have it, or labels of its bone."
+        )
     return _peak(middles, counts.astype(np.float64))
 
 

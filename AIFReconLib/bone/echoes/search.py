@@ -16,7 +16,7 @@ from ...machine.threads import in_parts, usable_cores
 from ...message import listed
 from ...progress import Progress, part, report
 from ...recipe.recipe import Recipe
-from ...remedies import Remedy
+from ...remedies import CHECK_PROBE_AND_CLIP
 from ...resolve import resolve_imaging
 from ...sweep.frames import TrackedFrame, TrackedSequence
 from ...sweep.joined import sweeps_of
@@ -86,7 +86,7 @@ def sweep_echoes(
         raise GeometryError(
             f"{listed([sequence.name for sequence in sweeps])}: {len(echoes)} bone echoes, bright with darkness behind them, are too "
             f"few to tell bone by; {FEWEST} are needed.",
-            Remedy.CHECK_PROBE_AND_CLIP,
+            CHECK_PROBE_AND_CLIP,
         )
     return echoes
 

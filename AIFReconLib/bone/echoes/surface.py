@@ -27,7 +27,7 @@ from ...machine.threads import in_parts, usable_cores
 from ...message import Sentence, listed, said
 from ...progress import Progress, part, report
 from ...recipe.recipe import Recipe
-from ...remedies import Remedy
+from ...remedies import CHECK_PROBE_AND_CLIP
 from ...sweep.frames import TrackedSequence
 from ...sweep.joined import sweeps_of
 from ..map import BoneMap
@@ -103,7 +103,7 @@ def bone_from_sweep(
     if len(found) < LEAST_A_FRAME * frames or not found.show_bone:
         raise GeometryError(
             f"{listed([sweep.name for sweep in sweeps])}: the images show hardly any bone, {len(found)} echoes in {frames} frames.",
-            Remedy.CHECK_PROBE_AND_CLIP,
+            CHECK_PROBE_AND_CLIP,
         )
     if may_be is not None:
         found = found[may_be(found.points)]
@@ -136,7 +136,7 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     surface.add(echoes)
     found = surface.news(progress, usable_cores())
     if found is None:
-        raise GeometryError("No frame shows an echo of bone.", Remedy.CHECK_PROBE_AND_CLIP)
+        raise GeometryError("No frame shows an echo of bone.", CHECK_PROBE_AND_CLIP)
     return replace(found, notes=(f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",))
 
 

@@ -11,7 +11,6 @@ import re
 
 from ...errors import MethodError
 from ...message import listed
-from ...remedies import Remedy
 from .aif import AIF, AIF_COMPENSATED
 from .average import AVERAGE
 from .latest import LATEST
@@ -66,7 +65,7 @@ def method_named(name: str) -> Method:
     if is_own_method(name):
         raise MethodError(
             f"Method {name} is not known: no module that registers it was imported.",
-            Remedy.IMPORT_THE_METHOD,
+            "Import {module} first, or choose another {method}: {methods}.",
             module=name.partition(":")[0],
             methods=listed(_TABLE),
         )

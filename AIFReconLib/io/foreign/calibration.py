@@ -10,7 +10,7 @@ from ...arrays import Matrix
 from ...errors import GeometryError, TransformFileError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
-from ...remedies import Remedy
+from ...remedies import NAME_THE_CALIBRATION
 from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
 from ..metafile.text_values import NotANumberError, parse_numbers
@@ -44,7 +44,7 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
             there = ", ".join(map(str, transforms)) or "none"
             raise TransformFileError(
                 f"{path}: it must hold {name or f'one transform from {IMAGE_FRAME}'}; got {there}.",
-                Remedy.NAME_THE_CALIBRATION,
+                NAME_THE_CALIBRATION,
                 example="ImageToProbe",
             )
         return names[0], _usable(path, transforms[names[0]].matrix)

@@ -11,8 +11,8 @@ from ...arrays import Floats, Integers, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import are_rigid, invert, why_not_an_image_pose, why_not_rigid
-from ...message import Sentence
-from ...remedies import Remedy
+from ...message import Sentence, said
+from ...remedies import CALIBRATION_UNIT, NAME_THE_CALIBRATION, NO_PIXEL_SIZE, PIXEL_SIZE, SURE, TIME_OFFSET, TIME_UNIT, UNITS
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
@@ -136,7 +136,9 @@ def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSett
     moving = next((frame for frame in (IMAGE_FRAME, *calibrated, "Probe") if frame in ends), name.source)
     marker = TransformName(name.source, REFERENCE_FRAME) if moving == name.target else TransformName(REFERENCE_FRAME, name.target)
     if REFERENCE_FRAME in ends:
-        raise SettingsError(f"The poses of {name} are those in Reference already, and there is a marker on the patient.", Remedy.NO_MARKER)
+        raise SettingsError(
+            f"The poses of {name} are those in Reference already, and there is a marker on the patient.", "Leave out {reference_tool}."
+        )
     matrices = in_millimeters(patient.matrices, patient.length_unit, takes_pixels=False)
     known = np.array(np.isfinite(matrices).all(axis=(1, 2)), dtype=bool)
     for number, matrix in enumerate(matrices) if not are_rigid(matrices[known]) else ():
@@ -149,7 +151,7 @@ def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) 
     """What was taken for granted of two clocks that both count from 0."""
     counted = poses.times is not None and abs(float(poses.times[0])) < 1.0 and poses.images is None and not settings.time_offset
     if counted and images.times is not None and abs(float(images.times[0])) < 1.0:
-        return [Sentence("note: images and poses both count from 0, and were taken to begin at one moment.", Remedy.TIME_OFFSET)]
+        return [Sentence("note: images and poses both count from 0, and were taken to begin at one moment.", TIME_OFFSET)]
     return []
 
 
@@ -164,7 +166,8 @@ def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, setting
         pixels = matrix if name.source == IMAGE_FRAME else invert(matrix)
         if reason and (IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels)):
             raise SettingsError(
-                f"Pose {number} must be a rotation and a translation; it is {reason}. Check the columns.", Remedy.COLUMN_MAJOR
+                f"Pose {number} must be a rotation and a translation; it is {reason}. Check the columns.",
+                "Where matrices are written column by column, give {column_major}.",
             )
     return False
 
@@ -179,18 +182,16 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
             _require_known_spacing(images, spacing)
         return _placed_by_probe(matrices, spacing, images, settings)
     if settings.calibration:
-        raise SettingsError(f"{name} places the image itself, so there is no calibration to apply.", Remedy.NO_CALIBRATION)
+        raise SettingsError(f"{name} places the image itself, so there is no calibration to apply.", "Leave out {calibration}.")
     if not rigid:
         if settings.spacing or settings.origin_px:
-            raise SettingsError(f"The matrices of {name} hold the size of a pixel already.", Remedy.NO_PIXEL_SIZE, or_calibration="")
+            raise SettingsError(f"The matrices of {name} hold the size of a pixel already.", NO_PIXEL_SIZE, or_calibration="")
         first = matrices[np.isfinite(matrices).all(axis=(1, 2))][0]
         _about_image(first if name.source == IMAGE_FRAME else invert(first), images, settings)
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
     _require_known_spacing(images, spacing)
     if spacing is None:
-        raise SettingsError(
-            f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known.", Remedy.PIXEL_SIZE
-        )
+        raise SettingsError(f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known.", PIXEL_SIZE)
     pixel_to_image = _pixels_to_mm(spacing, origin)
     _about_image(pixel_to_image, images, settings)
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
@@ -200,7 +201,7 @@ def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedI
 
 def _require_known_spacing(images: ImportedImages, spacing: tuple[float, float] | None) -> None:
     if spacing is None and images.unknown_spacing:
-        raise SettingsError(f"The size of a pixel is not known: {images.unknown_spacing}.", Remedy.PIXEL_SIZE)
+        raise SettingsError(f"The size of a pixel is not known: {images.unknown_spacing}.", PIXEL_SIZE)
 
 
 def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, images: ImportedImages, settings: ImportSettings) -> _Place:
@@ -217,13 +218,11 @@ def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, imag
             matrix[:3, :3] /= unit
             matrix = matrix @ _pixels_to_mm(settings.spacing, settings.origin_px or (0.0, 0.0))
         elif settings.spacing or settings.origin_px:
-            raise SettingsError(
-                "A calibration holds the size of a pixel already.", Remedy.NO_PIXEL_SIZE, or_calibration=", or the calibration"
-            )
+            raise SettingsError("A calibration holds the size of a pixel already.", NO_PIXEL_SIZE, or_calibration=", or the calibration")
         if calibration.source != IMAGE_FRAME or calibration.target not in ends:
             raise SettingsError(
                 f"The calibration must lead from {IMAGE_FRAME} to {ends[0]} or {ends[1]}; got {calibration}.",
-                Remedy.NAME_THE_CALIBRATION,
+                NAME_THE_CALIBRATION,
                 example=f"{IMAGE_FRAME}To{ends[0]}",
             )
         _about_image(matrix, images, settings)
@@ -241,7 +240,9 @@ def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, imag
         )
     if settings.spacing or settings.origin_px:
         raise SettingsError(
-            f"The size of a pixel alone does not say where the image lies in {name.source}.", Remedy.WHERE_THE_IMAGE_LIES, frame=name.source
+            f"The size of a pixel alone does not say where the image lies in {name.source}.",
+            ("Give {calibration:FILE}; or both {spacing} and {image_origin_px}, if the axes of the image are those of {frame}."),
+            frame=name.source,
         )
     return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
 
@@ -278,7 +279,10 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
     by_rate = "" if rate is None else f", images {rate:g} times a second"
     image_times = images.times if rate is None else np.arange(count) / rate
     if offset and (image_times is None or poses.times is None):
-        raise SettingsError("A time offset needs times of images and poses, and one of them has none.", Remedy.NO_TIME_OFFSET)
+        raise SettingsError(
+            "A time offset needs times of images and poses, and one of them has none.",
+            "Leave out {time_offset}, or record the sweep with time stamps.",
+        )
     if image_times is not None:
         image_times = image_times + offset
     if len(matrices) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
@@ -290,14 +294,14 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
                 f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(image_times)}{by_rate}.",
-                Remedy.TIME_OFFSET,
+                TIME_OFFSET,
             )
         paired = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
         return paired, image_times, f"{len(matrices)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
         f"There must be as many poses as images; got {len(matrices)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both.",
-        Remedy.IMAGE_RATE if poses.times is not None else None,
+        "If images were taken at a steady rate, give {rate:HZ}." if poses.times is not None else "",
     )
 
 
@@ -331,7 +335,9 @@ def _paired_by_name(
 ) -> _Pairs:
     """Poses of images by the names of their files, whatever their folder."""
     if images.names is None:
-        raise SettingsError("The poses name an image each, but the images are all in one file.", Remedy.NO_IMAGE_COLUMN)
+        raise SettingsError(
+            "The poses name an image each, but the images are all in one file.", "Leave out that column ({columns}, with -)."
+        )
     rows: dict[str, int] = {}
     for number, text in enumerate(names):
         name = text.replace("\\", "/").rsplit("/", 1)[-1]
@@ -368,27 +374,27 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportSett
     extent = float(np.ptp(moved[:, :3, 3], axis=0).max())
     doubts: list[str] = []
     if len(moved) > 5 and extent == 0.0 and not np.ptp(moved, axis=0).any():
-        doubts.append(Sentence("The tool never moves: all poses are the same. Was it the fixed one of several?", Remedy.SURE))
+        doubts.append(Sentence("The tool never moves: all poses are the same. Was it the fixed one of several?", SURE))
     if 0 < extent < 1.0 and len(moved) > 5:
-        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", Remedy.UNITS, unit="meters", choice=" m"))
+        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", UNITS, unit="meters", choice="m"))
     if extent > 2000.0:
-        doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", Remedy.UNITS, unit="another unit", choice=""))
+        doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", UNITS, unit="another unit", choice=""))
     times = None if poses.times is None else poses.times[good]
     if times is not None and len(np.unique(times)) > 5:
         steps = np.diff(times)
         typical = float(np.median(steps))
         if not FASTEST <= typical <= SLOWEST:
-            doubts.append(Sentence(f"Poses are {typical:.3g} s apart, in the median.", Remedy.TIME_UNIT, unit="ms"))
+            doubts.append(Sentence(f"Poses are {typical:.3g} s apart, in the median.", TIME_UNIT, unit="ms"))
         elif (speed := _speed(moved, steps)) > SLOWEST_DOUBTED:
             doubts.append(
                 Sentence(
                     f"The tool moves at {speed / 1000:.2g} m/s, in the median: poses of several tools, or another unit of length or time?",
-                    Remedy.SURE,
+                    SURE,
                 )
             )
     if doubts and not settings.sure and not (poses.knows_length and "in all" in doubts[0]):
         raise SettingsError(doubts[0])
-    return [Sentence(f"doubt: {doubt}", doubt) for doubt in doubts]
+    return [Sentence(f"doubt: {doubt}", said(doubt)) for doubt in doubts]
 
 
 def _speed(matrices: Matrix, steps: Floats) -> float:
@@ -408,7 +414,7 @@ def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportSe
     sentence = implausible_size(image_to_mm[None], (columns, rows))
     if sentence is not None and not settings.sure:
         missing = bool(np.allclose(np.linalg.norm(image_to_mm[:3, :2], axis=0), 1.0, atol=1e-3))
-        raise SettingsError(sentence, Remedy.PIXEL_SIZE if missing else Remedy.CALIBRATION_UNIT if settings.calibration else Remedy.SURE)
+        raise SettingsError(sentence, PIXEL_SIZE if missing else CALIBRATION_UNIT if settings.calibration else SURE)
 
 
 def _first_frames(samples: list[TransformSample], times: Floats | None) -> list[str]:

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import FileFormatError
-from ...remedies import Remedy
 from ..disk.regular_files import files_in, require_regular_file
 from ..metafile.opening import METAIMAGE_SUFFIXES
 from ..sequence.decoded_images import DecodedImages
@@ -80,7 +79,9 @@ def _refuse_recordings(paths: list[Path]) -> None:
     for path in paths:
         kind = recording_kind(path)
         if kind not in (None, METAFILES):
-            raise FileFormatError(f"{path}: this is {kind.name}, which holds images and their poses.", Remedy.OPEN_IT)
+            raise FileFormatError(
+                f"{path}: this is {kind.name}, which holds images and their poses.", "It is read as it is: give it as the recording."
+            )
 
 
 def _open_metaimages(files: list[Path]) -> ImportedImages:

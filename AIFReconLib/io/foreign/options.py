@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import SettingsError
-from ...message import Sentence, said, shorten
+from ...message import said, shorten
 from ...recipe.recipe import Branch
 from ...recipe.rules import FILE, FLAG, NUMBER, NUMBERS, TEXT, WORDS, Rule, checked, rule_of, setting
-from ...remedies import Remedy
 from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES
 
 
@@ -106,33 +105,6 @@ class ImportOptions(Branch):
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for spec in fields(ImportOptions)}
 """By option."""
 
-ASKED: dict[Remedy, tuple[str, ...]] = {
-    Remedy.NAME_THE_COLUMNS: ("columns",),
-    Remedy.NO_IMAGE_COLUMN: ("columns",),
-    Remedy.WHICH_TOOL: ("tool", "reference_tool"),
-    Remedy.NO_TOOL: ("tool",),
-    Remedy.NO_MARKER: ("reference_tool",),
-    Remedy.QUATERNION_ORDER: ("quaternion_order",),
-    Remedy.EULER_ORDER: ("euler_order",),
-    Remedy.ANGLE_UNIT: ("angle_unit",),
-    Remedy.UNITS: ("units", "sure"),
-    Remedy.TIME_UNIT: ("time_unit",),
-    Remedy.GOOD_STATUS: ("status_ok",),
-    Remedy.COLUMN_MAJOR: ("column_major",),
-    Remedy.ROWS_OR_COLUMNS: ("column_major",),
-    Remedy.SURE: ("tool", "units", "time_unit", "sure"),
-    Remedy.PIXEL_SIZE: ("spacing",),
-    Remedy.NO_PIXEL_SIZE: ("spacing", "image_origin_px"),
-    Remedy.CALIBRATION_UNIT: ("calibration_unit", "sure"),
-    Remedy.WHERE_THE_IMAGE_LIES: ("calibration", "spacing", "image_origin_px"),
-    Remedy.NAME_THE_CALIBRATION: ("calibration",),
-    Remedy.NO_CALIBRATION: ("calibration",),
-    Remedy.TIME_OFFSET: ("time_offset", "rate"),
-    Remedy.IMAGE_RATE: ("rate",),
-    Remedy.NO_TIME_OFFSET: ("time_offset",),
-}
-"""The options that answer what an error asks with its remedy."""
-
 
 @dataclass(frozen=True)
 class Question:
@@ -148,12 +120,10 @@ def questions_of(asking: object) -> tuple[Question, ...]:
 
     `choices` of its details answer what has none declared.
     """
-    sentence = said(asking) if isinstance(asking, BaseException) else asking
-    if not isinstance(sentence, Sentence) or sentence.remedy not in ASKED:
-        return ()
+    sentence = said(asking)
     known = sentence.details.get("choices")
     others = tuple(map(str, known)) if isinstance(known, tuple | list) else ()
-    return tuple(Question(name, RULES[name], _choices(RULES[name]) or others) for name in ASKED[sentence.remedy])
+    return tuple(Question(name, RULES[name], _choices(RULES[name]) or others) for name in sentence.settings if name in RULES)
 
 
 def _choices(rule: Rule) -> tuple[str, ...]:

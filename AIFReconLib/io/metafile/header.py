@@ -15,7 +15,7 @@ from ...arrays import NumberType
 from ...errors import FileFormatError
 from ...machine.memory import available_memory
 from ...message import shorten
-from ...remedies import Remedy
+from ...remedies import TRANSFORM_SEQUENCES
 from ..disk.regular_files import stamp
 from .frame_lines import FRAME_KEY, LONG_HEADER, FrameLines
 from .metafile import RAW, UNFINISHED, Metafile
@@ -57,9 +57,9 @@ class HeaderLines:
         self.path = path
         self.error = error
 
-    def failure(self, problem: str, remedy: Remedy | None = None) -> FileFormatError:
+    def failure(self, problem: str, advice: str = "") -> FileFormatError:
         """The error to raise for this header."""
-        return self.error(f"{self.path}: {problem}", remedy)
+        return self.error(f"{self.path}: {problem}", advice)
 
     def next(self) -> str | None:
         """The next line without its end; None at the end of the file."""
@@ -172,7 +172,7 @@ def parse_sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[in
         raise lines.failure(
             f"{key} must be positive; got {text!r}. The file holds no image: record or export it again; or it is Slicer's sequence "
             "of a transform, which goes with the images.",
-            Remedy.TRANSFORM_SEQUENCES,
+            TRANSFORM_SEQUENCES,
         )
     return sizes
 

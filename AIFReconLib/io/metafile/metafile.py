@@ -13,7 +13,6 @@ from typing import BinaryIO
 
 from ...arrays import NumberType
 from ...errors import AIFReconError, FileFormatError
-from ...remedies import Remedy
 from ..disk.regular_files import stamp
 from .frame_lines import FrameLines
 
@@ -80,9 +79,9 @@ class Metafile:
         """Bytes of all pixels, decoded."""
         return math.prod(self.size) * self.channels * self.dtype.itemsize
 
-    def failure(self, problem: str, remedy: Remedy | None = None) -> FileFormatError:
+    def failure(self, problem: str, advice: str = "") -> FileFormatError:
         """The error to raise for this file."""
-        return self.error(f"{self.path}: {problem}", remedy)
+        return self.error(f"{self.path}: {problem}", advice)
 
     def frame_fields(self, number: int) -> list[tuple[str, str]]:
         """Names and values of the fields of one frame, and some others, of a header with `frame_lines`.

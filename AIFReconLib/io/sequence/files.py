@@ -8,7 +8,7 @@ from pathlib import Path
 from ...arrays import Matrix
 from ...errors import SequenceFormatError
 from ...recipe.recipe import LONGEST_GAP
-from ...remedies import Remedy
+from ...remedies import IMPORT_IT
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ..plus.configuration import read_plus_configuration
@@ -51,10 +51,10 @@ def require_recording_kind(path: Path) -> RecordingKind:
     """
     kind = recording_kind(path)
     if kind is None and path.is_dir():
-        raise SequenceFormatError(f"{path}: this is a folder, and no recording that is known.", Remedy.IMPORT_IT)
+        raise SequenceFormatError(f"{path}: this is a folder, and no recording that is known.", IMPORT_IT)
     if kind is None:
         refuse_unread(path)
-        raise SequenceFormatError(f"{path}: its suffix must be one of {', '.join(recording_suffixes())}.", Remedy.IMPORT_IT)
+        raise SequenceFormatError(f"{path}: its suffix must be one of {', '.join(recording_suffixes())}.", IMPORT_IT)
     return kind
 
 

@@ -14,7 +14,6 @@ import re
 
 from ...errors import SettingsError
 from ...message import shorten
-from ...remedies import Remedy
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
 
@@ -75,7 +74,7 @@ def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool,
     if code in _UNKNOWN_CODES:
         raise metafile.failure(
             f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it.",
-            Remedy.ORIENTATION,
+            ("Look which side of the images is marked and say it with {orientation}: a wrong code mirrors the anatomy."),
         )
     if not re.fullmatch("[MU][FN][AD]?", code):
         raise metafile.failure(

@@ -16,7 +16,7 @@ from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...message import said
 from ...recipe.recipe import LONGEST_GAP
-from ...remedies import Remedy
+from ...remedies import TRANSFORM_SEQUENCES
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import SLICERS_TIME, PoseTrack
 from ..disk.regular_files import require_regular_file
@@ -79,7 +79,7 @@ def pair_transforms(
         try:
             name = TransformName.parse(text)
         except TransformError as error:
-            raise SettingsError(said(error), Remedy.TRANSFORM_SEQUENCES) from None
+            raise SettingsError(said(error), TRANSFORM_SEQUENCES) from None
         records, note = _pair(records, name, read_transform_sequence(path, str(name)), Path(path), longest_gap)
         notes.append(note)
     return records, tuple(notes)

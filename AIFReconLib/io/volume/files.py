@@ -12,7 +12,7 @@ from ...arrays import Matrix, Numbers
 from ...errors import FileFormatError, GeometryError, OutputError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
-from ...remedies import Remedy
+from ...remedies import TAKE_AS_CT, TAKE_AS_PROBABILITY
 from ..disk.atomic import atomic_output, atomic_outputs, check_writable
 from ..disk.header_pairs import check_pair_name, split_metaimage
 from ..disk.itk import itk_path, short_cause
@@ -210,9 +210,9 @@ def _as_labels(path: Path, array: Numbers) -> Numbers:
                 text = f"{path}: labels must be whole numbers; got fractions or NaN."
                 if np.nanmax(array) > 1:
                     raise VolumeFormatError(f"{text} Export them without smoothing, as whole numbers.")
-                raise VolumeFormatError(text, Remedy.TAKE_AS_PROBABILITY)
+                raise VolumeFormatError(text, TAKE_AS_PROBABILITY)
             labels[k] = whole
         array = labels
     if array.min() < 0:
-        raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}.", Remedy.TAKE_AS_CT)
+        raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}.", TAKE_AS_CT)
     return array

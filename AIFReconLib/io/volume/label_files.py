@@ -18,7 +18,7 @@ from ...geometry.solid import inside_of_surface
 from ...geometry.transforms import LPS_FROM_RAS, transform_points
 from ...geometry.volume import Volume, VoxelGrid
 from ...message import listed, said
-from ...remedies import Remedy
+from ...remedies import TAKE_AS_CT
 from ..disk.regular_files import files_in
 from ..metafile.opening import NRRD_SUFFIXES, read_metafile
 from .files import NIFTI_SUFFIXES, READABLE_SUFFIXES, label_volume, suffix_of
@@ -207,7 +207,7 @@ def _labels_in(file: Path, notes: list[str]) -> Labels | None:
     try:
         volume = label_volume(file)
     except VolumeFormatError as error:
-        if said(error).remedy is not Remedy.TAKE_AS_CT:
+        if said(error).advice != TAKE_AS_CT:
             raise
         notes.append(f"{file.name} is no mask and left out: it holds negative values, as a CT does.")
         return None

@@ -21,7 +21,7 @@ from ...errors import GeometryError
 from ...geometry.labels import Labels
 from ...geometry.transforms import transform_points
 from ...message import listed
-from ...remedies import Remedy
+from ...remedies import CHOOSE_LABELS
 
 BONE, SOFT = "bone", "soft"
 
@@ -117,7 +117,7 @@ def name_by_code(name: str, tags: str) -> str:
 
 def ask_for_bones(what: str) -> GeometryError:
     """The question which labels are bone, after a sentence that says why."""
-    return GeometryError(what, Remedy.CHOOSE_LABELS)
+    return GeometryError(what, CHOOSE_LABELS)
 
 
 def with_known_names(labels: Labels, choice: str | None = None, file: str = "") -> Labels:

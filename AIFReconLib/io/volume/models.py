@@ -14,7 +14,6 @@ import numpy as np
 
 from ...arrays import Floats, Integers
 from ...errors import VolumeFormatError
-from ...remedies import Remedy
 from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
 
@@ -77,7 +76,8 @@ def read_model(path: Path, unit: str | None = None) -> SurfaceModel:
             if SMALLEST <= across * mm <= LARGEST_BONE
         ]
         raise VolumeFormatError(
-            f"{path}: it is {across:.3g} across, which is hardly bone in mm{''.join(f'; {size}' for size in sizes)}.", Remedy.MODEL_UNIT
+            f"{path}: it is {across:.3g} across, which is hardly bone in mm{''.join(f'; {size}' for size in sizes)}.",
+            "Say with {bone_unit} what it is in (mm, cm, m or in), or export it in mm.",
         )
     return SurfaceModel(points * UNITS[unit or "mm"], triangles, said)
 

@@ -10,7 +10,6 @@ from ...arrays import Floats, Integers, Matrix
 from ...errors import GeometryError, SettingsError, TransformError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus, find_ways
 from ...geometry.transforms import invert, why_not_affine
-from ...remedies import Remedy
 from ...sweep.frames import CROPPED, FrameRecord, TrackedSequence
 from ...sweep.poses import chain_ends, sweep_poses, time_order
 from ..wire.encoding import encode_image, encode_transform, why_not_sendable
@@ -167,7 +166,7 @@ def _times(sequence: TrackedSequence, order: Integers, rate: float | None) -> tu
         return np.arange(count) / rate, count / rate
     recorded = [record.timestamp for record in sequence.records if record.timestamp is not None]
     if len(recorded) < len(sequence) or not np.isfinite(recorded).all() or (count > 1 and max(recorded) == min(recorded)):
-        raise SettingsError(f"{sequence.name} has no recorded times to follow.", Remedy.REPLAY_RATE)
+        raise SettingsError(f"{sequence.name} has no recorded times to follow.", "Give the rate to replay it at ({rate}).")
     times = np.array(recorded)[order]
     intervals = np.maximum(np.diff(times), SHORTEST_INTERVAL)
     offsets = np.concatenate(([0.0], np.cumsum(intervals)))

@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -100,6 +100,7 @@ class GuidanceWatch(Watch):
         self._boxed: GuidedBone | None = None
         self._is_in_box = True
         self._is_preparing = False
+        self._long_work = _LongWork(session, self._tell_problem)
         self._told, self._advised = 0.0, 0.0
         self._renewed = 0.0
         if isinstance(labels, GrowingBone):
@@ -113,6 +114,11 @@ class GuidanceWatch(Watch):
         if labels is not None:
             self._ask("labels", partial(self._take_labels, labels))
         self._ask("place", partial(self._move, np.asarray(labels_to_reference, dtype=np.float64)))
+
+    def stop(self, wait: bool = True) -> None:
+        """Look at no more frames; where asked to, it waits for the step under way."""
+        super().stop(wait)
+        self._long_work.stop(wait)
 
     def _tell_problem(self, problem: str) -> None:
         self.state = Guidance(problem=problem)
@@ -219,45 +225,82 @@ class GuidanceWatch(Watch):
         far = len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met)
         return FAR if far else None
 
+    def _begin_long(self, work: Callable[[Progress], None], goes_on: Callable[[], bool]) -> None:
+        """Have work done that takes seconds; what it finds is handed back before it is done with."""
+        self._is_preparing = True
+        self._long_work.begin(work, goes_on, lambda: self._ask("done", self._end_long))
+
+    def _end_long(self) -> None:
+        self._is_preparing = False
+
     def _prepare(self, aim: BoneMet) -> None:
-        """Look at candidate passes."""
-        with self._beside(lambda: aim in self._mets) as between:
-            self._advisor = advisor = Advisor(aim, np.array(self._poses), between, draws=1)
-            while advisor.look_again(between):
-                pass
+        """Have candidate passes looked at."""
+        self._begin_long(partial(self._look_at_passes, aim, np.array(self._poses)), lambda: aim in self._mets)
+
+    def _look_at_passes(self, aim: BoneMet, poses: Matrix, progress: Progress) -> None:
+        advisor = Advisor(aim, poses, progress, draws=1)
+        self._ask("advisor", partial(self._take_advisor, aim, advisor))
+        while advisor.look_again(progress):
+            pass
+
+    def _take_advisor(self, aim: BoneMet, advisor: Advisor) -> None:
+        if aim in self._mets:
+            self._advisor = advisor
 
     def _renew(self, growing: GrowingBone, imaging: Imaging, frame_size: tuple[int, int]) -> None:
-        """Tell what echoes have shown of bone until now, and what all poses so far met of it."""
-        with self._beside(lambda: self._growing is growing) as between:
-            poses, self._since = self._poses, []
-            known = growing.so_far(between) if len(poses) >= SKIN_AFTER else None
-            if known is not None:
-                mets = self._none_met(bone_of_echoes(known, np.array(poses)), imaging, frame_size)
-                for number, pose in enumerate(poses):
-                    report(between, number / len(poses), "Following the beams")
-                    for met in mets:
-                        met.insert(pose)
-                mets[0] = unrefuted(mets[0])
-                advisor, bone = Advisor(mets[-1], np.array(poses), between, draws=1), mets[0].bone
-                self._colored, self._bone, self._mets, self._advisor, self._again = ColoredBone.of(bone), bone, mets, advisor, self._since
-        self._renewed = time.monotonic()
+        """Have told what echoes have shown of bone until now, and what all poses so far met of it."""
+        poses, self._since = self._poses, []
+        self._begin_long(partial(self._follow_anew, growing, poses, imaging, frame_size), lambda: self._growing is growing)
 
-    @contextlib.contextmanager
-    def _beside(self, goes_on: Callable[[], bool]) -> Iterator[Progress]:
-        """What to call between pieces of work that lasts for seconds: frames are looked at meanwhile."""
-
-        def between(_fraction: float, _what: str) -> bool:
-            self._make_way()
-            self._attempt()
-            return self._make_way() and goes_on()
-
-        self._is_preparing = True
+    def _follow_anew(
+        self, growing: GrowingBone, poses: list[Matrix], imaging: Imaging, frame_size: tuple[int, int], progress: Progress
+    ) -> None:
         try:
-            with contextlib.suppress(OperationCanceled):
-                yield between
+            known = growing.so_far(progress) if len(poses) >= SKIN_AFTER else None
+            if known is None:
+                return
+            mets = self._none_met(bone_of_echoes(known, np.array(poses)), imaging, frame_size)
+            for number, pose in enumerate(poses):
+                report(progress, number / len(poses), "Following the beams")
+                for met in mets:
+                    met.insert(pose)
+            mets[0] = unrefuted(mets[0])
+            advisor = Advisor(mets[-1], np.array(poses), progress, draws=1)
+            self._ask("more bone", partial(self._take_mets, growing, mets, advisor, ColoredBone.of(mets[0].bone)))
         finally:
-            self._is_preparing = False
+            self._renewed = time.monotonic()
+
+    def _take_mets(self, growing: GrowingBone, mets: list[BoneMet], advisor: Advisor, colored: ColoredBone) -> None:
+        if self._growing is growing:
+            self._colored, self._bone, self._mets, self._advisor = colored, mets[0].bone, mets, advisor
+            self._again = self._since
 
     def _go_on(self, _fraction: float, _what: str) -> bool:
         self._make_way()
         return True
+
+
+class _LongWork(Watch):
+    """Does what takes seconds, in moments in which nothing is inserted; frames are looked at meanwhile."""
+
+    def __init__(self, session: LiveSession, tell: Callable[[str], None]):
+        super().__init__(session, "aifrecon guidance ahead")
+        self._tell = tell
+        self._thread.start()
+
+    def begin(self, work: Callable[[Progress], None], goes_on: Callable[[], bool], done: Callable[[], None]) -> None:
+        """Do a piece of work, as long as it `goes_on`; one at a time."""
+        self._ask("work", partial(self._do, work, goes_on, done))
+
+    def _do(self, work: Callable[[Progress], None], goes_on: Callable[[], bool], done: Callable[[], None]) -> None:
+        try:
+            with contextlib.suppress(OperationCanceled):
+                work(lambda _fraction, _step: self._make_way() and goes_on())
+        finally:
+            done()
+
+    def _look(self, frame: LiveFrame | None) -> None:
+        """Frames are looked at by others."""
+
+    def _tell_problem(self, problem: str) -> None:
+        self._tell(problem)

@@ -151,7 +151,7 @@ class Recorder:
         kept = f"{self._kept} frames are kept in {self._frames_are_in}." if self._kept else "No frame was recorded."
         if self._kept < self.frames:
             kept = f"Of {self.frames} frames {self._kept} can still be read, in {self._frames_are_in}: were its files removed?"
-        return Sentence(f"Recording stopped: {self._cause} {kept}", self._cause)
+        return Sentence(f"Recording stopped: {self._cause} {kept}", said(self._cause))
 
     @property
     def loss(self) -> str | None:

@@ -19,7 +19,6 @@ from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_cor
 from AIFReconLib.geometry.transforms import with_unit_depth
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.registration.agreement import Agreement
-from AIFReconLib.remedies import Remedy
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -207,7 +206,11 @@ def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_cali
     calls = []
     monkeypatch.setattr(check, "sweeps_of", lambda sequences, _: list(sequences))
     monkeypatch.setattr(check, "imaged_echoes", lambda *given: true)
-    monkeypatch.setattr(check, "repairs", lambda *given: [Repair("the images look mirrored", Remedy.MIRROR, {}, lambda: true)])
+    monkeypatch.setattr(
+        check,
+        "repairs",
+        lambda *given: [Repair("the images look mirrored", "Mend recordings with aifrecon convert {mirror}.", {}, lambda: true)],
+    )
     monkeypatch.setattr(check, "calibrate_echoes", lambda *given: calls.append(given) or refused)
     monkeypatch.setattr(check, "TRIED", 1)
     found = check.checked([], Volume(np.tri(3, dtype=np.uint8)[None].repeat(3, axis=0), np.eye(4)), np.eye(4))

@@ -29,7 +29,7 @@ from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.remedies import Remedy
+from AIFReconLib.remedies import CALIBRATE
 from AIFReconLib.simulation.scan import random_rigid
 
 
@@ -93,7 +93,7 @@ def test_the_report_says_of_the_calibration_what_info_says_with_the_transform_th
 @pytest.mark.parametrize(
     ("found", "said"),
     [
-        (Checked(False, Sentence("image points lie 2.0 mm off.", Remedy.CALIBRATE), ("More.",)), ["image points lie 2.0 mm off.", "More."]),
+        (Checked(False, Sentence("image points lie 2.0 mm off.", CALIBRATE), ("More.",)), ["image points lie 2.0 mm off.", "More."]),
         (Checked(None, "cannot be told from this sweep."), []),
         (AIFReconError("Too few echoes."), []),
     ],

@@ -37,6 +37,7 @@ PACKAGES = {
     "bone": {"onnxruntime"},
     "commands": {"argcomplete"},
     "evaluation": {"matplotlib", "vtk"},
+    "geometry": {"vtkmodules"},
     "inspection": {"vtkmodules"},
     "io": {
         "SimpleITK",

@@ -10,7 +10,7 @@ from AIFReconLib.inspection.tracking_report import PoseJump, TrackingReport
 from AIFReconLib.inspection.verdicts import Level, Verdict, calibration_verdict, coverage_verdict, registration_verdict, tracking_verdict
 from AIFReconLib.message import Sentence, advised
 from AIFReconLib.registration.agreement import Agreement, LabelAgreement
-from AIFReconLib.remedies import IN_PYTHON, Remedy
+from AIFReconLib.remedies import CALIBRATE
 
 JUMP = PoseJump(11, 12, 34.0, 0.05)
 
@@ -112,6 +112,6 @@ def test_a_calibration_is_as_good_as_the_check_says(agrees, level):
 
 
 def test_a_calibration_that_is_off_is_told_with_all_that_was_found_and_what_to_do():
-    verdict = calibration_verdict(Checked(False, Sentence("points lie off.", Remedy.CALIBRATE), ("Images are late.",)))
+    verdict = calibration_verdict(Checked(False, Sentence("points lie off.", CALIBRATE), ("Images are late.",)))
     assert verdict.finding == "points lie off."
-    assert advised(verdict.advice) == f"Images are late. {IN_PYTHON[Remedy.CALIBRATE]}"
+    assert advised(verdict.advice) == f"Images are late. {CALIBRATE}"

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import ast
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy
 from scipy.spatial.transform import Rotation
 
-import AIFReconLib.io.foreign
 from AIFReconLib.errors import AIFReconError, SettingsError
 from AIFReconLib.inspection.imported import check_import, import_files
-from AIFReconLib.io.foreign.options import ASKED, RULES, ImportOptions, answer, questions_of
+from AIFReconLib.io.foreign.options import ImportOptions, answer, questions_of
 
 
 @pytest.fixture
@@ -147,16 +144,3 @@ def test_poses_the_wrong_way_round_contradict_the_images(images):
 def test_what_is_no_answer_is_a_sentence(name, text):
     with pytest.raises(SettingsError, match="must be"):
         answer(name, text)
-
-
-def test_every_remedy_of_the_import_is_answered_by_an_option_that_there_is():
-    folder = Path(AIFReconLib.io.foreign.__file__).parent
-    used = {
-        node.attr
-        for path in folder.rglob("*.py")
-        if path.name != "options.py"
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "Remedy"
-    }
-    assert used - {remedy.name for remedy in ASKED} == {"OPEN_IT"}
-    assert {name for names in ASKED.values() for name in names} <= {name for name, rule in RULES.items() if rule["label"]}

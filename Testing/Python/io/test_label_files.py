@@ -23,7 +23,6 @@ from AIFReconLib.io.volume.label_names import BONE, SOFT, bone_name, kind_of, na
 from AIFReconLib.io.volume.models import SurfaceModel, read_model
 from AIFReconLib.io.volume.surfaces import write_surface
 from AIFReconLib.message import said
-from AIFReconLib.remedies import Remedy
 
 # An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 16
 CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 16.0
@@ -357,7 +356,7 @@ def test_what_cannot_be_told_is_asked_once_and_labels_answer(labels, names, mess
     file.write_bytes(head + b"\n" + fields.encode() + b"\n" + data)
     with pytest.raises(GeometryError, match=f"labels.seg.nrrd: {message}.*labels=") as error:
         read_labels(file)
-    assert said(error.value).remedy is Remedy.CHOOSE_LABELS
+    assert said(error.value).settings == ("labels",)
     number = int(labels.numbers()[0])
     assert read_labels(file, labels=str(number)).numbers().tolist() == [number]
 

@@ -17,7 +17,6 @@ from AIFReconLib.geometry.pose_interpolation import interpolate_pose
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.live.pairing.synchronizer import MOST_TRANSFORMS, Synchronizer, SynchronizerSettings
 from AIFReconLib.live.wire.messages import StreamEvent
-from AIFReconLib.remedies import Remedy
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.sweep.time_offset import with_time_offset
@@ -238,7 +237,7 @@ def test_without_calibration_the_missing_link_is_named():
     for message in chained(1.0):
         synchronizer.feed(message)
     assert [frame.status for frame in synchronizer.flush()] == ["no transform leads from Image to Reference"]
-    assert synchronizer.problem.remedy is Remedy.CALIBRATION
+    assert synchronizer.problem.settings == ("config",)
 
 
 def repeated(time, moved=0.0, **options):
@@ -316,7 +315,7 @@ def test_a_frame_that_moves_is_advised_for_one_that_is_not_sent():
         for message in (image(time, "Image"), transform(time, "ProbeToTracker"), transform(time, "ImageToProbe", IMAGE_TO_PROBE)):
             synchronizer.feed(message)
     synchronizer.flush()
-    assert (synchronizer.problem.remedy, synchronizer.problem.details) == (Remedy.OTHER_REFERENCE, {"frames": "Tracker"})
+    assert (synchronizer.problem.settings, synchronizer.problem.details) == (("reference",), {"frames": "Tracker"})
 
 
 def test_metadata_alone_can_place_a_bare_image():

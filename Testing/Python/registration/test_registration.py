@@ -205,7 +205,7 @@ def test_levels_that_fit_equally_well_are_ambiguous():
     assert [other.levels for other in found.alternatives if other.agreement.enough] != []
     assert not found.accepted
     assert "--level N" in in_options(found.said)
-    assert "choose one by level, or use its transform." in found.refusal
+    assert "choose one with level=n, or take the best with found.transform." in found.refusal
 
 
 def test_a_start_one_level_off_does_not_stay_there(echoes, bone):

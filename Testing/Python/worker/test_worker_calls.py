@@ -14,7 +14,6 @@ from waiting import until
 
 from AIFReconLib.errors import GeometryError, OperationCanceled, WorkerDiedError
 from AIFReconLib.message import said
-from AIFReconLib.remedies import Remedy
 from AIFReconLib.worker.calls import Report, Returned
 from AIFReconLib.worker.channel import Channel
 
@@ -32,7 +31,7 @@ def test_an_error_is_the_one_that_was_raised_with_its_remedy_and_where(worker):
     with pytest.raises(GeometryError) as caught:
         worker.call(tasks.refuse, "ours")
     sentence = said(caught.value)
-    assert (sentence, sentence.remedy) == ("The grid has no voxels.", Remedy.CLIP_AS_RECOGNIZED)
+    assert (sentence, sentence.settings) == ("The grid has no voxels.", ("clip_px",))
     assert "(1, 2, 3, 4)" in str(caught.value)
     assert 'in refuse\n    raise GeometryError("The grid' in str(caught.value.__cause__)
     with pytest.raises(FileNotFoundError, match=r"No such file: 'sweep\.mha'"):

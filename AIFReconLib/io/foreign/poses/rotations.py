@@ -15,7 +15,7 @@ import scipy
 from ....arrays import Floats, Matrix
 from ....errors import AIFReconError, SettingsError
 from ....message import listed
-from ....remedies import Remedy
+from ....remedies import ANGLE_UNIT, NAME_THE_COLUMNS
 from .headings import (
     ANGLES,
     AZIMUTH,
@@ -109,8 +109,8 @@ class PoseValueError(AIFReconError, ValueError):
     """Of the pose, from 0."""
 
 
-def _wrong(number: int, predicate: str, remedy: Remedy | None = None) -> PoseValueError:
-    error = PoseValueError(predicate, remedy)
+def _wrong(number: int, predicate: str, advice: str = "") -> PoseValueError:
+    error = PoseValueError(predicate, advice)
     error.number = number
     return error
 
@@ -163,7 +163,7 @@ def _rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | N
         return RotationKind(QUATERNION)
     if set(UNORDERED_QUATERNION) <= have:
         if form.quaternion_order is None:
-            raise SettingsError("The order of the quaternion's numbers is not known.", Remedy.QUATERNION_ORDER)
+            raise SettingsError("The order of the quaternion's numbers is not known.", "Give {quaternion_order}: xyzw or wxyz.")
         return RotationKind(UNORDERED_QUATERNION, form.quaternion_order)
     if set(ROTATION_VECTOR) <= have:
         return RotationKind(ROTATION_VECTOR, VECTOR, _angle_unit(ROTATION_VECTOR, form, unit or "rad", values))
@@ -173,12 +173,18 @@ def _rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | N
     for fields in (EULER, UNNAMED_EULER):
         if set(fields) <= have:
             if form.euler_order is None:
-                raise SettingsError("The order of the Euler angles is not known.", Remedy.EULER_ORDER, choices=EULER_ORDERS)
+                raise SettingsError(
+                    "The order of the Euler angles is not known.",
+                    "Give {euler_order} with the axes in the order in which the turns are applied: xyz about fixed axes, "
+                    "ZYX about axes that turn along; or vector, for a rotation vector (axis times angle), as robots of UR "
+                    "and Vicon write.",
+                    choices=EULER_ORDERS,
+                )
             if fields == EULER and form.euler_order != VECTOR and len(set(form.euler_order)) < 3:
                 raise SettingsError(
                     f"Angles that are named by axis cannot be turned in the order {form.euler_order}, which has an axis twice. Name "
                     "them e0 e1 e2, in the order of the turns.",
-                    Remedy.NAME_THE_COLUMNS,
+                    NAME_THE_COLUMNS,
                 )
             order = form.euler_order
             turns = tuple(f"r{axis.lower()}" for axis in order) if fields == EULER and order != VECTOR else fields
@@ -192,7 +198,7 @@ def _angle_unit(fields: Sequence[str], form: PoseFormat, unit: str | None, value
     if unit is None:
         if np.nanmax([0.0, *(np.abs(values[name]).max(initial=0.0, where=np.isfinite(values[name])) for name in fields)]) <= _FULL_TURN:
             raise SettingsError(
-                "The unit of the angles is not known: all are within a full turn in radians, and can be degrees as well.", Remedy.ANGLE_UNIT
+                "The unit of the angles is not known: all are within a full turn in radians, and can be degrees as well.", ANGLE_UNIT
             )
         return "deg"
     return unit
@@ -203,14 +209,16 @@ def _plausible(kind: RotationKind, values: Mapping[str, Floats]) -> RotationKind
     if kind.unit:
         most = max(float(np.abs(values[name]).max(initial=0.0, where=np.isfinite(values[name]))) for name in kind.fields)
         if most > (720.0 if kind.unit == "deg" else 4 * np.pi) + 1e-6:
-            raise SettingsError(f"The angles reach {most:.4g} {kind.unit}, more than two turns: is their unit another?", Remedy.ANGLE_UNIT)
+            raise SettingsError(f"The angles reach {most:.4g} {kind.unit}, more than two turns: is their unit another?", ANGLE_UNIT)
     return kind
 
 
 def _order_of_nine(form: PoseFormat) -> str:
     """Whether nine numbers without names run along rows or columns."""
     if form.column_major is None:
-        raise SettingsError("Nine numbers of a rotation can run along its rows or its columns.", Remedy.ROWS_OR_COLUMNS)
+        raise SettingsError(
+            "Nine numbers of a rotation can run along its rows or its columns.", "Say whether they run column by column ({column_major})."
+        )
     return COLUMNS if form.column_major else ROWS
 
 
@@ -263,7 +271,9 @@ def _matrices(values: Mapping[str, Floats], form: PoseFormat) -> Matrix:
         row = " ".join(f"{v:g}" for v in poses[first, 3])
         if np.allclose(poses[first, :, 3], (0, 0, 0, 1)):
             raise _wrong(
-                first, f"must have 0 0 0 1 as its last row; got {row}. They seem to be written column by column.", Remedy.COLUMN_MAJOR
+                first,
+                f"must have 0 0 0 1 as its last row; got {row}. They seem to be written column by column.",
+                "Where matrices are written column by column, give {column_major}.",
             )
         raise _wrong(first, f"must have 0 0 0 1 as its last row; got {row}.")
     poses[:, 3] = (0.0, 0.0, 0.0, 1.0)
@@ -284,5 +294,5 @@ def _what_is_needed(names: Collection[str]) -> SettingsError:
     return SettingsError(
         "The poses must be 4x4 matrices (m00 to m33), or x y z with a quaternion (qx qy qz qw), angles (rx ry rz) or a 3x3 rotation; "
         f"known columns: {listed(dict.fromkeys(filter(None, names))) or 'none'}.",
-        Remedy.NAME_THE_COLUMNS,
+        NAME_THE_COLUMNS,
     )

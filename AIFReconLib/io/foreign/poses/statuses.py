@@ -14,7 +14,6 @@ from ....arrays import Mask
 from ....errors import SettingsError
 from ....geometry.transform_graph import TransformStatus
 from ....message import listed, shorten
-from ....remedies import Remedy
 from .headings import OCCLUDED
 
 _GOOD = frozenset(
@@ -81,7 +80,7 @@ def statuses_of(words: Sequence[str], heading: str, role: str, has_pose: Mask, g
     if unknown:
         raise SettingsError(
             f"What the column {heading} says of a pose is not known: {listed(unknown[:8])}.",
-            Remedy.GOOD_STATUS,
+            'Give the words that mean a valid pose, as in {status_ok:"{word}"}.',
             word=unknown[0],
             choices=unknown,
         )

@@ -9,7 +9,7 @@ import numpy as np
 from ....arrays import Floats
 from ....errors import SettingsError
 from ....message import listed, shorten
-from ....remedies import Remedy
+from ....remedies import NAME_THE_COLUMNS, TIME_UNIT
 from ...sequence.decoded_images import library
 from .headings import LONG_TIMES, RECEIVED, TIME, TIMES, Column
 from .sheet import Cells, has_none, is_number
@@ -42,7 +42,7 @@ def times_of(columns: dict[int, Column], cells: Cells, unit: str | None) -> Time
     parts = {place: column.unit for place, column in found.items()}
     if len(found) > 1 and (len(set(parts.values())) < len(found) or None in parts.values() or unit is not None):
         names = listed(f"{column.heading} (column {place + 1})" for place, column in found.items())
-        raise SettingsError(f"{len(found)} columns can be the time: {names}.", Remedy.NAME_THE_COLUMNS)
+        raise SettingsError(f"{len(found)} columns can be the time: {names}.", NAME_THE_COLUMNS)
     if len(found) > 1:
         seconds = sum(cells.numbers(place, "time") * known[part] for place, part in parts.items() if part is not None)
         return _checked(np.asarray(seconds), f"time: {' + '.join(column.heading for column in found.values())}", unit, None)
@@ -76,7 +76,7 @@ def _clock(words: list[str], column: Column) -> Floats:
         raise SettingsError(
             f"The time (column {column.heading}) must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05; "
             f"got {shorten(other)!r}.",
-            Remedy.NAME_THE_COLUMNS,
+            NAME_THE_COLUMNS,
         ) from None
     found = np.asarray(since.dt.total_seconds().to_numpy(), np.float64)
     known = found[np.isfinite(found)]
@@ -94,7 +94,7 @@ def _checked(seconds: Floats, told: str, unit: str | None, heading: str | None) 
             likely = next((name for name in ("ms", "us", "ns") if FASTEST <= step * TIMES[name] <= SLOWEST), "s")
             raise SettingsError(
                 f"The unit of the times (column {heading}) is not known: in seconds, poses would be {step:g} s apart.",
-                Remedy.TIME_UNIT,
+                TIME_UNIT,
                 unit=likely,
             )
     missing = int((~np.isfinite(seconds)).sum())

@@ -9,7 +9,7 @@ from itertools import pairwise, product
 
 from ....errors import SettingsError
 from ....message import listed, shorten
-from ....remedies import Remedy
+from ....remedies import NAME_THE_COLUMNS, WHICH_TOOL
 from .headings import (
     FRAME,
     IMAGE,
@@ -55,7 +55,7 @@ def name_the_columns(why: str, sheet: Sheet) -> SettingsError:
     """The question what the columns are, which shows them and the first rows."""
     shown = [listed(cells_of(row, sheet.separator)[:20]) for row in sheet.rows[:_ROWS_SHOWN]]
     headings = f" Headings: {listed(sheet.headings[:20])}." if sheet.headings else ""
-    return SettingsError(f"{why}{headings} First rows: {shorten(' | '.join(shown), 300)}.", Remedy.NAME_THE_COLUMNS)
+    return SettingsError(f"{why}{headings} First rows: {shorten(' | '.join(shown), 300)}.", NAME_THE_COLUMNS)
 
 
 def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_preset: bool) -> tuple[Track, list[str], bool]:
@@ -72,8 +72,8 @@ def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_prese
     if number is None:
         raise SettingsError(
             f"The table holds poses of {len(names)} tools side by side: {listed(names)}." + _not_there(tool),
-            Remedy.WHICH_TOOL,
-            tool=names[0],
+            WHICH_TOOL,
+            first=names[0],
             choices=names,
         )
     return _checked(tracks[number], sheet), [f"tool: {names[number]}, of {listed(names)} (columns side by side)"], True
@@ -94,7 +94,7 @@ def rows_of(track: Track, cells: Cells, tool: str | None, is_chosen: bool) -> tu
             is_chosen = True
     if not told:
         if tool is not None and not is_chosen:
-            raise SettingsError(f"The table holds poses of one tool.{_not_there(tool)}", Remedy.NO_TOOL)
+            raise SettingsError(f"The table holds poses of one tool.{_not_there(tool)}", "Leave out {tool}.")
         return cells, []
     for place, words in told.items() if tool is not None and not is_chosen else ():
         names = list(dict.fromkeys(words))
@@ -108,8 +108,8 @@ def rows_of(track: Track, cells: Cells, tool: str | None, is_chosen: bool) -> tu
     raise SettingsError(
         f"The table holds poses of {len(names)} tools, told by its column {track.described[place].heading}: {listed(names[:8])}."
         + _not_there(None if is_chosen else tool),
-        Remedy.WHICH_TOOL,
-        tool=names[0],
+        WHICH_TOOL,
+        first=names[0],
         choices=names,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from AIFReconLib.inspection.gray_levels import gray_levels
+from AIFReconLib.imaging.gray_window import gray_window
 
 
 def test_the_window_ends_where_almost_all_measured_voxels_do():
@@ -12,4 +12,4 @@ def test_the_window_ends_where_almost_all_measured_voxels_do():
     levels[0, 0, 0], levels[1] = 60000.0, 9000.0
     mask = np.ones(levels.shape, np.uint8)
     mask[1] = 0
-    assert gray_levels(levels, mask) == (0.0, 120.0)
+    assert gray_window(levels, mask) == (0.0, 120.0)
