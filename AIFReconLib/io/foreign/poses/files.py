@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,17 +25,15 @@ from .headings import (
     OCCLUDED,
     RECEIVED,
     STATUS,
+    TABLES,
     TIME,
     TOOL,
     TRANSLATION,
     UNNAMED_EULER,
     UNORDERED_QUATERNION,
     Column,
-    Preset,
     column_of,
-    preset_called,
-    preset_for,
-    preset_of,
+    layout_of,
 )
 from .json_sheet import sheet_of_json
 from .rotations import PoseFormat, PoseValueError, poses_of, rotation_kind
@@ -45,6 +44,9 @@ from .tracks import Track, name_the_columns, rows_of, track_of
 
 _WORDS = (IMAGE, STATUS, OCCLUDED, TOOL)
 """What is read as it is written."""
+
+_KINDS = {"Rotation", "Position"}
+"""What Motive writes above the axes of both."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,16 +135,16 @@ def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat) -> PoseTable:
 
 
 def _of_sheet(sheet: Sheet, form: PoseFormat) -> PoseTable:
-    preset = _preset(form.columns) if form.columns is not None else preset_for(sheet.headings or (), sheet.above)
-    if preset is not None:
-        unsaid = {name: value for name, value in preset.said.items() if getattr(form, name, None) is None}
-        form = replace(form, columns=preset.columns or (None if form.columns == (preset.maker,) else form.columns), **unsaid)
-        if form.columns is not None and len(form.columns) == 1 and not preset.columns:
-            form = replace(form, columns=None)
+    layout = _layout(form.columns) if form.columns is not None else layout_of(sheet.headings or (), sheet.above)
+    if layout is not None:
+        columns = layout.get("columns", ())
+        columns = columns.split() if isinstance(columns, str) else columns
+        unsaid = {each.name: layout[each.name] for each in fields(form) if each.name in layout and getattr(form, each.name) is None}
+        form = replace(form, **{**unsaid, "columns": tuple(columns) or None})
     if form.columns is None and sheet.headings is None and sheet.width == 4:
         return _of_blocks(sheet, form)
-    columns = _columns(sheet, form, preset or Preset(""))
-    track, told, is_chosen = track_of(columns, sheet, form.tool, preset is not None)
+    columns = _columns(sheet, form, (layout or {}).get("headings", {}))
+    track, told, is_chosen = track_of(columns, sheet, form.tool, layout is not None)
     cells = sheet.read(len(columns), [place for place, column in track.described.items() if column.role in _WORDS])
     cells, told_rows = rows_of(track, cells, form.tool, is_chosen)
     numeric = {role: place for role, place in track.columns.items() if role not in (*_WORDS, TIME, FRAME, RECEIVED)}
@@ -155,7 +157,7 @@ def _of_sheet(sheet: Sheet, form: PoseFormat) -> PoseTable:
     table = _posed(values, form, length, _unit(track, ANGLES), cells)
     statuses, told_status = _statuses(track, cells, table.matrices, form)
     unused = [column.heading for place, column in enumerate(columns) if place not in track.described and column.heading not in ("", "-")]
-    understood = [*table.understood, *([f"as {preset.maker} writes"] if preset and preset.maker else []), *told, *told_rows]
+    understood = [*table.understood, *([f"as {layout['maker']} writes"] if layout and "maker" in layout else []), *told, *told_rows]
     understood += [*times.told, *told_status, *([f"columns that are not used: {listed(dict.fromkeys(unused))}"] if unused else [])]
     taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
     understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
@@ -168,53 +170,48 @@ def _posed(values: dict[str, Floats], form: PoseFormat, length: str | None, angl
     kind = rotation_kind(values, form, angle)
     length = length or form.length_unit
     try:
-        matrices = poses_of(values, kind, form)
+        matrices = poses_of(values, kind)
     except PoseValueError as error:
         place = where.place(error.number) if isinstance(where, Cells) else where[error.number]
         raise FileFormatError(f"{place} {said(error)}", error) from None
-    understood = (f"{len(matrices)}, {kind.told(length or 'mm', form)}",)
+    understood = (f"{len(matrices)}, {kind.told(length or 'mm')}",)
     return PoseTable(matrices, None, None, None, understood, length or "mm", length is not None)
 
 
-def _preset(columns: tuple[str, ...]) -> Preset | None:
+def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
     """The layout that one word names: a maker's, or a file of one's own; None where the words are columns."""
-    if len(columns) != 1:
-        return None
-    (word,) = columns
+    word = columns[0] if len(columns) == 1 else ""
     if not word.lower().endswith(".json"):
-        return preset_called(word)
+        return next((maker for maker in TABLES["makers"] if maker["name"] == word.lower()), None)
     try:
-        return preset_of(json.loads(text_of(Path(word))))
-    except (ValueError, TypeError, AttributeError, RecursionError) as error:
+        layout = json.loads(text_of(Path(word)))
+    except (ValueError, RecursionError) as error:
         if isinstance(error, FileFormatError):
             raise
-        raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.") from None
+        layout = None
+    if not isinstance(layout, dict) or not isinstance(layout.get("headings", {}), dict):
+        raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.")
+    return layout
 
 
-def _columns(sheet: Sheet, form: PoseFormat, preset: Preset) -> list[Column]:
-    """What each column holds."""
-    if form.columns is not None and any("=" in word for word in form.columns):
-        return _assigned(sheet, form.columns)
-    if form.columns is not None:
-        if len(form.columns) != sheet.width:
-            raise name_the_columns(f"Input columns must name {sheet.width} columns; got {len(form.columns)}.", sheet)
-        return [column_of(word) if word != "-" else Column("-") for word in form.columns]
-    if sheet.headings is None:
-        return [column_of(name) for name in _names_of_numbers(sheet, form)]
-    wide = [*sheet.headings]
-    above = [tuple(group[place] for group in sheet.groups if group[place]) for place in range(len(wide))]
+def _columns(sheet: Sheet, form: PoseFormat, own: dict[str, str]) -> list[Column]:
+    """What each column holds; `own` are a maker's headings."""
+    names = form.columns or (_names_of_numbers(sheet, form) if sheet.headings is None else None)
+    if names is not None and any("=" in word for word in names):
+        return _assigned(sheet, names)
+    if names is not None:
+        if len(names) != sheet.width:
+            raise name_the_columns(f"Input columns must name {sheet.width} columns; got {len(names)}.", sheet)
+        return [column_of(word) if word != "-" else Column("-") for word in names]
+    headings = sheet.headings or []
+    above = [tuple(dict.fromkeys(group[place] for group in sheet.groups if group[place])) for place in range(len(headings))]
     # What stands above all columns tells none from another
-    common = {word for word in above[-1] if all(word in each for each in above if each)} if any(above) else set()
-    units = [*sheet.units, *[""] * len(wide)]
-    columns = [
-        column_of(heading, tuple(dict.fromkeys(word for word in words if word not in common or _says_kind(word))), unit)
-        for heading, words, unit in zip(wide, above, units)
-    ]
-    own = {name: role.partition(":") for name, role in preset.headings.items()}
-    for place, heading in enumerate(wide):
-        role, _, unit = own.get("".join(filter(str.isalnum, heading)).lower(), ("", "", ""))
-        if role:
-            columns[place] = replace(columns[place], role=role, unit=unit or columns[place].unit, words=(role,))
+    common = set.intersection(*(set(words) for words in above if words)) - _KINDS if any(above) else set()
+    columns = []
+    for heading, words, unit in zip(headings, above, [*sheet.units, *[""] * len(headings)]):
+        column = column_of(heading, tuple(word for word in words if word not in common), unit)
+        role, _, known = own.get("".join(filter(str.isalnum, heading)).lower(), "").partition(":")
+        columns.append(replace(column, role=role, unit=known or column.unit, words=(role,)) if role else column)
     return columns
 
 
@@ -231,11 +228,7 @@ def _assigned(sheet: Sheet, words: Sequence[str]) -> list[Column]:
     return columns
 
 
-def _says_kind(word: str) -> bool:
-    return word.lower() in ("rotation", "position", "orientation", "translation", "quaternion")
-
-
-def _names_of_numbers(sheet: Sheet, form: PoseFormat) -> list[str]:
+def _names_of_numbers(sheet: Sheet, form: PoseFormat) -> Sequence[str]:
     """What the columns of a table without headings are, by their number."""
     count = sheet.width
     if count in (16, 17, 12, 13):

@@ -20,7 +20,7 @@ from ....errors import FileFormatError
 from ....message import one_line, shorten
 from ...disk.small_files import read_bytes
 from ...sequence.decoded_images import library
-from .headings import are_headings, is_unit
+from .headings import are_headings, unit_of
 
 MAXIMUM_BYTES = 2**30
 
@@ -233,7 +233,7 @@ def _under(written: list[tuple[int, str]], part: tuple[int, int, int], separator
     headings = _cells(head, separator)
     below = [(number, line) for number, line in written[start + 1 : end] if line != head and not _is_comment(line)]
     units: list[str] = []
-    if below and not _numbers(below[0][1], separator) and all(is_unit(cell) for cell in _cells(below[0][1], separator) if cell):
+    if below and not _numbers(below[0][1], separator) and all(unit_of(cell) is not None for cell in _cells(below[0][1], separator) if cell):
         units = _cells(below.pop(0)[1], separator)
     if end < len(written):  # between two tables stand a title and the like
         fits = [_fits(_cells(line, separator), len(headings)) for _, line in below]

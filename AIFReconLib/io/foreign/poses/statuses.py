@@ -1,4 +1,4 @@
-"""What trackers say of a pose, in the words of their makers, as one of Plus's statuses.
+"""What trackers say of a pose, in the words of their makers (`pose_tables.json`), as one of Plus's statuses.
 
 Sources: NDI Combined API (TransformStatus), NDI Track, Atracsys fusionTrack, OptiTrack Motive, Vicon Nexus, Plus.
 """
@@ -8,43 +8,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-import numpy as np
-
 from ....arrays import Mask
 from ....errors import SettingsError
 from ....geometry.transform_graph import TransformStatus
 from ....message import listed, shorten
-from .headings import OCCLUDED
+from .headings import OCCLUDED, TABLES
 
-_GOOD = frozenset(
-    ["ok", "okay", "valid", "true", "yes", "visible", "enabled", "tracked", "tracking", "good", "found", "detected", "active", "normal"]
-)
-_BAD = {
-    **dict.fromkeys(
-        ["false", "no", "invalid", "disabled", "bad", "error", "fail", "failed", "none", "nan", "stale", "unavailable", "inactive"],
-        TransformStatus.INVALID,
-    ),
-    **dict.fromkeys(
-        ["missing", "toolmissing", "lost", "nottracked", "untracked", "notfound", "notdetected", "trackingnotenabled"],
-        TransformStatus.MISSING,
-    ),
-    **dict.fromkeys(["toolunplugged", "toofewmarkers", "notenoughmarkers", "notavailable"], TransformStatus.MISSING),
-    **dict.fromkeys(["notvisible", "invisible", "occluded", "hidden", "outofview"], TransformStatus.OUT_OF_VIEW),
-    **dict.fromkeys(["outofvolume", "partiallyoutofvolume", "partialoutofvolume"], TransformStatus.OUT_OF_VOLUME),
-    **dict.fromkeys(
-        [
-            "interference",
-            "badtransformfit",
-            "databufferlimit",
-            "algorithmlimit",
-            "fellbehind",
-            "outofsynch",
-            "outofsync",
-            "processingerror",
-        ],
-        TransformStatus.INVALID,
-    ),
-}
+_KNOWN = {word: TransformStatus[name] for name, words in TABLES["statuses"].items() for word in words.split()}
 _IS_SO = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 _SAYS_WHETHER = re.compile("valid|visib|track|enabled|found|detect", re.IGNORECASE)
 """Headings whose numbers say yes or no: 1 is good. A number below `status` may be a code, whose 0 is good."""
@@ -68,13 +38,12 @@ def statuses_of(words: Sequence[str], heading: str, role: str, has_pose: Mask, g
         What the user says is good.
     """
     kinds = {word: _status(word, heading, role, good) for word in dict.fromkeys(words)}
+    posed = {word for word, has in zip(words, has_pose) if has}
     numbers = [word for word, status in kinds.items() if status is None and word in ("0", "1")]
-    for word in numbers:
+    if len(numbers) == 2 and len(posed.intersection(numbers)) == 1:
         # A number that stands only where there is no pose is bad, and the other one good
-        mine = np.array([each == word for each in words])
-        if len(numbers) == 2 and not has_pose[mine].any() and has_pose[~mine].any():
-            kinds |= {word: TransformStatus.MISSING, numbers[1 - numbers.index(word)]: TransformStatus.OK}
-    if kinds.get("", True) is None and not has_pose[np.array([not word for word in words])].any():
+        kinds |= {word: TransformStatus.OK if word in posed else TransformStatus.MISSING for word in numbers}
+    if kinds.get("", True) is None and "" not in posed:
         kinds[""] = TransformStatus.MISSING
     unknown = [shorten(word) or "nothing" for word, status in kinds.items() if status is None]
     if unknown:
@@ -91,19 +60,15 @@ def statuses_of(words: Sequence[str], heading: str, role: str, has_pose: Mask, g
 
 def _status(word: str, heading: str, role: str, good: Sequence[str]) -> TransformStatus | None:
     """That of a word; None of one that is not known."""
-    if good:
-        return TransformStatus.OK if word.lower() in [each.lower() for each in good] else (_known(word) or TransformStatus.INVALID)
     plain = re.sub("[^a-z0-9]", "", word.lower())
+    of_plus = TransformStatus.parse(word.strip().replace(" ", "_"))
+    known = _KNOWN.get(plain, of_plus if of_plus is not TransformStatus.UNKNOWN or plain == "unknown" else None)
+    if good:
+        bad = TransformStatus.INVALID if known in (None, TransformStatus.OK) else known
+        return TransformStatus.OK if word.lower() in [each.lower() for each in good] else bad
     if role == OCCLUDED:
         hidden = _IS_SO.get(plain)
         return None if hidden is None else TransformStatus.MISSING if hidden else TransformStatus.OK
     if plain in ("0", "1") and _SAYS_WHETHER.search(heading):
         return TransformStatus.OK if plain == "1" else TransformStatus.INVALID
-    return TransformStatus.OK if plain in _GOOD else _known(word)
-
-
-def _known(word: str) -> TransformStatus | None:
-    """A status that is not OK."""
-    plain = re.sub("[^a-z0-9]", "", word.lower())
-    found = TransformStatus.parse(word.strip().replace(" ", "_"))
-    return _BAD.get(plain, found if found is not TransformStatus.UNKNOWN or plain == "unknown" else None)
+    return known

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from itertools import pairwise
 
 from ....errors import SettingsError
 from ....message import listed, shorten
@@ -13,23 +13,24 @@ from ....remedies import NAME_THE_COLUMNS, WHICH_TOOL
 from .headings import (
     FRAME,
     IMAGE,
-    MATRIX,
     OCCLUDED,
     POSE,
     STATUS,
     TOOL,
     TRANSLATION,
-    WAYS,
     Column,
+    is_of_pose,
+    is_whole,
     numbered,
     parts_of,
 )
+from .rotations import NEEDED
 from .sheet import Cells, Sheet, cells_of
 
 _ROWS_SHOWN = 2
 _MOST_UNREAD = 6
 """Headings that nothing is known of are as many as a pose has: another tool's, perhaps."""
-_ONLY_ONE = POSE | {STATUS, OCCLUDED, IMAGE}
+_OF_ONE_TOOL = POSE | {STATUS, OCCLUDED}
 
 
 @dataclass(frozen=True)
@@ -44,12 +45,6 @@ class Track:
         """Where each value stands."""
         return {column.role: place for place, column in reversed(self.described.items()) if column.role is not None}
 
-    @property
-    def is_whole(self) -> bool:
-        """Whether it has a pose."""
-        roles = {column.role for column in self.described.values()}
-        return set(MATRIX[:12]) <= roles or (set(TRANSLATION) <= roles and any(set(way) <= roles for way in WAYS))
-
 
 def name_the_columns(why: str, sheet: Sheet) -> SettingsError:
     """The question what the columns are, which shows them and the first rows."""
@@ -58,25 +53,36 @@ def name_the_columns(why: str, sheet: Sheet) -> SettingsError:
     return SettingsError(f"{why}{headings} First rows: {shorten(' | '.join(shown), 300)}.", NAME_THE_COLUMNS)
 
 
-def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_preset: bool) -> tuple[Track, list[str], bool]:
+def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_known: bool) -> tuple[Track, list[str], bool]:
     """The columns of the tool that is asked for, or of the only one; in words what was chosen; and whether its name chose among columns.
 
     Raises SettingsError when there are several tools and none is named, two columns mean the same, or it cannot be told which columns
     are one tool's.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+    sheet : Sheet
+    tool : str or None
+    is_known : bool
+        The layout is a maker's: what else is in it is no pose.
     """
-    tracks = _repeated(columns, sheet) or _by_name(columns, sheet, is_preset)
-    if len(tracks) == 1:
-        return _checked(tracks[0], sheet), [], False
+    tracks = _tracks(columns, sheet, is_known)
     names = [track.name for track in tracks]
-    number = _chosen(names, tool)
+    number = 0 if len(tracks) == 1 else _chosen(names, tool)
     if number is None:
-        raise SettingsError(
-            f"The table holds poses of {len(names)} tools side by side: {listed(names)}." + _not_there(tool),
-            WHICH_TOOL,
-            first=names[0],
-            choices=names,
-        )
-    return _checked(tracks[number], sheet), [f"tool: {names[number]}, of {listed(names)} (columns side by side)"], True
+        raise _which(f"The table holds poses of {len(names)} tools side by side: {listed(names)}.", names, tool)
+    track = tracks[number]
+    counts = Counter(column.role for column in track.described.values())
+    for role in (role for role in counts if counts[role] > 1 and role in {*_OF_ONE_TOOL, IMAGE, FRAME}):
+        places = [place for place, column in track.described.items() if column.role == role]
+        if role != FRAME and not is_known:
+            both = listed(f"{columns[place].heading} (column {place + 1})" for place in places)
+            raise name_the_columns(f"{len(places)} columns mean {role}: {both}.", sheet)
+        # Markers, whose places stand behind the pose of their tool
+        track = replace(track, described={p: c for p, c in track.described.items() if p not in places[1:]})
+    told = [f"tool: {track.name}, of {listed(names)} (columns side by side)"] if len(tracks) > 1 else []
+    return track, told, len(tracks) > 1
 
 
 def rows_of(track: Track, cells: Cells, tool: str | None, is_chosen: bool) -> tuple[Cells, list[str]]:
@@ -84,38 +90,29 @@ def rows_of(track: Track, cells: Cells, tool: str | None, is_chosen: bool) -> tu
 
     Raises SettingsError when there are rows of several tools, and none is named.
     """
-    told = {}
-    for place in (place for place, column in track.described.items() if column.role == TOOL):
-        words = cells.words(place)
-        # A number of its own in each row tells no tool
-        if 2 <= len(set(words)) <= max(len(words) // 2, 2) and len(words) > 2:
-            told[place] = words
-        elif tool is not None and words and tool.lower() == words[0].lower():
-            is_chosen = True
-    if not told:
-        if tool is not None and not is_chosen:
-            raise SettingsError(f"The table holds poses of one tool.{_not_there(tool)}", "Leave out {tool}.")
-        return cells, []
-    for place, words in told.items() if tool is not None and not is_chosen else ():
+    named = {place: cells.words(place) for place, column in track.described.items() if column.role == TOOL}
+    # A number of its own in each row tells no tool
+    several = {place: words for place, words in named.items() if 2 <= len(set(words)) <= max(len(words) // 2, 2) and len(words) > 2}
+    only = {words[0].lower() for place, words in named.items() if place not in several and words}
+    asked = None if is_chosen or tool is None or tool.lower() in only else tool
+    for place, words in several.items():
         names = list(dict.fromkeys(words))
-        number = _chosen(names, tool, by_place=False)
+        number = _chosen(names, asked, by_place=False)
         if number is not None:
             chosen = cells.where([word == names[number] for word in words])
             which = f"{names[number]}, of {listed(names)} (column {track.described[place].heading})"
             return chosen, [f"tool: {which}; {len(chosen)} of {len(words)} rows"]
-    place, words = next(iter(told.items()))
-    names = list(dict.fromkeys(words))
-    raise SettingsError(
-        f"The table holds poses of {len(names)} tools, told by its column {track.described[place].heading}: {listed(names[:8])}."
-        + _not_there(None if is_chosen else tool),
-        WHICH_TOOL,
-        first=names[0],
-        choices=names,
-    )
+    for place, words in several.items():
+        names, heading = list(dict.fromkeys(words)), track.described[place].heading
+        raise _which(f"The table holds poses of {len(names)} tools, told by its column {heading}: {listed(names[:8])}.", names, asked)
+    if asked is not None:
+        raise SettingsError(f"The table holds poses of one tool. There is none called {asked!r}.", "Leave out {tool}.")
+    return cells, []
 
 
-def _not_there(tool: str | None) -> str:
-    return "" if tool is None else f" There is none called {tool!r}."
+def _which(sentence: str, names: Sequence[str], tool: str | None) -> SettingsError:
+    no_such = "" if tool is None else f" There is none called {tool!r}."
+    return SettingsError(sentence + no_such, WHICH_TOOL, first=names[0], choices=names)
 
 
 def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True) -> int | None:
@@ -134,152 +131,91 @@ def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True) -> in
     return int(tool) - 1 if by_place and not holding and tool.isdecimal() and 1 <= int(tool) <= len(names) else None
 
 
-def _by_name(columns: Sequence[Column], sheet: Sheet, is_preset: bool) -> list[Track]:
-    """The tools whose names stand before, or behind, what their columns hold.
+def _tracks(columns: Sequence[Column], sheet: Sheet, is_known: bool) -> list[Track]:
+    """The tools of a table.
 
-    Names may be words that mean something of a pose. So all columns are read in each of a few ways, and a way counts only if it leaves
-    whole poses and nothing of a pose beside them. Ways that differ in this are asked about.
+    Their names may be words that mean something of a pose. So headings are read as long as they can be, and as short, and a way counts
+    only if it leaves whole poses and nothing of a pose beside them. Where both count and differ, it is asked.
     """
-    ways: dict[frozenset[frozenset[tuple[int, str]]], list[Track]] = {}
     unread = [column for column in columns if column.role is None and column.words and not parts_of(column.words)]
-    if len(unread) >= _MOST_UNREAD and not is_preset:
+    if len(unread) >= _MOST_UNREAD and not is_known:
         raise name_the_columns(f"{len(unread)} headings are not known.", sheet)
-    for behind, longest in product((False, True), (True, False)):
-        tracks = _grouped(columns, behind, longest, is_preset)
-        if tracks:
-            what = (frozenset((p, c.role) for p, c in track.described.items() if c.role in POSE) for track in tracks)
-            ways.setdefault(frozenset(what), tracks)
-    if len(ways) == 1:
-        return next(iter(ways.values()))
-    known = listed(dict.fromkeys(column.role for column in columns if column.role and not column.role.startswith("#"))) or "none"
-    if ways:
+    told = _told_by_place(columns, sheet)
+    ways = [tracks for longest in (True, False) if (tracks := _read(told, longest, is_known))]
+    if not ways and is_known:  # QTM writes the name of an only body before the first of its columns
+        ends = [next((role for name, role in parts_of(column.words) if not name[1]), column.role) for column in told]
+        ways = [_read([replace(column, role=role, words=()) for column, role in zip(told, ends)], True, is_known)]
+    if not any(ways):
+        known = dict.fromkeys(column.role for column in columns if column.role and not column.role.startswith("#"))
+        raise name_the_columns(NEEDED.format(listed(known) or "none"), sheet)
+    if _poses_in(ways[0]) != _poses_in(ways[-1]):
         raise name_the_columns("The headings can be read in several ways.", sheet)
-    raise name_the_columns(
-        "The poses must be 4x4 matrices (m00 to m33), or x y z with a quaternion (qx qy qz qw), angles (rx ry rz) or a 3x3 rotation; "
-        f"known columns: {known}.",
-        sheet,
-    )
-
-
-def _grouped(columns: Sequence[Column], behind: bool, longest: bool, is_preset: bool) -> list[Track]:
-    """The tools, names behind what columns hold or before it; none where poses are not whole, or something of a pose is left."""
-    groups: dict[str, dict[int, Column]] = {}
-    beside: dict[int, Column] = {}
-    unexplained = 0
-    for place, column in enumerate(columns):
-        parts = parts_of(column.words)
-        own = [(tool[behind], role) for tool, role in (parts if longest else reversed(parts)) if not tool[not behind]]
-        unexplained += not own and any(_is_of_pose(role) for _, role in parts)
-        named = next((each for each in own if each[0]), None)
-        alone = column.role if not column.words else next((role for name, role in own if not name), None)
-        if alone is not None and (longest or named is None):
-            name, role = "", alone
-        elif named is not None:
-            name, role = named
-        else:
-            continue
-        if name or _is_of_pose(role) or role in (STATUS, OCCLUDED):
-            groups.setdefault(name.lower(), {})[place] = replace(column, role=role)
-        else:
-            beside[place] = replace(column, role=role)
-    tracks = []
-    for name, group in groups.items():
-        names = numbered({column.role for column in group.values() if column.role})
-        group = {place: replace(column, role=names.get(column.role or "", column.role)) for place, column in group.items()}
-        tracks.append(Track(name, group))
-    return _with_what_is_beside(tracks, beside, columns) if is_preset or unexplained < len(TRANSLATION) else []
-
-
-def _with_what_is_beside(tracks: list[Track], beside: dict[int, Column], columns: Sequence[Column]) -> list[Track]:
-    whole = [track for track in tracks if track.is_whole]
-    others = [track for track in tracks if not track.is_whole]
-    if not whole and len(tracks) == 2 and "" in [track.name for track in tracks]:  # some columns of one pose are named more fully
-        whole, others = [Track("", dict(sorted({**tracks[0].described, **tracks[1].described}.items())))], []
-        if not whole[0].is_whole or _twice(whole[0]):
-            return []
-    others = [track for track in others if "marker" not in track.name]  # they have places alone
-    left = {place: column for track in others for place, column in track.described.items()}
-    if not whole or any(_is_of_pose(column.role or "") for column in left.values()):
-        return []
-    beside |= left
-    found = []
-    for track in sorted(whole, key=lambda track: min(track.described)):
-        roles = {column.role for column in track.described.values()}
-        more = {place: column for place, column in beside.items() if column.role not in roles}
-        found.append(Track(_shown(track, columns), dict(sorted({**track.described, **more}.items()))))
-    words = {word for track in found for word in track.name.split()}
+    tracks = sorted(ways[0], key=lambda track: min(track.described))
+    words = {word for track in tracks for word in track.name.split()}
     return [
         replace(track, name=track.name or (f"unnamed {number}" if str(number) in words else str(number)))
-        for number, track in enumerate(found, start=1)
+        for number, track in enumerate(tracks, start=1)
     ]
 
 
-def _shown(track: Track, columns: Sequence[Column]) -> str:
-    """The name as the headings write it."""
-    words = [word for place in track.described for word in columns[place].words]
-    return " ".join(next((word for word in words if word.lower() == part), part) for part in track.name.split())
+def _poses_in(tracks: Iterable[Track]) -> set[frozenset[tuple[int, str | None]]]:
+    return {frozenset((place, column.role) for place, column in t.described.items() if column.role in POSE) for t in tracks}
 
 
-def _is_of_pose(role: str) -> bool:
-    return role in POSE or (role.startswith(("#", "o")) and role != OCCLUDED) or role in ("pitch", "yaw")
+def _read(columns: Sequence[Column], longest: bool, is_known: bool) -> list[Track]:
+    """The tools, by headings read as long or as short as they can be; none where poses are not whole, or part of one is left."""
+    parts = [parts_of(c.words) if c.words else (((("", ""), c.role),) if c.role else ()) for c in columns]
+    readings = [[((c.tool, *name), role) for name, role in each if not all(name)] for c, each in zip(columns, parts)]
+    roles: dict[tuple[str, ...], set[str]] = {}
+    for each in readings:
+        for name, role in each:
+            roles.setdefault(name, set()).add(role)
+    whole = {name: named for name, had in roles.items() if is_whole({(named := numbered(had)).get(role, role) for role in had})}
+    tools: dict[tuple[str, ...], dict[int, Column]] = {}
+    beside: dict[int, Column] = {}
+    left = 0
+    for place, (column, part, each) in enumerate(zip(columns, parts, readings)):
+        of_tools = [reading for reading in each if reading[0] in whole]
+        name, role = of_tools[0 if longest else -1] if of_tools else each[0] if each else (("",), "")
+        role = whole.get(name, {}).get(role, role)
+        if of_tools and (any(name) or role in _OF_ONE_TOOL):
+            tools.setdefault(name, {})[place] = replace(column, role=role)
+        elif not of_tools and any(is_of_pose(other) for _, other in part):
+            left += "marker" not in " ".join(column.words).lower()  # they have places alone
+        elif each:
+            beside[place] = replace(column, role=role)
+    own = {name: {column.role for column in of_tool.values()} for name, of_tool in tools.items()}
+    if not all(is_whole({role for role in each if role}) for each in own.values()) or (left > 2 and not is_known):
+        return []
+    found = []
+    for name, of_tool in tools.items():
+        more = {p: c for p, c in beside.items() if c.role not in own[name] and c.tool in ("", name[0])}
+        found.append(Track(" ".join(filter(None, name)), dict(sorted({**of_tool, **more}.items()))))
+    return found
 
 
-def _repeated(columns: Sequence[Column], sheet: Sheet) -> list[Track]:
-    """The columns of each tool where the same headings are written again and again; those before them may differ by the tool's name."""
+def _told_by_place(columns: Sequence[Column], sheet: Sheet) -> list[Column]:
+    """The same, with the tool of each where the headings of a pose stand again and again: its name before the first of them, or a number."""
     counts = Counter(column.heading for column in columns if column.heading)
-    turns = [column.heading for column in columns if column.role and column.role not in TRANSLATION and _is_of_pose(column.role)]
+    turns = [column.heading for column in columns if is_of_pose(column.role or "") and column.role not in TRANSLATION]
     times = max((counts[heading] for heading in turns), default=1)
     if times < 2 or sheet.groups:
-        return []
-    first = next(column.heading for column in columns if column.heading and counts[column.heading] == times)
-    starts, names = [place for place, column in enumerate(columns) if column.heading == first], [""] * times
-    described = dict(enumerate(columns))
-    while starts[0] > 0:
-        before = [{role: tool[0] for tool, role in parts_of(columns[start - 1].words) if tool[0] and not tool[1]} for start in starts]
-        axis = next((axis for axis in TRANSLATION if all(axis in each for each in before)), None)
-        if axis is None:
-            break
-        starts, names = [start - 1 for start in starts], [each[axis] for each in before]
-        described |= {start: replace(columns[start], role=axis) for start in starts}
+        return list(columns)
+    first = next(heading for heading, count in counts.items() if count == times)
+    starts = [place for place, column in enumerate(columns) if column.heading == first]
+    before = [dict((role, name[0]) for name, role in parts_of(columns[start - 1].words) if not name[1]).get("x", "") for start in starts]
+    told = list(columns)
+    if all(before) and starts[0]:
+        starts = [start - 1 for start in starts]
+        for start in starts:
+            told[start] = replace(columns[start], words=("x",))
+    else:
+        tools = [next((place for place in range(start, len(told)) if told[place].role == TOOL), None) for start in starts]
+        words = [{cells_of(row, sheet.separator)[place] for row in sheet.rows[:50]} if place else set() for place in tools]
+        before = [each.pop() if len(each) == 1 else "" for each in words]
+    if len(set(filter(None, before))) < times:
+        before = [str(number + 1) for number in range(times)]
     longest = max(end - start for start, end in pairwise(starts))
-    shared = {place: column for place, column in described.items() if place < starts[0]}
-    tracks = []
-    for number, start, end in zip(range(times), starts, [*starts[1:], min(starts[-1] + longest, len(columns))]):
-        part = {place: described[place] for place in range(start, end) if described[place].role is not None}
-        told = numbered({column.role for column in part.values() if column.role})
-        part = {place: replace(column, role=told.get(column.role or "", column.role)) for place, column in part.items()}
-        tool = next((place for place, column in part.items() if column.role == TOOL), None)
-        words = set() if tool is None else {cells_of(row, sheet.separator)[tool : tool + 1][0] for row in sheet.rows[:50]}
-        own = {column.role for column in part.values()}
-        part |= {place: column for place, column in shared.items() if column.role not in own and not _is_of_pose(column.role or "")}
-        tracks.append(Track(names[number] or (words.pop() if len(words) == 1 else str(number + 1)), dict(sorted(part.items()))))
-    if len({track.name.lower() for track in tracks}) < len(tracks):
-        tracks = [replace(track, name=str(number)) for number, track in enumerate(tracks, start=1)]
-    return tracks if all(track.is_whole for track in tracks) else []
-
-
-def _twice(track: Track) -> list[str]:
-    counts = Counter(column.role for column in track.described.values())
-    return [role for role, count in counts.items() if role in _ONLY_ONE and count > 1]
-
-
-def _checked(track: Track, sheet: Sheet) -> Track:
-    """The track with one column for each value of its pose: markers beside a tool have places as well, and no rotation.
-
-    Raises SettingsError when two columns mean the same.
-    """
-    described = dict(track.described)
-    turns = [place for place, column in described.items() if any(column.role in way for way in WAYS)]
-    triples = [
-        (place, place + 1, place + 2)
-        for place in described
-        if [described[p].role if p in described else None for p in (place, place + 1, place + 2)] == list(TRANSLATION)
-    ]
-    near = [triple for triple in triples if turns and (triple[0] == max(turns) + 1 or triple[2] == min(turns) - 1)]
-    if len(triples) > 1 and len(near) == 1:
-        described = {p: c for p, c in described.items() if c.role not in TRANSLATION or p in near[0]}
-    for role in _twice(Track("", described)):
-        both = [f"{column.heading} (column {place + 1})" for place, column in described.items() if column.role == role]
-        raise name_the_columns(f"{len(both)} columns mean {role}: {listed(both)}.", sheet)
-    frames = [place for place, column in described.items() if column.role == FRAME]
-    return Track(track.name, {place: column for place, column in described.items() if place not in frames[1:]})
+    for name, start in zip(before, starts):
+        told[start : start + longest] = [replace(column, tool=name) for column in told[start : start + longest]]
+    return told
