@@ -17,7 +17,7 @@ ITERATIONS, PASS_BAND = 25, 0.08
 
 
 @dataclass(frozen=True, eq=False)
-class BoneSurface:
+class ShownBoneMesh:
     """Triangles in Reference, smoothed for display."""
 
     points: Singles  #: (n, 3), mm
@@ -26,7 +26,7 @@ class BoneSurface:
     distances: Singles | None  #: (n,), mm. To the CT's bone, where there is one
 
 
-def bone_surface(shown: ShownBone) -> BoneSurface | None:
+def bone_surface(shown: ShownBone) -> ShownBoneMesh | None:
     """The surface of a `ShownBone`; None where it shows none.
 
     Notes
@@ -73,7 +73,7 @@ def bone_surface(shown: ShownBone) -> BoneSurface | None:
     surface = normals.GetOutput()
     points = vtk_to_numpy(surface.GetPoints().GetData())
     distances = shown.distances(points.astype(np.float64))
-    return BoneSurface(
+    return ShownBoneMesh(
         points,
         vtk_to_numpy(surface.GetPointData().GetNormals()),
         vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3),
