@@ -25,9 +25,9 @@ from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, place_from
-from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import OF_A_RECORDING, add_sequence_options, add_tracking_options, of_each, sequence_from
+from ..terminal.sequence_options import OF_A_RECORDING, add_sweep_options, of_each, sequence_from
 from ..workflows.reconstruct import ReconstructionPlan, plan
 
 NOT_READY = 1
@@ -47,9 +47,7 @@ def add_to(commands: Commands) -> None:
     bone = parser.add_argument_group("bone", "where it will be asked for")
     add_labels_options(bone)
     bone.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it")
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+    add_sweep_options(parser)
     parser.set_defaults(run=run)
 
 

@@ -16,7 +16,7 @@ from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import check_volume_path, write_volume
 from ..progress import Progress, part
@@ -27,7 +27,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, names_labels, refuse_to_overwrite
+from ..terminal.options import Commands, check_files, names_labels, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
@@ -124,8 +124,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise SettingsError("--dicom-study is for an output that ends with .dcm, and there is none.")
     check_preview(arguments.preview)
     check_save_settings(arguments)
-    if arguments.report:
-        check_writable(arguments.report)
+    check_files(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
         with compiled_aside(recipe, sequence.images.dtype) if names_labels(arguments) else nullcontext():

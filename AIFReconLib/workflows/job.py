@@ -1,4 +1,4 @@
-"""What a reconstruction is asked for, and what comes of it: plain values, which need nothing that computes."""
+"""What jobs are asked for, and what comes of them: plain values, which need nothing that computes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class BoneSource:
-    """Where bone is, as somebody gives it: labels or a probability of a CT, or what a network says of the frames.
+    """Where bone is: labels or a probability of a CT, or what a network says of the frames.
 
     Parameters
     ----------
@@ -39,7 +39,8 @@ class BoneSource:
     model : Path or None
         A network in an ONNX file.
     device : str or None
-        Of a scan: the image device that sends what a network says. That, a model, and echoes come before the CT there.
+        Of a scan: the image device that sends what a network says. That, a model, and echoes come before the
+        CT there.
     name : str
         What errors call it.
     """
@@ -110,7 +111,8 @@ class ScanJob:
     unseen : (n, 3) array or None, mm
         Places that it leads to in place of bone; see `FreePaths.unseen`.
     takes_up : bool
-        Go on with the recording that was not finished: its frames come first, those of `spans` into the volume.
+        Go on with the recording that was not finished: its frames come first, those of `spans` into the
+        volume.
     search_path : tuple of str
         Folders in which a method of the user's own is looked for.
     """

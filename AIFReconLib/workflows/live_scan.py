@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-
 from ..bone.echoes.surface import LEAST_A_FRAME
 from ..bone.growing_bone import GrowingBone
 from ..bone.map import BoneMap
@@ -61,15 +59,14 @@ class LiveScan:
     def __enter__(self) -> LiveScan:
         """Begin to look for bone in the frames, where they say where that is."""
         if self.growing is not None:
-            recorder = self.session.recorder
+            recorder, by_echoes = self.session.recorder, self._job.recipe.bone_from_sweep
             # What a network says is recorded beside the scan
-            says_nothing = recorder is None or self._job.recipe.bone_from_sweep
-            beside = None if recorder is None or says_nothing else predictions_beside(recorder.path)
+            beside = None if recorder is None or by_echoes else predictions_beside(recorder.path)
             estimator = None if self._job.bone.device else self._estimator
             self.bone_watch = BoneWatch(self.session, self.growing, estimator, beside)
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         """Look no further."""
         if self.bone_watch is not None:
             self.bone_watch.stop()

@@ -1,4 +1,4 @@
-"""Reconstruct: a sweep, a recipe and a source of bone become one plan, in which all is decided, and the plan becomes a volume."""
+"""A sweep, a recipe and a source of bone become one plan, in which all is decided, and that a volume."""
 
 from __future__ import annotations
 
@@ -23,7 +23,13 @@ from ..compounding.finishing.results import Results, bytes_of_results
 from ..compounding.intake import ImageKind, require_kinds
 from ..compounding.methods.average import AVERAGE
 from ..compounding.methods.table import method_named
-from ..compounding.needs import bone_on_grid, needs_beams, needs_bone, require_grid_as_asked, require_map_as_asked
+from ..compounding.needs import (
+    bone_on_grid,
+    needs_beams,
+    needs_bone,
+    require_grid_as_asked,
+    require_map_as_asked,
+)
 from ..compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor
 from ..compounding.splat_engine import uses_shares
 from ..compounding.state import BESIDE, Reconstruction, bytes_per_voxel, part_bytes
@@ -42,10 +48,24 @@ from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..remedies import Remedy
-from ..resolve import BEFORE_FRAMES, Imaging, ReconstructorParts, reconstructor_parts, resolve_imaging, resolve_settings
+from ..resolve import (
+    BEFORE_FRAMES,
+    Imaging,
+    ReconstructorParts,
+    reconstructor_parts,
+    resolve_imaging,
+    resolve_settings,
+)
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.joined import joined, shares
-from ..sweep.poses import SweepPoses, describe_skipped, still_images_of, sweep_poses, time_order, tracked_frames
+from ..sweep.poses import (
+    SweepPoses,
+    describe_skipped,
+    still_images_of,
+    sweep_poses,
+    time_order,
+    tracked_frames,
+)
 from ..sweep.still_images import STILL
 from .job import BoneSource, ReconstructionJob, ReconstructionOutput
 
@@ -130,7 +150,7 @@ def plan(
     has_bone: bool = False,
     poses: SweepPoses | None = None,
 ) -> ReconstructionPlan:
-    """What `reconstruct` with these arguments would choose, without looking for bone; it raises the same errors.
+    """What `reconstruct` would choose, without looking for bone; it raises the same errors.
 
     `poses` are those that `sweep_poses` finds, where they are known already.
     """
@@ -204,7 +224,8 @@ def _decided(job: ReconstructionJob, has_bone: bool, poses: SweepPoses | None = 
     if not chosen.size:
         what = f"{sequence.name}: none of every {settings.skip}th frames can be placed."
         raise NoUsableFramesError(what, Remedy.SMALLER_SKIP)
-    imaging = resolve_imaging(sequence, poses, needs_beams(method, settings) or depth_factor(settings) != 1.0, asked)
+    needs_probe = needs_beams(method, settings) or depth_factor(settings) != 1.0
+    imaging = resolve_imaging(sequence, poses, needs_probe, asked)
     if method_named(method).needs_shadows:
         settings = replace(settings, gray_levels=imaging.gray_levels.landmarks)
     grid = job.grid or asked.grid
@@ -216,13 +237,19 @@ def _decided(job: ReconstructionJob, has_bone: bool, poses: SweepPoses | None = 
         placed = poses.image_to_reference[[number for number in order if poses.problems[number] in (None, STILL)]]
         mask = imaging.region.mask(*sequence.frame_size)
         scale = depth_scale(settings, mask, imaging.probe, pixel_spacing(placed[0]))
-        spacing = settings.spacing_xyz()
-        grid = grid_around_sweep(placed, sequence.frame_size, imaging.region, spacing, costs.results, scale, parts.fits_spacing)
+        box = placed, sequence.frame_size, imaging.region, settings.spacing_xyz()
+        grid = grid_around_sweep(*box, costs.results, scale, parts.fits_spacing)
     require_grid_as_asked(asked, grid)
     return ReconstructionPlan(sequence, asked, settings, method, parts, poses, order, chosen, imaging, grid)
 
 
-def _costs(settings: Recipe, method: str, parts: ReconstructorParts, pixels: NumberType, beside: Collection[str]) -> Costs:
+def _costs(
+    settings: Recipe,
+    method: str,
+    parts: ReconstructorParts,
+    pixels: NumberType,
+    beside: Collection[str],
+) -> Costs:
     kind = ImageKind((1, 1), pixels)
     whole = kind.is_8_bit and depth_factor(settings) == 1.0
     on_grid, has_shares = bone_on_grid(method, settings), uses_shares(settings, parts.importance)
@@ -239,7 +266,7 @@ def _costs(settings: Recipe, method: str, parts: ReconstructorParts, pixels: Num
 def reconstruct_job(job: ReconstructionJob, progress: Progress | None = None) -> ReconstructionOutput:
     """Carry out a job.
 
-    Raises AIFReconError, one of its kinds, with a message that says what is wrong, where, and what to do. Inputs are untouched.
+    Raises AIFReconError, one of its kinds, with a message that says what is wrong, where, and what to do.
     """
     decided = planned(job, part(progress, 0.0, 0.1))
     return execute(decided, job.beside, job.memory, part(progress, 0.1, 1.0))
@@ -265,12 +292,19 @@ def execute(
         raise NoUsableFramesError(what, Remedy.CHECK_THE_BOX)
     for last in np.cumsum([len(each) for each in sequence.sweeps]) - 1:
         if last not in decided.order or decided.poses.problems[last] is not None:
-            # Nobody has looked at the end of the file yet: one that is cut short or of another size must not pass unnoticed
+            # Nobody has looked at the end of the file yet: one that is cut short must not pass unnoticed
             sequence.images[int(last)]
     result = reconstructor.made(results, counts, notes, part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
     size, inserted = result.grid.size, result.frames_inserted
-    logger.info("%s: %d of %d frames by %s into %s voxels", sequence.name, inserted, len(sequence), settings.method, size)
+    logger.info(
+        "%s: %d of %d frames by %s into %s voxels",
+        sequence.name,
+        inserted,
+        len(sequence),
+        settings.method,
+        size,
+    )
     gray_notes = imaging.gray_levels.notes if settings.gray_levels else ()
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     inputs = input_files(sequence)
@@ -281,7 +315,8 @@ def execute(
         said=(*before, *result.said, *decided.said),
         sweeps=shares(sequence, decided.order, result.skipped),
     )
-    return ReconstructionOutput(result, decided.source if isinstance(decided.source, LabeledBone) else None)
+    labeled = decided.source if isinstance(decided.source, LabeledBone) else None
+    return ReconstructionOutput(result, labeled)
 
 
 def tracking_of(job: ReconstructionJob, result: Reconstruction) -> dict[str, TrackingReport]:
@@ -292,10 +327,11 @@ def tracking_of(job: ReconstructionJob, result: Reconstruction) -> dict[str, Tra
 
 
 def plain_mean(job: ReconstructionJob, result: Reconstruction, progress: Progress | None = None) -> Volume:
-    """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
+    """The plain mean of the echoes on the voxels of a result, with the same holes filled."""
     limit = result.hole_limit or job.recipe.hole_limit
     plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit)
-    return reconstruct_job(ReconstructionJob(job.sequence, plain, None, result.grid, beside=()), progress).result.intensity
+    measured = ReconstructionJob(job.sequence, plain, None, result.grid, beside=())
+    return reconstruct_job(measured, progress).result.intensity
 
 
 def _keeping(frames: Iterable[TrackedFrame], kept: dict[int, TrackedFrame]) -> Iterable[TrackedFrame]:
@@ -312,10 +348,11 @@ def _worked(
     left: float,
     progress: Progress | None,
 ) -> tuple[Reconstructor, Results, FrameCounts, tuple[str, ...]]:
-    """Insert the frames into one part of the volume after the other: all of them into the first, those that reach it into each other.
+    """Insert the frames into one part of the volume after the other; into each but the first those that reach it.
 
-    Frames are read once where their images fit into the `left` bytes of the memory, else again for every part that they reach. Returns
-    the first part's reconstructor, the results without their holes filled, what became of the frames, and what is to be said.
+    Frames are read once where their images fit into the `left` bytes of the memory, else again for every part
+    that they reach. Returns the first part's reconstructor, the results without their holes filled, what
+    became of the frames, and what is to be said.
     """
     sequence, parts, imaging, order = decided.sequence, decided.parts, decided.imaging, decided.order
     workers: list[Reconstructor] = []
