@@ -212,7 +212,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
         ScriptedLoadableModuleLogic.__init__(self)
         self.display, self.verdicts, self.paths = SceneDisplay(), SweepVerdicts(), FreePaths()
-        self._sweep, self._tracking = SweepStatus(), SweepReport()
+        self.sweep, self._tracking = SweepStatus(), SweepReport()
 
     def getParameterNode(self):
         """The parameters of the scene, typed."""
@@ -222,7 +222,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
 
     def cleanup(self) -> None:
         """Take what is drawn for orientation out of the scene, and forget what is known of its sweeps."""
-        self._sweep, self._tracking = SweepStatus(), SweepReport()
+        self.sweep, self._tracking = SweepStatus(), SweepReport()
         self.verdicts.forget()
         self.display.clear()
 
@@ -270,22 +270,18 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         settings, more = settingsAndInputs({**(inputs or {}), **choices})
         given = Inputs(sweep=sweep, bone=bone, recipe=Recipe(**{"best_cosine": "cosine" in keep, **settings}), **more)
         with progressOr(progress, _("Reconstruction")) as progress:
-            _asked, made = self._made(given, keep, progress)
+            _job, made = self._made(given, keep, progress)
         return self._kept(made, given, output, keep)
 
     # ---- for the panel
 
     def describeSweep(self, parameters) -> str:
         """How many frames the chosen sweep has and why some cannot be used, in words; also what is wrong with it as a whole."""
-        return inPanelWords(self._sweep.text(parameters))
+        return inPanelWords(self.sweep.text(parameters))
 
     def offeredSweeps(self, parameters) -> list:
         """The sweeps that can be reconstructed with the chosen one, and those that are."""
-        return offered(parameters, self._sweep)
-
-    def sweepSummary(self, parameters):
-        """The `SweepSummary` of the chosen sweep, by which `readiness` says what is missing; None where none is chosen."""
-        return self._sweep.summary(parameters)
+        return offered(parameters, self.sweep)
 
     def trackingReport(self, parameters) -> tuple:
         """Title and `TrackingReport` of the chosen sweep, with the coverage where it was reconstructed last."""
@@ -322,7 +318,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         keep = [name for name in ("score", "hits", "mask") if getattr(parameters, "keep" + name.capitalize())]
         keep += ["cosine"] if parameters.bestCosine else []
         inputs = Inputs.fromParameters(parameters)
-        asked, made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
+        job, made = self._made(inputs, keep, part(progress, 0.0, 0.85), forViews=True)
         # Drawn once, when all of it is shown
         with slicer.util.RenderBlocker():
             node = self._kept(made, inputs, None if isRenamed(parameters.output) else parameters.output, keep)
@@ -333,7 +329,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             parameters.output = node
             self.paths.remember(node, made.result)
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
-        self.verdicts.judge(parameters, made.comparison, made.tracking, asked)
+        self.verdicts.judge(parameters, made.comparison, next(iter(made.tracking.values())), job)
         unchecked = _("Whether the CT lies on the sweep was not looked at: it is shown where its file has it.")
         return "\n".join([*made.lines, *([unchecked] if parameters.ctVolume is not None and made.comparison is None else [])])
 
@@ -352,16 +348,16 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
         return comparison.report
 
     def _made(self, inputs, keep, progress, forViews=False):
-        """What the worker was `Asked` of the inputs, and what it has `Made`."""
+        """The `ReconstructionJob` that the inputs are, and the worker's `ReconstructionOutput`."""
         from AIFReconLib.worker.reconstructing import reconstructed
 
-        asked = inputs.asked(part(progress, 0.0, 0.1))
-        made = inWorker(reconstructed, asked, keep, forViews, asControl(), progress=part(progress, 0.1, 1.0))
-        self._tracking.remember(inputs, made.result.method, made.tracking)
-        return asked, made
+        job = inputs.job(part(progress, 0.0, 0.1))
+        made = inWorker(reconstructed, job, keep, forViews, asControl(), progress=part(progress, 0.1, 1.0))
+        self._tracking.remember(inputs, made.result.method, next(iter(made.tracking.values())))
+        return job, made
 
     def _kept(self, made, inputs, output, keep):
-        """The volume node of what was `Made`, with what is kept beside it; None as `output`: a new one."""
+        """The volume node of a `ReconstructionOutput`, with what is kept beside it; None as `output`: a new one."""
         from AIFReconScene.picture.spineView import keepSpine
         from AIFReconScene.volumes.volumeNodes import outputNodes
 

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..bone.map import BoneMap
 from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
@@ -26,9 +25,8 @@ from ..evaluation.metrics import evaluate
 from ..evaluation.preview import preview
 from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from ..geometry.labels import Labels
-from ..geometry.volume import Volume, VoxelGrid
+from ..geometry.volume import Volume
 from ..guidance.coverage import Coverage, coverage
-from ..inspection.tracking_report import tracking_report
 from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.workspace import workspace
 from ..io.transform.files import write_transform
@@ -36,19 +34,18 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import write_volume
 from ..io.volume.label_files import read_labels
 from ..message import listed, said
-from ..reconstruction import reconstruct
-from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
-from ..sweep.poses import sweep_poses
 from ..terminal.options import labels_from, place_from, required_labels
 from ..terminal.recipe_options import load_method_here, recipe_from
-from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_from, bone_inputs, check_bone_options, grid_from
+from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_inputs, bone_source_from, grid_from
 from ..terminal.remedies import in_columns
 from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
+from ..workflows.job import ReconstructionJob
+from ..workflows.reconstruct import execute, planned, tracking_of
 from .engine import own_memory
 from .memory import OVER_PLAN
 from .place import require_results
@@ -59,7 +56,7 @@ TRANSFORM, LABELS, REPORT = "CTToReference.tfm", "labels-as-scanned.nrrd", "repo
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class CaseTask:
     """What a worker is given.
 
     Parameters
@@ -80,7 +77,7 @@ class Task:
     version: str = __version__
 
 
-def carry_out(task: Task) -> Record:
+def carry_out(task: CaseTask) -> Record:
     """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
 
     Notes
@@ -164,8 +161,7 @@ class _Work:
         self._numbers: Row = {}
         self._notes: list[str] = []
         self._given = labels_from(self._arguments)
-        self._labeled: LabeledBone | None = None
-        self._bone: BoneMap | None = None
+        self._job = ReconstructionJob(self._sequence, self._recipe)
 
     def results(self) -> list[Row]:
         """Do all of it."""
@@ -175,15 +171,12 @@ class _Work:
         if labels is not None:
             self._cover(labels)
         truth = self._truth(labels)
-        check_bone_options(self._arguments)
         if self._given is not None:
             self._notes += map(in_columns, self._given.notes)
-            self._labeled = LabeledBone(self._given, place_from(self._arguments), self._sequence, self._recipe)
-        else:
-            self._bone = bone_from(self._arguments, None, self._sequence, self._recipe)
-        grid = grid_from(self._arguments)
+        bone = bone_source_from(self._arguments, labels=self._given)
+        self._job = ReconstructionJob(self._sequence, self._recipe, bone, grid_from(self._arguments))
         ct = read_ct(self._arguments.ct).placed_by(self._ct_to_reference) if self._arguments.ct else None
-        rows = [self._of_method(method, grid, truth, labels, ct) for method in self._case.methods]
+        rows = [self._of_method(method, truth, labels, ct) for method in self._case.methods]
         write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
         return rows
 
@@ -246,7 +239,6 @@ class _Work:
     def _of_method(
         self,
         method: str | None,
-        grid: VoxelGrid | None,
         truth: BoneTruth | None,
         labels: Volume | None,
         ct: Volume | None,
@@ -255,12 +247,13 @@ class _Work:
         arguments = with_method(self._arguments, method)
         if method is not None and is_own_method(method):
             load_method_here(method)
-        recipe = recipe_from(arguments)
-        bone = self._bone if self._labeled is None else self._labeled.map(recipe.method_for(True))
         beside = [name for name in BESIDE if getattr(arguments, name)]
         share = own_memory()
         memory = None if share is None else max(int(share / OVER_PLAN), 1)
-        result = reconstruct(self._sequence, recipe, bone, grid, beside=beside, memory=memory)
+        decided = planned(replace(self._job, recipe=recipe_from(arguments), beside=beside))
+        # Looked for once for all methods
+        self._job = replace(self._job, bone=decided.source)
+        result = execute(decided, beside, memory).result
         files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]
         result = with_provenance(result, arguments, files)
         width = result.bone.get("bone_sigma_mm")
@@ -271,7 +264,8 @@ class _Work:
             if getattr(arguments, name):
                 getattr(result, name).write(self._folder / f"{stem}-{name}.nrrd")
         said_by_it = list(map(in_columns, result.said))
-        self._report[result.method] = {"tracking": self._tracking(result), "notes": said_by_it}
+        tracking = [{"sequence": name, **one.to_dict()} for name, one in tracking_of(self._job, result).items()]
+        self._report[result.method] = {"tracking": tracking, "notes": said_by_it}
         notes = [*self._notes, *said_by_it]
         return {
             "method": result.method,
@@ -287,13 +281,6 @@ class _Work:
             **self._measured(result, truth, notes),
             "notes": " ".join(dict.fromkeys(map(str, notes))),
         }
-
-    def _tracking(self, result: Reconstruction) -> list[dict[str, object]]:
-        """How each sweep was tracked."""
-        names = self._recipe.image_to_reference, self._recipe.reference
-        shares = zip(result.sweeps, self._sequence.sweeps, strict=True)
-        reports = [(share.name, tracking_report(one, sweep_poses(one, *names), result, n)) for n, (share, one) in enumerate(shares)]
-        return [{"sequence": name, **report.to_dict()} for name, report in reports]
 
     def _measured(self, result: Reconstruction, truth: BoneTruth | None, notes: list[str]) -> dict[str, float | None]:
         if truth is None:

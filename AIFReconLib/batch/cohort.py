@@ -14,7 +14,7 @@ from ..io.disk.atomic import output_errors
 from ..io.disk.workspace import remove_left_behind
 from ..message import listed
 from ..progress import Progress, report
-from .case import Task, carry_out
+from .case import CaseTask, carry_out
 from .engine import TRIES, Lost, completed, dashboard
 from .records import DONE, FAILED, LOST, RECORDS, Record, is_current, made_of, read_record, try_to_keep
 from .table import Case
@@ -83,7 +83,7 @@ class Cohort:
             Told after every case.
         """
         run = uuid.uuid4().hex
-        tasks = {case.name: Task(case, self.table_folder, self.output, run) for case in self.to_do}
+        tasks = {case.name: CaseTask(case, self.table_folder, self.output, run) for case in self.to_do}
         unknown: list[Record] = []
         started = time.monotonic()
         try:
@@ -102,14 +102,14 @@ class Cohort:
             # Workers that were ended have left the folder in which they wrote
             remove_left_behind(self.output)
 
-    def _take_unheard(self, tasks: dict[str, Task]) -> None:
+    def _take_unheard(self, tasks: dict[str, CaseTask]) -> None:
         """Cases that were done when nobody listened any more."""
         for name, task in tasks.items():
             record = None if name in self.records else read_record(self.output, name)
             if record is not None and record.run == task.run and record.state == DONE:
                 self.records[name] = record
 
-    def _lost(self, task: Task, lost: Lost) -> Record:
+    def _lost(self, task: CaseTask, lost: Lost) -> Record:
         """The record of a case whose process did not survive it."""
         sentence = (
             f"It was not finished: {lost.reason}, from outside or for more memory than it may take. Run the same again, with more "

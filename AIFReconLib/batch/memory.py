@@ -11,11 +11,11 @@ from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafi
 from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
 from ..recipe.recipe import DEFAULT_SPACING
-from ..reconstruction import plan
 from ..terminal.options import labels_inputs, names_labels
 from ..terminal.recipe_options import recipe_from
 from ..terminal.reconstruction_options import seen_source
 from ..terminal.sequence_options import of_each, sequence_from
+from ..workflows.reconstruct import plan
 from .table import Case, with_method
 
 PROCESS = 450_000_000

@@ -25,7 +25,7 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.extent import grid_around_sweep
 from ..imaging.region import ImageRegion
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..live.wire.decoding import decode
 from ..live.wire.encoding import encode_image
 from ..live.wire.framing import Framer
@@ -35,7 +35,7 @@ from ..progress import Progress, part, report
 from ..recipe.recipe import DEFAULT_SPACING, Recipe
 from ..sweep.frames import TrackedFrame
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands
+from ..terminal.options import Commands, check_files
 
 DEPTH, APEX, FAN_DEG = 96.0, 20.0, 30.0
 """mm that an image is deep and that its beams' apex lies above it, and the angle that the sweep is turned through."""
@@ -76,8 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
     for name, value, unit in (("--rate", rate, "frames/s"), ("--spacing", spacing, "mm")):
         if not (value > 0 and math.isfinite(value)):
             raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
-    if arguments.json:
-        check_writable(arguments.json)
+    check_files(arguments.json)
     engine, warning = choose_engine("auto")
     with ProgressBar() as progress:
         busy = busy_share()

@@ -17,7 +17,7 @@ from ..calibration.echoes import Mending
 from ..calibration.nwire import PHANTOM, calibrate_on_wires, wire_findings, wire_report
 from ..errors import OutputError, RegistrationRefused, SettingsError
 from ..geometry.transform_graph import TransformName
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.plus.calibration import write_calibrated
 from ..io.plus.configuration import read_plus_configuration
 from ..io.plus.phantom import read_wire_phantom
@@ -28,10 +28,10 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.joined import JoinedImages
 from ..sweep.poses import chain_ends
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, add_labels_options, labels_from, names_labels, refuse_to_overwrite
-from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.options import Commands, add_labels_options, check_files, labels_from, names_labels, refuse_to_overwrite
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
+from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
 
 EXAMPLE = """examples:
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
@@ -74,9 +74,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, for the log book")
     parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes before and after")
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+    add_sweep_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -86,9 +84,7 @@ def run(arguments: argparse.Namespace) -> None:
         arguments.config = [arguments.phantom]
     each = of_each(arguments, arguments.sequences)
     refuse_to_overwrite(arguments, "output", "report", "preview")
-    for path in (arguments.output, arguments.report, arguments.preview):
-        if path:
-            check_writable(path)
+    check_files(arguments.output, arguments.report, arguments.preview)
     _check_output(arguments)
     if arguments.phantom:
         _run_on_wires(arguments, each)

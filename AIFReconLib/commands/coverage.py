@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import SettingsError
 from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.volume.surfaces import check_labels_surface_path, check_surface_path, write_surface
 from ..progress import part
 from ..registration.labeled_bone import LabeledBone
@@ -18,13 +18,14 @@ from ..terminal.options import (
     Commands,
     add_beam_option,
     add_labels_options,
+    check_files,
     labels_from,
     place_from,
     refuse_to_overwrite,
 )
-from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
+from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
 
 EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
@@ -51,9 +52,7 @@ def add_to(commands: Commands) -> None:
     )
     result.add_argument("-o", "--output", "--report", dest="report", type=Path, metavar="FILE.json", help="also write the table as JSON")
     add_beam_option(result)
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+    add_sweep_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -72,8 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.surface:
         check = check_labels_surface_path if arguments.bone_labels or arguments.ct else check_surface_path
         check(arguments.surface)
-    if arguments.report:
-        check_writable(arguments.report)
+    check_files(arguments.report)
     with ProgressBar() as progress:
         labels, placed = labels_from(arguments, part(progress, 0.0, 0.05)), place_from(arguments)
         if labels is None and placed is not None:

@@ -15,7 +15,7 @@ from ..evaluation.quantities import BoneMetrics, achieved, metrics_csv, table, w
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
@@ -28,6 +28,7 @@ from ..terminal.options import (
     Commands,
     add_beam_option,
     add_labels_options,
+    check_files,
     labels_inputs,
     place_from,
     refuse_to_overwrite,
@@ -82,8 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
     inputs = [*arguments.volumes, *labels_inputs(arguments), arguments.bone_transform, arguments.mask, *of_sweep]
     outputs = [path for path in (arguments.csv, arguments.report) if path]
     refuse_to_overwrite(arguments, "csv", "report")
-    for path in outputs:
-        check_writable(path)
+    check_files(*outputs)
     if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
         raise SettingsError(f"Input --beam-thickness must be positive mm; got {arguments.beam_thickness:g}.")
     if arguments.config and not arguments.sweep:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..bone.echoes.found import SweepEchoes
-from ..bone.echoes.surface import bone_unasked
+from ..bone.echoes.surface import default_bone
 from ..compounding.methods.table import method_named
 from ..errors import AIFReconError
 from ..geometry.volume import Volume
@@ -21,14 +21,14 @@ from ..inspection.diagnosis import diagnose
 from ..message import columns
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
-from ..reconstruction import Plan, plan
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, place_from
-from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import OF_A_RECORDING, add_sequence_options, add_tracking_options, of_each, sequence_from
+from ..terminal.sequence_options import OF_A_RECORDING, add_sweep_options, of_each, sequence_from
+from ..workflows.reconstruct import ReconstructionPlan, plan
 
 NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""
@@ -47,9 +47,7 @@ def add_to(commands: Commands) -> None:
     bone = parser.add_argument_group("bone", "where it will be asked for")
     add_labels_options(bone)
     bone.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it")
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+    add_sweep_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -84,7 +82,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     try:
         if labels is None:
             # As the reconstruction will decide
-            recipe, shown, unasked = bone_unasked(sequence, recipe, progress)
+            recipe, shown, unasked = default_bone(sequence, recipe, progress)
             has_bone, unasked = shown is not None, unasked if shown is None else shown.notes
         planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
@@ -144,7 +142,7 @@ def calibration_lines(
     return list(map(in_options, told.lines)), told.agrees
 
 
-def _facts(planned: Plan) -> list[tuple[str, str]]:
+def _facts(planned: ReconstructionPlan) -> list[tuple[str, str]]:
     """The volume in words."""
     grid = planned.grid
     extent = " x ".join(f"{n * mm:.0f}" for n, mm in zip(grid.size, grid.spacing, strict=True))

@@ -7,7 +7,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 from ..compounding.methods.table import method_named
@@ -20,6 +20,7 @@ from ..io.volume.files import check_volume_path
 from ..live.pairing.placement import UNCONFIRMED
 from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.replay.server import PLUS_PORT
+from ..live.session.bone_watch import predictions_beside
 from ..live.session.session import LiveSession
 from ..live.session.statistics import LiveStatistics
 from ..live.wire.client import OpenIGTLinkClient
@@ -27,25 +28,25 @@ from ..live.wire.joint_source import JointSource
 from ..live.wire.sources import MessageSource, StreamStatistics
 from ..message import one_line, shorten
 from ..recipe.recipe import Recipe
-from ..registration.labeled_bone import LabeledBone
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.console import ProgressBar
-from ..terminal.live_bone import LiveBone, add_streamed_bone_option, predictions_path
 from ..terminal.options import Commands, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
     add_reconstruction_options,
-    bone_from,
     bone_inputs,
+    bone_source_from,
+    check_bone_options,
     grid_from,
-    labeled_bone_from,
 )
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_tracking_options
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
 from ..terminal.signals import heard_in_pauses
 from ..terminal.status_line import StatusLine
+from ..workflows.job import ScanJob
+from ..workflows.live_scan import SCOUT_MARGIN, LiveScan
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 from .reconstruct import FIRST_OPTIONS, describe
 
@@ -65,9 +66,6 @@ UNREAD_IMAGES = ("VIDEO", "TRACKEDFRAME", "USMESSAGE", "NDARRAY")
 SETTLING = 1.0
 """s after the first image in which other image devices may show up."""
 
-SCOUT_MARGIN = 5.0
-"""mm added on each side of the box that was scouted."""
-
 POLL = 0.1
 
 WRITTEN = ("output", *SIDE_OUTPUTS, "preview", "record", "save_settings")
@@ -86,7 +84,11 @@ def add_to(commands: Commands) -> None:
     server.add_argument("--host", default="127.0.0.1", metavar="H", help="name or address of the server (default: %(default)s)")
     server.add_argument("--port", type=int, default=PLUS_PORT, metavar="P", help="default: %(default)s, as Plus")
     server.add_argument("--image", metavar="DEVICE", help="name of the image device (default: the only one there is)")
-    add_streamed_bone_option(server)
+    server.add_argument(
+        "--bone-image",
+        metavar="DEVICE",
+        help="no CT: name of an image device that sends a network's predictions with the time stamps of their images",
+    )
     server.add_argument(
         "--trust-image-pose",
         action="store_true",
@@ -141,19 +143,19 @@ def run(arguments: argparse.Namespace) -> int:
             raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
     inputs = [arguments.config, *bone_inputs(arguments), arguments.importance_mask]
-    predictions = predictions_path(arguments)
-    more = [] if predictions is None else [predictions]
-    refuse_to_overwrite(arguments, *WRITTEN, more=more)
+    says_bone = arguments.record and (arguments.bone_image or arguments.bone_model)
+    refuse_to_overwrite(arguments, *WRITTEN, more=[predictions_beside(arguments.record)] if says_bone else [])
     check_preview(arguments.preview)
     check_save_settings(arguments)
     for path in filter(None, outputs.values()):
         check_volume_path(path)
     started = time.perf_counter()
     recipe = recipe_from(arguments)
-    labeled = labeled_bone_from(arguments, None, recipe)
-    session, client, seen = _session(arguments, recipe, labeled)
-    with seen.beside(session) if seen else nullcontext():
-        result, told_by = _scan(session, client, arguments)
+    scan, client = _scan_of(arguments, recipe)
+    session = scan.session
+    with scan:
+        result, told_by = _scan(scan, client, arguments)
+    labeled = scan.labeled
     statistics, error = session.statistics, session.error
     recording = _recording_line(session)
     if result is None or not result.frames_inserted:
@@ -172,9 +174,7 @@ def run(arguments: argparse.Namespace) -> int:
     files = [path for path in (*outputs.values(), *drawn) if path]
     width = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled and method_named(result.method).needs_bone else []
     print(describe(result, statistics.frames_received, time.perf_counter() - started, files, agreement=width))
-    for line in filter(
-        None, [*_what_else(statistics, client.statistics, result), *(seen.lines() if seen else ()), recording, *how_to_look(arguments)]
-    ):
+    for line in filter(None, [*_what_else(statistics, client.statistics, result), *_bone_lines(scan), recording, *how_to_look(arguments)]):
         print(f"  {in_options(line)}")
     if error is not None:
         cause = in_options(error).rstrip(".")
@@ -186,14 +186,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _session(
-    arguments: argparse.Namespace, recipe: Recipe, labeled: LabeledBone | None
-) -> tuple[LiveSession, OpenIGTLinkClient, LiveBone | None]:
-    """The session that the options ask for, its client, which is connected, and what looks for bone beside it."""
-    configuration = read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION
-    with ProgressBar() as progress:
-        seen = LiveBone.of(arguments)
-        bone = seen.bone if seen else bone_from(arguments, labeled, None, recipe, progress)
+def _scan_of(arguments: argparse.Namespace, recipe: Recipe) -> tuple[LiveScan, OpenIGTLinkClient]:
+    """The scan that the options ask for, and its client, which is connected."""
     synchronizer = SynchronizerSettings(
         image_device=arguments.image,
         image_to_reference=recipe.image_to_reference,
@@ -203,24 +197,56 @@ def _session(
         trust_image_pose=arguments.trust_image_pose,
         tracker_frame=arguments.tracker_frame,
     )
+    _check_bone_options(arguments)
     client = OpenIGTLinkClient(arguments.host, arguments.port, takes_readings=arguments.mechanism is not None)
-    session = LiveSession(
-        _with_poses(client, arguments.mechanism),
-        recipe,
-        bone,
-        grid_from(arguments),
-        configuration=configuration,
-        synchronizer=synchronizer,
-        record=arguments.record,
-        frame_limit=arguments.frames,
-        predictions_device=arguments.bone_image,
-    )
-    if session.recorder is not None:
+    with ProgressBar() as progress:
+        job = ScanJob(
+            recipe,
+            configuration=read_plus_configuration(arguments.config) if arguments.config else NO_CONFIGURATION,
+            grid=grid_from(arguments),
+            bone=replace(bone_source_from(arguments, progress), device=arguments.bone_image),
+            synchronizer=synchronizer,
+            record=arguments.record,
+            frame_limit=arguments.frames,
+        )
+        scan = LiveScan(job, _with_poses(client, arguments.mechanism), progress)
+    recorder = scan.session.recorder
+    if recorder is not None:
         # Its name may be another than was asked for
-        recorded = {session.recorder.path, session.recorder.header_path} - {arguments.record}
+        recorded = {recorder.path, recorder.header_path} - {arguments.record}
         refuse_to_overwrite(arguments, *WRITTEN, more=sorted(recorded))
     client.start(wait=True)
-    return session, client, seen
+    return scan, client
+
+
+def _check_bone_options(arguments: argparse.Namespace) -> None:
+    """Return if the options that let the frames say where bone is are for a scan, and go together.
+
+    Raises SettingsError otherwise.
+    """
+    check_bone_options(arguments)
+    if arguments.bone_frames:
+        raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
+    others = ("bone_labels", "ct", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
+    both = next((name for name in others if arguments.bone_image and getattr(arguments, name)), None)
+    if both is not None:
+        raise SettingsError(f"--bone-image is a source of bone, and so is --{both.replace('_', '-')}. Leave out one.")
+    if arguments.bone_image and arguments.bone_image == arguments.image:
+        raise SettingsError(f"--bone-image and --image must be two devices; got {arguments.image!r} for both.")
+
+
+def _bone_lines(scan: LiveScan) -> list[str]:
+    """How the search for bone in the frames went."""
+    watch, recorded = scan.bone_watch, scan.session.recorded
+    if watch is None:
+        return []
+    lines = [*watch.state.lines(scan.session.statistics.frames_received)]
+    if watch.recorded is not None:
+        lines.append(f"recorded what was said of bone to {watch.recorded}")
+    if recorded is not None:
+        told = "--bone-from-sweep" if watch.recorded is None else f"--bone-frames {watch.recorded}"
+        lines.append(f"to weight all frames by all that was found: aifrecon reconstruct {recorded} {told}")
+    return lines
 
 
 def _with_poses(client: OpenIGTLinkClient, mechanism: str | None) -> MessageSource:
@@ -233,9 +259,9 @@ def _with_poses(client: OpenIGTLinkClient, mechanism: str | None) -> MessageSour
     return JointSource(client, read_mechanism(file), TransformName.parse(name))
 
 
-def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.Namespace) -> tuple[Reconstruction | None, int | None]:
+def _scan(scan: LiveScan, client: OpenIGTLinkClient, arguments: argparse.Namespace) -> tuple[Reconstruction | None, int | None]:
     """The volume, and the signal by which the scan was ended, if it was."""
-    told_by = None
+    told_by, session = None, scan.session
     status = StatusLine(sys.stderr)
     if session.recorder is not None and session.recorder.note:
         status.say(session.recorder.note)
@@ -249,7 +275,7 @@ def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.N
                         seconds = f"{arguments.scout_seconds:g} s"
                         status.say(f"Connected. Move the probe over the whole region: the first {seconds} find the box.")
                         _scout(session, arguments, first_frame, status, pause)
-                        _use_scouted_grid(session, status)
+                        _use_scouted_box(scan, status)
                     while not _is_over(session, arguments, first_frame):
                         pause(POLL)
                         status.show(session)
@@ -257,7 +283,7 @@ def _scan(session: LiveSession, client: OpenIGTLinkClient, arguments: argparse.N
                 told_by = int(end.args[0]) if end.args else int(signal.SIGINT)
                 status.clear()
                 if session.grid is None and session.scouted:
-                    _use_scouted_grid(session, status)
+                    _use_scouted_box(scan, status)
             status.clear()
             with ProgressBar() as progress:
                 return session.finish(progress), told_by
@@ -319,11 +345,10 @@ def _scout(
             return
 
 
-def _use_scouted_grid(session: LiveSession, status: StatusLine) -> None:
-    if not session.scouted:
+def _use_scouted_box(scan: LiveScan, status: StatusLine) -> None:
+    if not scan.session.scouted:
         return
-    grid = session.grid_from_scout(margin=SCOUT_MARGIN)
-    session.use_grid(grid)
+    grid = scan.use_scouted_box()
     extent = " x ".join(f"{n * s:.0f}" for n, s in zip(grid.size, grid.spacing, strict=True))
     status.say(f"The box is {extent} mm, {' x '.join(str(n) for n in grid.size)} voxels; {SCOUT_MARGIN:g} mm around what was seen.")
 

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from ..arrays import Floats
 from ..errors import OutputError, SettingsError
-from ..evaluation.figures import require_matplotlib
 from ..geometry.transforms import LPS_FROM_RAS, transform_points
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_volume
 from ..io.volume.models import LPS, MODEL_SUFFIXES, RAS, read_model
@@ -20,7 +19,7 @@ from ..paths.shown import markups, paths_figure, write_skin_map
 from ..progress import part
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, labels_from, place_from, refuse_to_overwrite
+from ..terminal.options import Commands, check_files, labels_from, place_from, refuse_to_overwrite
 from ..terminal.recipe_options import add_imaging_options, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_tracking_options, of_each
@@ -95,13 +94,10 @@ def run(arguments: argparse.Namespace) -> None:
     if bool(arguments.sweep) == bool(arguments.skin):
         raise SettingsError("Where the skin is must be given, once. Give --sweep SEQUENCE, whose probe was on it, or --skin FILE.")
     target = _target(arguments.target)
-    for path in filter(None, (arguments.output, arguments.report)):
-        check_writable(path)
+    check_files(arguments.output, arguments.report)
     if arguments.skin_map:
         check_surface_path(arguments.skin_map)
     check_preview(arguments.preview)
-    if arguments.preview:
-        require_matplotlib()
     with ProgressBar() as progress:
         volume = read_volume(arguments.volume)
         mask, score = (read_volume(path) if path else None for path in (arguments.mask, arguments.score))

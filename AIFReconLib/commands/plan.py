@@ -10,7 +10,6 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import AIFReconError, FileFormatError, SettingsError
-from ..evaluation.figures import require_matplotlib
 from ..evaluation.plan_figure import plan_figure
 from ..geometry.transforms import invert, transform_points
 from ..guidance.bone import GuidedBone
@@ -18,15 +17,15 @@ from ..guidance.coverage import covered
 from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, plan_scan
 from ..guidance.probe import ProbeOnBack
 from ..guidance.window import NOT_SEEN, unseen_of, window
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.disk.small_files import read_json
 from ..message import columns
 from ..progress import part
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, place_from, refuse_to_overwrite, required_labels
-from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.options import Commands, check_files, place_from, refuse_to_overwrite, required_labels
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, sequence_from
+from ..terminal.sequence_options import add_sweep_options, sequence_from
 from .coverage import add_placed_labels_options
 from .preview import check_preview
 
@@ -78,9 +77,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the passes over the bone (needs matplotlib)")
     like = parser.add_argument_group("probe", "what the images will be like")
     like.add_argument("--probe-like", type=Path, metavar="SEQUENCE", help="a recording of the probe, on this patient best of all")
-    add_tracking_options(parser)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+    add_sweep_options(parser, several=False)
     parser.set_defaults(run=run)
 
 
@@ -90,10 +87,8 @@ def run(arguments: argparse.Namespace) -> None:
     refuse_to_overwrite(arguments, "output", "preview")
     if arguments.frames < 1:
         raise SettingsError(f"Input frames must be 1 or more; got {arguments.frames!r}. Give --frames N.")
-    check_writable(arguments.output)
+    check_files(arguments.output)
     check_preview(arguments.preview)
-    if arguments.preview:
-        require_matplotlib()
     with ProgressBar() as progress:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
         placed = place_from(arguments)

@@ -12,36 +12,35 @@ import numpy as np
 
 from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import method_named
-from ..compounding.state import BESIDE, Reconstruction
+from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..inspection.summary import summary_lines
-from ..inspection.tracking_report import TrackingReport, tracking_report
-from ..io.disk.atomic import check_writable, write_text
+from ..inspection.tracking_report import TrackingReport
+from ..io.disk.atomic import write_text
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import check_volume_path, write_volume
 from ..progress import Progress, part
 from ..provenance.record import settings_of
 from ..recipe.recipe import Recipe
-from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..sweep.joined import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, names_labels, refuse_to_overwrite
+from ..terminal.options import Commands, check_files, names_labels, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
     add_memory_option,
     add_reconstruction_options,
-    bone_from,
     bone_inputs,
-    grid_from,
-    labeled_bone_from,
+    job_from,
 )
 from ..terminal.remedies import as_option, in_options
 from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
+from ..workflows.job import ReconstructionJob
+from ..workflows.reconstruct import plain_mean, reconstruct_job, tracking_of
 from .info import register_command
 from .preview import add_preview_option, check_preview, how_to_look, write_preview
 
@@ -125,23 +124,13 @@ def run(arguments: argparse.Namespace) -> None:
         raise SettingsError("--dicom-study is for an output that ends with .dcm, and there is none.")
     check_preview(arguments.preview)
     check_save_settings(arguments)
-    if arguments.report:
-        check_writable(arguments.report)
+    check_files(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
         with compiled_aside(recipe, sequence.images.dtype) if names_labels(arguments) else nullcontext():
-            labeled = labeled_bone_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
-            bone = bone_from(arguments, labeled, sequence, recipe, part(progress, 0.05, 0.1))
-            result = reconstruct(
-                sequence,
-                recipe,
-                bone,
-                grid_from(arguments),
-                beside=[name for name in BESIDE if getattr(arguments, name)],
-                memory=arguments.memory,
-                progress=part(progress, 0.1, 0.95),
-            )
-        result = with_provenance(result, arguments, inputs)
+            job = job_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
+            output = reconstruct_job(job, part(progress, 0.05, 0.95))
+        result, labeled = with_provenance(output.result, arguments, inputs), output.labeled
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")
             write_volume(getattr(result, name), path, arguments.dicom_study)
@@ -153,16 +142,13 @@ def run(arguments: argparse.Namespace) -> None:
         # What the sweep's own bone says of the CT's place
         lines = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled is not None and uses_bone else []
     agreement = list(map(in_options, lines))
-    tracking = {
-        share.name: tracking_report(part_of_it, sweep_poses(part_of_it, recipe.image_to_reference, recipe.reference), result, number)
-        for number, (share, part_of_it) in enumerate(zip(result.sweeps, sequence.sweeps, strict=True))
-    }
+    tracking = tracking_of(job, result)
     if arguments.report and not is_page(arguments.report):
         said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
         write_text(arguments.report, json.dumps(said, indent=2) + "\n")
     if arguments.report and is_page(arguments.report):
         with ProgressBar() as progress:
-            _write_page(arguments, sequence, recipe, result, tracking, labeled, progress)
+            _write_page(arguments, job, result, tracking, labeled, progress)
     files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     if labeled is not None and not on_bone and arguments.bone_transform is None:
@@ -177,8 +163,7 @@ def is_page(path: Path) -> bool:
 
 def _write_page(
     arguments: argparse.Namespace,
-    sequence: TrackedSequence,
-    recipe: Recipe,
+    job: ReconstructionJob,
     result: Reconstruction,
     tracking: dict[str, TrackingReport],
     labeled: LabeledBone | None,
@@ -187,7 +172,6 @@ def _write_page(
     """The page that the panel saves, with what was measured beside it where a method has raised bone."""
     from ..imaging.gray_window import gray_window
     from ..worker.page import PageAbout, Pictured, tell
-    from ..worker.reconstructing import plain_mean
 
     ct = read_ct(arguments.ct) if arguments.ct else None
     place = np.eye(4) if labeled is None or labeled.labels_to_reference is None else labeled.labels_to_reference
@@ -198,8 +182,8 @@ def _write_page(
         settings=json.dumps(settings_of(result.intensity)),
         spacing=tuple(map(float, result.grid.spacing)),
         tracking=tracking,
-        sequence=sequence,
-        recipe=recipe,
+        sequence=job.sequence,
+        recipe=job.recipe,
         labels=None if labeled is None else labeled.labels,
         labels_to_reference=place,
         names={} if labeled is None else labeled.labels.names,
@@ -207,7 +191,7 @@ def _write_page(
         pictured=Pictured(
             result.intensity,
             gray_window(result.intensity.array, result.mask.array),
-            plain_mean(sequence, recipe, result, part(progress, 0.0, 0.3)) if weighs else None,
+            plain_mean(job, result, part(progress, 0.0, 0.3)) if weighs else None,
             None if ct is None else ct.placed_by(place),
         ),
     )

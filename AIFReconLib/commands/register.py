@@ -13,7 +13,7 @@ from ..errors import RegistrationRefused
 from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
@@ -28,13 +28,14 @@ from ..terminal.options import (
     Commands,
     add_labels_options,
     add_placing_options,
+    check_files,
     place_from,
     refuse_to_overwrite,
     required_labels,
 )
-from ..terminal.recipe_options import add_imaging_options, recipe_from
+from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from
+from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
 from .info import calibration_lines, reconstruct_command
 
 EXAMPLE = """examples:
@@ -81,9 +82,7 @@ def add_to(commands: Commands) -> None:
         help="also write numbers, alternatives and the motions that the sweep does not determine",
     )
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+    add_sweep_options(parser)
     parser.set_defaults(run=run)
 
 
@@ -91,9 +90,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Read, register, write, and say how sure it is."""
     each = of_each(arguments, arguments.sequences)
     refuse_to_overwrite(arguments, "output", "labels_output", "report", "preview")
-    for path in (arguments.output, arguments.report, arguments.preview):
-        if path:
-            check_writable(path)
+    check_files(arguments.output, arguments.report, arguments.preview)
     for path in arguments.labels_output:
         (check_labels_surface_path if is_surface_path(path) else check_volume_path)(path)
     if arguments.preview:

@@ -39,13 +39,13 @@ PITCHES = 600
 
 
 @dataclass(frozen=True)
-class Picture:
+class PreviewImage:
     """A drawn picture: a notebook shows it, `write` keeps it."""
 
     png: bytes
 
     def __repr__(self) -> str:
-        return f"<Picture: PNG of {len(self.png) / 1024:.0f} KiB; a notebook shows it, write(path) keeps it>"
+        return f"<PreviewImage: PNG of {len(self.png) / 1024:.0f} KiB; a notebook shows it, write(path) keeps it>"
 
     def _repr_png_(self) -> bytes:
         return self.png
@@ -78,7 +78,7 @@ def preview(
     score: Volume | None = None,
     beam: Floats | None = None,
     patient: bool | None = None,
-) -> Picture:
+) -> PreviewImage:
     """Draw three cuts through the bone, and bone as the probe sees it: at each place what is brightest above what lies behind it.
 
     Raises OutputError when matplotlib is not installed.
@@ -118,7 +118,7 @@ def preview(
     notes = ["blue: not scanned" if mask is not None else "blue: 0, not scanned or black"]
     if labels is not None:
         notes.append("orange: bone of the CT")
-    return Picture(png_of(_draw(panels, columns, title, ", ".join(notes))))
+    return PreviewImage(png_of(_draw(panels, columns, title, ", ".join(notes))))
 
 
 def middle_of_bone(volume: Volume, scanned: Mask, labels: Volume | None) -> Floats:

@@ -12,7 +12,7 @@ from ..progress import Progress, part, report
 from .bone import GuidedBone
 from .met import MOST, FrameGeometry, expected_visibility, support_for, unseen
 from .passes import Hand, Pass
-from .probe import Placement, ProbeOnBack
+from .probe import ProbeOnBack, ProbePlacement
 
 OFF_TARGET = 0.01
 """What bone off the target counts: frames that can add nothing more to the target go there."""
@@ -59,7 +59,7 @@ class Candidates:
         self._weights = (share * bone.surface.areas)[self._looked]
         self._geometry = geometry_of(bone.only(self._looked), probe)
         self._rng = np.random.default_rng(0)
-        self._made: list[list[list[Placement]]] = []
+        self._made: list[list[list[ProbePlacement]]] = []
         self._seen: list[_Seen] = []
         draws = draws if hand else 1
         for draw in range(draws):
@@ -76,7 +76,7 @@ class Candidates:
         first = 0
         while first < len(self.passes):
             report(progress, first / len(self.passes), "Looking at candidate passes")
-            ways: list[list[Placement]] = []
+            ways: list[list[ProbePlacement]] = []
             while first + len(ways) < len(self.passes) and (not ways or sum(map(len, ways)) < FRAMES_AT_ONCE):
                 ways.append(self._placements(first + len(ways))[len(self._seen)])
             found.append(self._support(ways, first))
@@ -84,7 +84,7 @@ class Candidates:
         points, support, owner = (np.concatenate(parts) for parts in zip(*found, strict=True))
         self._seen = [*self._seen, _Seen(points, support, owner)]
 
-    def _support(self, ways: list[list[Placement]], first: int) -> tuple[Integers, Singles, Integers]:
+    def _support(self, ways: list[list[ProbePlacement]], first: int) -> tuple[Integers, Singles, Integers]:
         """What some passes meet, of which `first` is the first; see `_Seen`."""
         frame, point, support = self._geometry.support(self._probe.poses([placement for way in ways for placement in way]))
         way = np.repeat(np.arange(len(ways)), [len(way) for way in ways])[frame]
@@ -94,7 +94,7 @@ class Candidates:
         # In single precision, for they are asked while a scan goes on
         return points, together[met].astype(np.float32), first + owner
 
-    def _placements(self, number: int) -> list[list[Placement]]:
+    def _placements(self, number: int) -> list[list[ProbePlacement]]:
         """Those of the frames of a pass, each time that it is made."""
         if number == len(self._made):
             exact = self.passes[number].placements(self.passes[number].least)

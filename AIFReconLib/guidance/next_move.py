@@ -13,7 +13,7 @@ from .bone import GuidedBone
 from .candidates import DRAWS, Candidates
 from .met import BoneMet
 from .passes import HAND, Hand, Pass, freehand_passes, name_of_place
-from .probe import Placement, ProbeOnBack
+from .probe import ProbeOnBack, ProbePlacement
 from .seen import Direction
 
 STABLE = 0.25
@@ -115,12 +115,12 @@ class NextMove:
         there, adds = _middle(planned), float(gains[best]) / 100.0
         return Move(self._words(now, there, adds), adds, self._probe.pose(there), planned, ROUNDS * planned.least)
 
-    def _words(self, now: Placement, there: Placement, adds: float) -> str:
+    def _words(self, now: ProbePlacement, there: ProbePlacement, adds: float) -> str:
         steps = listed(step.words for step in directions(now, there, self._bone.is_of_ct))
         return f"{steps} over {name_of_place(self._bone, there.z)}, adds {adds:.1f} cm2"
 
 
-def directions(now: Placement, there: Placement, knows_head: bool = True) -> tuple[Direction, ...]:
+def directions(now: ProbePlacement, there: ProbePlacement, knows_head: bool = True) -> tuple[Direction, ...]:
     """Turn, slide, then tilt, told by where the beam then goes, not by the handle; where nothing of it is left, to sweep on.
 
     Where nobody knows the head, ways are those of the image that is there after the turn.
@@ -133,12 +133,12 @@ def directions(now: Placement, there: Placement, knows_head: bool = True) -> tup
         right, left, into, out = IMAGE if not is_other_way_round else (IMAGE[1], IMAGE[0], IMAGE[3], IMAGE[2])
         ways = (out, into, right, left) if is_sagittal else (right, left, into, out)
     if is_other_way_round:
-        now = Placement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
+        now = ProbePlacement(now.x, now.z, now.turn_deg + 180.0, -now.in_plane_deg, -now.across_deg)
     if abs(turn) > TURNED_DEG:
         plane, sense = "sagittal" if is_sagittal else "transverse", "counterclockwise" if turn > 0 else "clockwise"
         to = f"to {plane}" if knows_head else f"{abs(turn):.0f}° {sense}, seen from above"
         steps.append(Direction(TURN, f"turn the probe {to}"))
-        now = Placement(now.x, now.z, there.turn_deg)
+        now = ProbePlacement(now.x, now.z, there.turn_deg)
     for way, mm in zip(ways, (there.x - now.x, now.x - there.x, there.z - now.z, now.z - there.z), strict=True):
         if mm >= SMALLEST_MM:
             steps.append(Direction(way[0], f"slide {mm:.0f} mm {way[1]}"))
@@ -152,11 +152,11 @@ def directions(now: Placement, there: Placement, knows_head: bool = True) -> tup
     return tuple(steps) or (Direction(HERE, "keep sweeping here"),)
 
 
-def _middle(planned: Pass) -> Placement:
+def _middle(planned: Pass) -> ProbePlacement:
     return planned.placements(1)[0]
 
 
-def _labor(now: Placement, there: Placement) -> float:
+def _labor(now: ProbePlacement, there: ProbePlacement) -> float:
     """How laborious it is to get there: slides, tilts and turns in units of `FAR_MM` and `FAR_DEG`."""
     turn = abs((there.turn_deg - now.turn_deg + 90.0) % 180.0 - 90.0)
     tilt = abs(there.in_plane_deg - now.in_plane_deg) + abs(there.across_deg - now.across_deg)

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Matrix
 from ..geometry.transforms import invert, transform_points
 from .bone import GuidedBone
-from .probe import Placement, ProbeOnBack
+from .probe import ProbeOnBack, ProbePlacement
 
 STEP = 3.0
 """mm between the frames of a pass: the thickness of the beam."""
@@ -43,11 +43,11 @@ class Pass:
     """The probe goes from one placement to another, evenly."""
 
     name: str  #: In a sonographer's words
-    start: Placement
-    stop: Placement
+    start: ProbePlacement
+    stop: ProbePlacement
     least: int  #: Frames below which gaps would open between their beams
 
-    def placements(self, frames: int) -> list[Placement]:
+    def placements(self, frames: int) -> list[ProbePlacement]:
         """Where each of so many frames is taken: in the middles of as many parts of the way."""
         fractions = (np.arange(frames) + 0.5) / frames
         return [
@@ -77,7 +77,7 @@ class Hand:
     wander_deg: float = 1.0
     """The same of each frame within the pass, on top of that."""
 
-    def follow(self, placements: Sequence[Placement], rng: np.random.Generator) -> list[Placement]:
+    def follow(self, placements: Sequence[ProbePlacement], rng: np.random.Generator) -> list[ProbePlacement]:
         """A pass as this hand makes it; another one with every call."""
         off = rng.standard_normal(5) * ([self.off_mm] * 2 + [self.off_deg] * 3)
         wander = rng.standard_normal((len(placements), 5)) * ([self.wander_mm] * 2 + [self.wander_deg] * 3)
@@ -119,7 +119,7 @@ def freehand_passes(bone: GuidedBone) -> list[Pass]:
         where = name_of_place(bone, z)
         for across in TRANSVERSE_TILTS_DEG:
             for in_plane in TRANSVERSE_TILTS_DEG:
-                start = Placement(0.0, z - ALONG / 2, 0.0, in_plane, across)
+                start = ProbePlacement(0.0, z - ALONG / 2, 0.0, in_plane, across)
                 words = [f"transverse along {where}"]
                 words += [_looking(across, "head", "feet")] if across else []
                 words += [f"{abs(in_plane):g} degrees toward the {'right' if in_plane > 0 else 'left'}"] if in_plane else []
@@ -128,7 +128,7 @@ def freehand_passes(bone: GuidedBone) -> list[Pass]:
 
 
 def _sagittal(name: str, z: float, tilt: float, across: float, first: float, last: float) -> Pass:
-    start = Placement(first, z, 90.0, tilt, across)
+    start = ProbePlacement(first, z, 90.0, tilt, across)
     return Pass(name, start, replace(start, x=last), round(abs(last - first) / STEP))
 
 
@@ -137,7 +137,7 @@ def wearable_passes(bone: GuidedBone, place: tuple[float, float] = (0.0, 0.0), t
     tilts = np.arange(-WEARABLE_TILT_DEG, WEARABLE_TILT_DEG + 1.0, WEARABLE_STEP_DEG)
     passes = []
     for tilt in tilts:
-        start = Placement(*place, turn_deg, float(tilt), -WEARABLE_TILT_DEG)
+        start = ProbePlacement(*place, turn_deg, float(tilt), -WEARABLE_TILT_DEG)
         name = f"{'transverse' if turn_deg == 0 else 'sagittal'}, tilted {tilt:+g} degrees in the plane, swept across it"
         passes.append(Pass(name, start, replace(start, across_deg=WEARABLE_TILT_DEG), round(2 * WEARABLE_TILT_DEG / 3.0)))
     return passes

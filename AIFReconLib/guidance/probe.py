@@ -160,7 +160,7 @@ def _terms(x: Floats, z: Floats) -> Floats:
 
 
 @dataclass(frozen=True)
-class Placement:
+class ProbePlacement:
     """How a probe stands on the back."""
 
     x: float
@@ -189,12 +189,12 @@ class ProbeOnBack:
     def __post_init__(self) -> None:
         object.__setattr__(self, "_to_face", self.images.image_to_face)
 
-    def pose(self, placement: Placement) -> Matrix:
+    def pose(self, placement: ProbePlacement) -> Matrix:
         """image_to_reference of a probe that stands so, (4, 4)."""
         pose: Matrix = self.poses([placement])[0]
         return pose
 
-    def poses(self, placements: Sequence[Placement]) -> Matrix:
+    def poses(self, placements: Sequence[ProbePlacement]) -> Matrix:
         """image_to_reference of a probe that stands so, one after the other, (n, 4, 4)."""
         x, z, *angles = np.array([(one.x, one.z, -one.turn_deg, -one.in_plane_deg, one.across_deg) for one in placements]).T
         turns = scipy.spatial.transform.Rotation.from_euler("YZX", np.stack(angles, axis=1), degrees=True).as_matrix()
@@ -206,14 +206,14 @@ class ProbeOnBack:
         poses: Matrix = self.patient_to_reference @ faces @ self._to_face
         return poses
 
-    def placement(self, image_to_reference: Matrix) -> Placement:
+    def placement(self, image_to_reference: Matrix) -> ProbePlacement:
         """How a probe stands whose image is there: the inverse of `pose`, wherever the skin is."""
         right, down = image_plane_axes(image_to_reference)
         turn = self.patient_to_reference[:3, :3].T @ np.stack([right, down, np.cross(right, down)], axis=1)
         a, b, c = scipy.spatial.transform.Rotation.from_matrix(turn).as_euler("YZX", degrees=True)
         face = transform_points(invert(self.patient_to_reference), self.images.faces(image_to_reference[None])[0])
         target = face + AIM_DEPTH / max(turn[1, 1], 0.3) * turn[:, 1]
-        return Placement(float(target[0]), float(target[2]), -float(a), -float(b), float(c))
+        return ProbePlacement(float(target[0]), float(target[2]), -float(a), -float(b), float(c))
 
 
 def images_like(image_to_reference: Matrix, frame_size: tuple[int, int], geometry: ProbeGeometry, region: ImageRegion) -> ProbeImages:

@@ -18,7 +18,7 @@ ITERATIONS, PASS_BAND = 25, 0.08
 
 
 @dataclass(frozen=True, eq=False)
-class ShownSurface:
+class ShownBoneMesh:
     """Triangles in Reference, smoothed for display."""
 
     points: Singles  #: (n, 3), mm
@@ -27,7 +27,7 @@ class ShownSurface:
     distances: Singles | None  #: (n,), mm. To the CT's bone, where there is one
 
 
-def bone_surface(shown: ShownBone) -> ShownSurface | None:
+def bone_surface(shown: ShownBone) -> ShownBoneMesh | None:
     """The surface of a `ShownBone`; None where it shows none.
 
     Notes
@@ -55,7 +55,7 @@ def bone_surface(shown: ShownBone) -> ShownSurface | None:
     surface = normals.GetOutput()
     points, triangles = triangles_of(surface)
     distances = shown.distances(points.astype(np.float64))
-    return ShownSurface(
+    return ShownBoneMesh(
         points,
         vtk_to_numpy(surface.GetPointData().GetNormals()),
         triangles,

@@ -41,7 +41,7 @@ class Imported:
 
 
 @dataclass(frozen=True, eq=False)
-class Checked:
+class ImportCheck:
     """What is to be seen of it: facts of the sweep, its drawing where the images can be placed, and the frame that it is drawn in."""
 
     lines: tuple[str, ...]
@@ -131,7 +131,7 @@ def _default_name(path: Path, transform: TransformName) -> TransformName | None:
     return TransformName(IMAGE_FRAME, "Probe" if "Probe" in (transform.source, transform.target) else transform.source)
 
 
-def check_import(imported: Imported, name: str) -> Checked:
+def check_import(imported: Imported, name: str) -> ImportCheck:
     """Facts of the sweep, and its drawing, called `name`, where the images can be placed."""
     sequence, transform, mechanism = imported.sequence, imported.transform, imported.mechanism
     moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
@@ -141,9 +141,9 @@ def check_import(imported: Imported, name: str) -> Checked:
     try:
         poses = sweep_poses(sequence, reference=reference)
     except AIFReconError:
-        return Checked(("no drawing: the image cannot be placed without a calibration",), None, reference)
+        return ImportCheck(("no drawing: the image cannot be placed without a calibration",), None, reference)
     if not len(poses.usable):
-        return Checked(("no drawing: no frame has a valid pose",), None, reference)
+        return ImportCheck(("no drawing: no frame has a valid pose",), None, reference)
     try:
         seen = recognized(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
         region, probe = seen.region, f"recognized in the images, blue in the drawing: {seen.description}"
@@ -154,7 +154,7 @@ def check_import(imported: Imported, name: str) -> Checked:
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     if np.isfinite(sequence.timestamps).all():
         rows.append(f"clocks: {estimate_time_offset(sequence, poses).to_text()}")
-    return Checked((_size(sequence, poses), probe, *rows), drawing, reference)
+    return ImportCheck((_size(sequence, poses), probe, *rows), drawing, reference)
 
 
 def _size(sequence: TrackedSequence, poses: SweepPoses) -> str:

@@ -15,6 +15,7 @@ from ..bone.ct.from_ct import labels_from_ct
 from ..errors import AIFReconError, OutputError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.labels import Labels
+from ..io.disk.atomic import check_writable
 from ..io.disk.regular_files import files_in
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
@@ -79,6 +80,12 @@ def refuse_to_overwrite(arguments: argparse.Namespace, *outputs: str, more: Iter
             if each in seen or within or _is_slice_of(file, inputs):
                 raise OutputError(f"{path} would overwrite {seen.get(each, 'an input')} ({file.name}). Choose another name.")
         seen |= dict.fromkeys(files, "another output")
+
+
+def check_files(*paths: Path | None) -> None:
+    """Return if all of these that are given can be written; to be asked before a long computation."""
+    for path in filter(None, paths):
+        check_writable(path)
 
 
 def _paths(value: object) -> list[Path]:

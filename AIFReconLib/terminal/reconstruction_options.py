@@ -7,19 +7,16 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..bone.map import BoneMap
-from ..bone.network.model import OnnxModel
-from ..bone.predicted_bone import bone_from_frames
-from ..bone.recorded_predictions import RecordedPredictions
+from ..compounding.state import BESIDE
 from ..errors import SettingsError
+from ..geometry.labels import Labels
 from ..geometry.volume import VoxelGrid
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_volume
-from ..machine.threads import usable_cores
 from ..progress import Progress
 from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, ReadingSettings, Recipe, VolumeSettings
-from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
+from ..workflows.job import BoneSource, ReconstructionJob
 from .options import add_labels_options, labels_from, labels_inputs, names_labels, place_from
 from .recipe_options import add_imaging_options, add_setting, add_settings
 
@@ -159,37 +156,22 @@ def beside(model: Path) -> Path | None:
     return path if path.is_file() else None
 
 
-def labeled_bone_from(
-    arguments: argparse.Namespace, sequence: TrackedSequence | None, recipe: Recipe, progress: Progress | None = None
-) -> LabeledBone | None:
-    """The labels that the options name, placed in Reference; None where they name none. A live scan has no sequence yet."""
-    check_bone_options(arguments)
-    labels = labels_from(arguments, progress)
-    return None if labels is None else LabeledBone(labels, place_from(arguments), sequence, recipe)
+def bone_source_from(arguments: argparse.Namespace, progress: Progress | None = None, labels: Labels | None = None) -> BoneSource:
+    """What the options name as bone, read; `labels` are theirs where they were read already.
 
-
-def bone_from(
-    arguments: argparse.Namespace,
-    labeled: LabeledBone | None,
-    sequence: TrackedSequence | None,
-    recipe: Recipe,
-    progress: Progress | None = None,
-) -> BoneMap | None:
-    """The bone map that the recipe's method gets of the labels of `labeled_bone_from`, or of what else the options name; None of nothing.
-
-    A live scan has no sequence yet.
+    Raises SettingsError when options do not go together.
     """
-    if labeled is not None:
-        return labeled.map(recipe.method_for(True), progress)
-    if arguments.bone_probability:
-        return BoneMap.from_probability(read_volume(arguments.bone_probability), place_from(arguments))
-    if sequence is None:
-        if recipe.bone_from_sweep:
-            raise SettingsError("--bone-from-sweep looks at a recorded sweep. Give --bone-labels or --bone-probability.")
-        return None
-    if arguments.bone_frames:
-        predicted = [read_sequence(path) for path in arguments.bone_frames]
-        return bone_from_frames(sequence, RecordedPredictions(sequence, predicted, recipe.bone_frames_px), recipe=recipe, progress=progress)
-    if arguments.bone_model:
-        return bone_from_frames(sequence, OnnxModel(arguments.bone_model, usable_cores()), recipe=recipe, progress=progress)
-    return None
+    check_bone_options(arguments)
+    labels = labels_from(arguments, progress) if labels is None else labels
+    probability = read_volume(arguments.bone_probability) if arguments.bone_probability else None
+    predictions = [read_sequence(path) for path in arguments.bone_frames or ()]
+    return BoneSource(labels, probability, place_from(arguments), predictions or None, arguments.bone_model)
+
+
+def job_from(
+    arguments: argparse.Namespace, sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None
+) -> ReconstructionJob:
+    """The reconstruction that the options ask for."""
+    bone = bone_source_from(arguments, progress)
+    beside = [name for name in BESIDE if getattr(arguments, name)]
+    return ReconstructionJob(sequence, recipe, bone, grid_from(arguments), beside, arguments.memory)

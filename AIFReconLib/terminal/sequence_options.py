@@ -12,7 +12,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.poses import ends_of
 from ..sweep.time_offset import with_time_offset
 from .one_line_parser import TakingAction
-from .recipe_options import add_setting, recipe_from
+from .recipe_options import add_imaging_options, add_setting, recipe_from
 
 OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
 """How a recording is read, which a live scan is not."""
@@ -53,6 +53,13 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
     )
     for name in OF_A_RECORDING:
         add_setting(reading, name)
+
+
+def add_sweep_options(parser: argparse.ArgumentParser, several: bool = True) -> None:
+    """All that says how a recorded sweep is read: where its frames lie, what its file leaves open, what its images show."""
+    add_tracking_options(parser, several)
+    add_sequence_options(parser)
+    add_imaging_options(parser)
 
 
 def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argparse.Namespace]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 
-class Kept(NamedTuple):
+class RemoteObject(NamedTuple):
     """An object that stays in the worker; given as an argument it stands for that object. `Worker.forget` lets it go."""
 
     number: int
@@ -19,7 +19,7 @@ class Call(NamedTuple):
     function: Callable[..., Any] | str  #: The name of a method: of the first argument, which is kept
     arguments: tuple[Any, ...] = ()
     named: Mapping[str, Any] = {}
-    keep: bool = False  #: What is returned stays in the worker, as `Kept` of this number
+    keep: bool = False  #: What is returned stays in the worker, as `RemoteObject` of this number
 
 
 CANCEL, FORGET, RECEIVED = "cancel", "forget", "received"
@@ -32,7 +32,7 @@ class Told(NamedTuple):
     what: str  #: `CANCEL`, `FORGET` or `RECEIVED`
 
 
-class Report(NamedTuple):
+class ProgressReport(NamedTuple):
     """How far a call is: fraction, 0 to 1, and what is being done."""
 
     number: int
@@ -57,4 +57,4 @@ class Logged(NamedTuple):
     number: int = -1
 
 
-Message = Call | Told | Report | Returned | Logged
+Message = Call | Told | ProgressReport | Returned | Logged

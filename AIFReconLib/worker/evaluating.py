@@ -1,4 +1,4 @@
-"""What else a program with windows has done for it: measuring, guidance in a sweep, calibrating, simulating, and keeping settings.
+"""What else a program with windows has done for it: measuring, guidance in a sweep, calibrating, simulating.
 
 What computes is imported where it is used: who asks does not load it.
 """

@@ -19,7 +19,7 @@ MOST_DRAWN = 3000
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedCT:
     """How a place of the CT and the bone echoes agree."""
 
     labels_to_reference: Matrix  #: (4, 4), mm. The place.
@@ -41,7 +41,7 @@ class Offered:
 class Found:
     """Where the CT belongs; see `Registration`."""
 
-    placed: Placed
+    placed: PlacedCT
     said: str | None  #: Why the answer must not be used unseen
     agreement: Agreement
     moved: float | None  #: mm
@@ -59,12 +59,12 @@ class Placing:
         self._echoes, self._bone = echoes, BoneField.from_labels(labels)
         self._drawn = echoes.thinned(MOST_DRAWN)
 
-    def at(self, place: Matrix) -> Placed:
+    def at(self, place: Matrix) -> PlacedCT:
         """How well the CT agrees in a place, (4, 4) rigid."""
         from ..registration.comparison import check, fit_echoes
 
         distances = np.abs(fit_echoes(self._drawn, self._bone, place).distances)
-        return Placed(np.asarray(place), check(self._echoes, self._bone, place), self._drawn.points, distances)
+        return PlacedCT(np.asarray(place), check(self._echoes, self._bone, place), self._drawn.points, distances)
 
     def find(self, start: Matrix | None, per_segment: bool = False, progress: Progress | None = None) -> Found:
         """Where it belongs, from a place or, without one, from anywhere; and, if asked for, each of its bones on its own."""

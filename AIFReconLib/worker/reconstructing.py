@@ -7,91 +7,47 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Floats, Matrix
-from ..compounding.methods.average import AVERAGE
+from ..arrays import Floats
 from ..compounding.methods.table import COMPARED_METHODS, is_own_method, method_named
 from ..compounding.state import Reconstruction
-from ..errors import AIFReconError, BeamGeometryError, GeometryError, InsufficientMemoryError, MethodError, OperationCanceled
+from ..errors import AIFReconError, BeamGeometryError, InsufficientMemoryError, MethodError, OperationCanceled
 from ..geometry.transforms import pixel_spacing, transform_points
-from ..geometry.volume import Volume, VoxelGrid
+from ..geometry.volume import Volume
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion, extreme_pixels
-from ..inspection.bone_surface import ShownSurface, bone_surface
+from ..inspection.bone_surface import ShownBoneMesh, bone_surface
 from ..inspection.summary import summary_lines
-from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..message import Spelling, advised, as_argument
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
+from ..workflows.job import BoneSource, ReconstructionJob, ReconstructionOutput, ScanJob
 
 if TYPE_CHECKING:
-    from ..bone.map import BoneMap
     from ..evaluation.quantities import BoneMetrics
-    from ..registration.agreement import Comparison
     from ..registration.labeled_bone import LabeledBone
+    from .scan import Scan
 
 FOR_VIEWS = ("score", "hits")
 """What of a reconstruction tells where it shows bone."""
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedBone:
-    """Bone as somebody gives it: labels, or its probability."""
-
-    volume: Volume
-    to_reference: Matrix  #: (4, 4), mm. From the volume's own coordinates
-    name: str = ""  #: What errors call it
-    is_labeled: bool = True
-
-
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """What is to be reconstructed, and of what."""
-
-    sequence: TrackedSequence
-    recipe: Recipe = field(default_factory=Recipe)
-    grid: VoxelGrid | None = None
-    bone: PlacedBone | None = None  #: Where the frames say where bone is, it only judges what comes of it
-    predictions: TrackedSequence | None = None  #: What a network has said of the frames
-    model: Path | None = None  #: A network in a file
-    search_path: tuple[str, ...] = ()  #: Folders in which a method of the user's own is looked for
-
-    @property
-    def sees_bone(self) -> bool:
-        """Whether the frames themselves say where bone is."""
-        return self.recipe.bone_from_sweep or self.predictions is not None or self.model is not None
-
-
-@dataclass(frozen=True, eq=False)
-class Made:
-    """What became of it."""
-
-    result: Reconstruction  #: With the volumes that are kept
-    tracking: TrackingReport  #: Of the first sweep
-    lines: tuple[str, ...]  #: What was done, in the words of who asked
-    comparison: Comparison | None = None  #: Of CT and sweep, where bone is labeled
-    measured: Volume | None = None  #: The plain mean of the echoes, on the same voxels
-    surface: ShownSurface | None = None  #: Of the bone that shows
-
-
 def reconstructed(
-    asked: Asked,
+    job: ReconstructionJob,
     keep: Collection[str] = (),
     for_views: bool = False,
     words: Spelling = as_argument,
     progress: Progress | None = None,
-) -> Made:
-    """Reconstruct what is asked for.
+) -> ReconstructionOutput:
+    """Carry out a job, and make what is shown of it.
 
     Parameters
     ----------
@@ -103,42 +59,37 @@ def reconstructed(
     words : mapping
         What to do about what is said.
     """
-    know_method(asked.recipe.method, asked.search_path)
-    bone, labeled = _bone_of(asked, part(progress, 0.0, 0.1))
-    unasked: tuple[str, ...] = ()
-    if bone is None and labeled is None:
-        from ..bone.echoes.surface import bone_unasked
+    from ..workflows.reconstruct import execute, plain_mean, planned, tracking_of
 
-        recipe, bone, unasked = bone_unasked(asked.sequence, asked.recipe, part(progress, 0.0, 0.1))
-        asked = replace(asked, recipe=recipe)
-    has_bone = bone is not None or labeled is not None
-    method = method_named(asked.recipe.method_for(has_bone))
+    know_method(job.recipe.method, job.search_path)
     wanted = [name for name in FOR_VIEWS if name in keep]
-    wished = FOR_VIEWS if for_views and method.needs_bone else ()
+    decided = planned(replace(job, beside=wanted), part(progress, 0.0, 0.1))
+    weighs_by_bone = method_named(decided.method).needs_bone
+    wished = FOR_VIEWS if for_views and weighs_by_bone else ()
     share = part(progress, 0.1, 0.75)
     try:
-        result = _one(asked, asked.recipe, bone, labeled, sorted({*wanted, *wished}), share)
+        output = execute(decided, sorted({*wanted, *wished}), progress=share)
     except InsufficientMemoryError:
         if not wished:
             raise
-        result = _one(asked, asked.recipe, bone, labeled, wanted, share)
-    lines = summary_lines(replace(result, said=(*result.said, *unasked)), len(asked.sequence), spelling=words)
+        output = execute(decided, wanted, progress=share)
+    result, labeled = output.result, output.labeled
+    lines = summary_lines(result, len(job.sequence), spelling=words)
     comparison = None if labeled is None else labeled.comparison(part(progress, 0.75, 0.8))
     if labeled is not None and comparison is not None and labeled.is_automatic(result.method):
         lines += [advised(line, words) for line in labeled.lines(result.method)[len(comparison.lines) :]]
     measured = surface = None
-    if for_views and method_named(result.method).needs_bone:
+    if wished:
         try:
-            measured = plain_mean(asked.sequence, asked.recipe, result, part(progress, 0.8, 0.9))
+            measured = plain_mean(job, result, part(progress, 0.8, 0.9))
             surface = _surface(result, labeled, part(progress, 0.9, 0.95))
         except OperationCanceled:
             raise
         except AIFReconError as error:
             lines.append(f"The plain echo and the bone in 3D were not made. {error}")
-    first = asked.sequence.sweeps[0]
-    tracking = tracking_report(first, sweep_poses(first), result)
     report(progress, 1.0, "Reconstructed")
-    return Made(_with(result, {*keep, "score"} if for_views else keep), tracking, tuple(lines), comparison, measured, surface)
+    kept = _with(result, {*keep, "score"} if for_views else keep)
+    return ReconstructionOutput(kept, None, tracking_of(job, result), tuple(lines), comparison, measured, surface)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,23 +102,27 @@ class Compared:
 
 
 def compared_methods(
-    asked: Asked, labels: Volume | None = None, words: Spelling = as_argument, progress: Progress | None = None
+    job: ReconstructionJob, labels: Volume | None = None, words: Spelling = as_argument, progress: Progress | None = None
 ) -> Compared:
     """Reconstruct with each of the methods that are compared, in turn, and measure the volumes against `labels` in Reference."""
+    from ..workflows.reconstruct import execute, planned
     from .evaluating import measured_volumes
 
-    bone, labeled = _bone_of(asked, part(progress, 0.0, 0.05))
     results: dict[str, Reconstruction] = {}
     for number, method in enumerate(COMPARED_METHODS):
-        first, last = (0.05 + 0.65 * n / len(COMPARED_METHODS) for n in (number, number + 1))
-        results[method] = _one(asked, replace(asked.recipe, method=method), bone, labeled, FOR_VIEWS, part(progress, first, last))
+        share = part(progress, *(0.7 * n / len(COMPARED_METHODS) for n in (number, number + 1)))
+        recipe = replace(job.recipe, method=method)
+        decided = planned(replace(job, recipe=recipe, beside=FOR_VIEWS), part(share, 0.0, 0.1))
+        # Looked for once for all methods
+        job = replace(job, bone=decided.source)
+        results[method] = execute(decided, FOR_VIEWS, progress=part(share, 0.1, 1.0)).result
     metrics: dict[str, BoneMetrics] = {}
     if labels is not None:
         # Every method fills the same voxels, so one mask tells for all of them
         mask = next(iter(results.values())).mask
         volumes = {method: result.intensity for method, result in results.items()}
-        metrics = measured_volumes(volumes, labels, asked.sequence, mask, asked.recipe, part(progress, 0.7, 1.0))
-    lines = [summary_lines(result, len(asked.sequence), spelling=words)[0] for result in results.values()]
+        metrics = measured_volumes(volumes, labels, job.sequence, mask, job.recipe, part(progress, 0.7, 1.0))
+    lines = [summary_lines(result, len(job.sequence), spelling=words)[0] for result in results.values()]
     return Compared({method: _with(result, ()) for method, result in results.items()}, metrics, tuple(lines))
 
 
@@ -221,9 +176,9 @@ def warm_up() -> None:
     images[:, 20] = 200
     labels = np.zeros((8, 40, 40), np.uint8)
     labels[:, 20:30, 4:28] = 1
-    bone = PlacedBone(Volume(labels, np.eye(4)), np.eye(4))
-    recipe = Recipe(spacing=1.0, probe="linear")
-    reconstructed(Asked(TrackedSequence.from_arrays(images, poses, spacing=1.0), recipe, bone=bone), FOR_VIEWS, for_views=True)
+    sequence = TrackedSequence.from_arrays(images, poses, spacing=1.0)
+    bone = BoneSource(Volume(labels, np.eye(4)))
+    reconstructed(ReconstructionJob(sequence, Recipe(spacing=1.0, probe="linear"), bone), FOR_VIEWS, for_views=True)
 
 
 def know_method(name: str | None, search_path: Collection[str] = ()) -> None:
@@ -246,67 +201,15 @@ def know_method(name: str | None, search_path: Collection[str] = ()) -> None:
         raise MethodError(f"Method {name} cannot be had: {error}. Correct its file.") from error
 
 
-def bone_in_frames(asked: Asked, progress: Progress | None = None) -> BoneMap:
-    """Where the frames themselves say that bone is: by a network, or by their own echoes."""
-    from ..bone.echoes.surface import bone_from_sweep
-    from ..bone.network.model import OnnxModel
-    from ..bone.predicted_bone import BoneEstimator, bone_from_frames
-    from ..bone.recorded_predictions import RecordedPredictions
-    from ..machine.threads import usable_cores
+def begin_scan(job: ScanJob, progress: Progress | None = None) -> Scan:
+    """Begin a live scan; to be kept in the worker."""
+    from .scan import Scan
 
-    if asked.predictions is not None:
-        estimator: BoneEstimator = RecordedPredictions(asked.sequence, asked.predictions, asked.recipe.bone_frames_px)
-    elif asked.model is not None:
-        estimator = OnnxModel(asked.model, usable_cores())
-    else:
-        return bone_from_sweep(asked.sequence, recipe=asked.recipe, progress=progress)
-    return bone_from_frames(asked.sequence, estimator, recipe=asked.recipe, progress=progress)
+    know_method(job.recipe.method, job.search_path)
+    return Scan(job, progress)
 
 
-def _bone_of(asked: Asked, progress: Progress | None) -> tuple[BoneMap | None, LabeledBone | None]:
-    """Where bone is: a map, or labels of which a map is made for each method."""
-    from ..bone.map import BoneMap
-    from ..registration.labeled_bone import LabeledBone
-
-    bone = asked.bone
-    if asked.sees_bone:
-        return bone_in_frames(asked, progress), None
-    if bone is None:
-        return None, None
-    with _about(bone.name):
-        if not bone.is_labeled:
-            return BoneMap.from_probability(bone.volume, bone.to_reference), None
-        labeled = LabeledBone(bone.volume, bone.to_reference, asked.sequence, asked.recipe)
-        labeled.map(asked.recipe.method_for(True), progress)
-        return None, labeled
-
-
-def _one(
-    asked: Asked,
-    recipe: Recipe,
-    bone: BoneMap | None,
-    labeled: LabeledBone | None,
-    beside: Collection[str],
-    progress: Progress | None,
-) -> Reconstruction:
-    """One volume, which knows how it was made."""
-    from ..reconstruction import reconstruct
-
-    if labeled is not None:
-        bone = labeled.map(recipe.method_for(True), part(progress, 0.0, 0.1))
-    return reconstruct(asked.sequence, recipe, bone, asked.grid, beside=beside, progress=part(progress, 0.1, 1.0))
-
-
-def plain_mean(sequence: TrackedSequence, recipe: Recipe, result: Reconstruction, progress: Progress | None = None) -> Volume:
-    """The plain mean of the echoes on the voxels of a result that a method has made, with the same holes filled."""
-    from ..reconstruction import reconstruct
-
-    limit = result.hole_limit or recipe.hole_limit
-    plain = replace(recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit)
-    return reconstruct(sequence, plain, None, result.grid, beside=(), progress=progress).intensity
-
-
-def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> ShownSurface | None:
+def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Progress | None) -> ShownBoneMesh | None:
     """The bone that a result shows, for 3D; None of one without score and hits."""
     from ..inspection.shown_bone import shown_bone
 
@@ -326,12 +229,3 @@ def _with(result: Reconstruction, keep: Collection[str]) -> Reconstruction:
         hits=result.hits if "hits" in keep else None,
         cosine=result.cosine if "cosine" in keep else None,
     )
-
-
-@contextmanager
-def _about(name: str) -> Iterator[None]:
-    """Errors of geometry say what they are about."""
-    try:
-        yield
-    except GeometryError as error:
-        raise GeometryError(f"{name}: {error}") from error

@@ -20,8 +20,8 @@ from ..sweep.time_offset import with_time_offset
 from .channel import shared_array
 
 if TYPE_CHECKING:
-    from ..inspection.imported import Checked, Imported
-    from .calls import Kept
+    from ..inspection.imported import ImportCheck, Imported
+    from .calls import RemoteObject
     from .worker import Task, Worker
 
 
@@ -89,14 +89,14 @@ class FetchedImages:
     Parameters
     ----------
     worker : Worker
-    file : Kept
+    file : RemoteObject
     stack : LeftBehind
         What the recording has in their place.
     progress : Progress or None
         Hears of waiting.
     """
 
-    def __init__(self, worker: Worker, file: Kept, stack: LeftBehind, progress: Progress | None = None):
+    def __init__(self, worker: Worker, file: RemoteObject, stack: LeftBehind, progress: Progress | None = None):
         self.shape, self.dtype = stack.shape, stack.dtype
         self._worker, self._file, self._progress = worker, file, progress
         self._count = max(1, BYTES_AT_ONCE // max(1, math.prod(stack.shape[1:]) * stack.dtype.itemsize))
@@ -154,7 +154,7 @@ def read_import(images: Sequence[Path], poses: Path, options: ImportOptions, pro
     return import_files(images, poses, options)
 
 
-def seen_of(imported: Imported, name: str, progress: Progress | None = None) -> tuple[tuple[str, ...], Checked]:
+def seen_of(imported: Imported, name: str, progress: Progress | None = None) -> tuple[tuple[str, ...], ImportCheck]:
     """How images and poses were understood, and what `check_import` tells."""
     from ..inspection.imported import check_import
 

@@ -10,23 +10,15 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..bone.echoes.found import FEWEST, SweepEchoes
-from ..bone.echoes.surface import LEAST_A_FRAME
 from ..bone.field import BoneField
-from ..bone.growing_bone import GrowingBone
-from ..bone.map import BoneMap
-from ..bone.network.model import OnnxModel
-from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..evaluation.visibility import SweepBeams
 from ..geometry.volume import Volume
 from ..guidance.guidance import Guidance
-from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.session.agreement_watch import AgreementWatch
-from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.guidance_watch import GuidanceWatch
-from ..live.session.recording import Recorder
-from ..live.session.session import SCOUTING, LiveSession
+from ..live.session.session import SCOUTING
 from ..live.session.snapshots import SnapshotMaker
 from ..live.session.taken_up import TakenUp
 from ..live.wire.client import OpenIGTLinkClient
@@ -35,14 +27,10 @@ from ..live.wire.sources import QueueSource, StreamStatistics
 from ..machine.threads import usable_cores
 from ..message import said
 from ..progress import Progress, part, report
-from ..registration.labeled_bone import LabeledBone
 from ..registration.live import SECONDS
-from ..resolve import Imaging
-from .reconstructing import know_method
-from .scan_request import ECHOES, MODEL, Ended, ScanRequest, Seen, SeenFrame
-
-SCOUT_MARGIN = 5.0
-"""mm added on each side of the box that was scouted."""
+from ..workflows.job import ScanJob
+from ..workflows.live_scan import LiveScan
+from .scanning import Ended, Seen, SeenFrame
 
 SNAP_EVERY = 0.5
 """s between two snapshots of the volume: each has holes filled, which takes cores from insertion."""
@@ -51,42 +39,25 @@ LOOK_EVERY = 0.05
 """s between two looks at what is being prepared."""
 
 
-class Scan:
+class Scan(LiveScan):
     """A scan that goes on from its making to `finish` or `close`.
 
     Raises AIFReconError with what is missing or wrong; nothing is left running.
 
     Parameters
     ----------
-    request : ScanRequest
+    job : ScanJob
     progress : Progress or None
         Of what is made before the first frame is received: the bone map, the network, compiled code, the surface of bone.
     """
 
-    def __init__(self, request: ScanRequest, progress: Progress | None = None):
-        self._request, self._labels, self._place = request, request.labels, request.bone_to_reference
-        recipe, configuration = request.recipe, request.configuration
-        know_method(recipe.method, request.search_path)
-        self._given = None if request.server is not None else _Given()
-        self._labeled: LabeledBone | None = None
-        made: dict[str, object] = {"bone_from_sweep": True} if request.bone_from == ECHOES else {}
-        least = LEAST_A_FRAME if made else 0.0
-        self._growing = GrowingBone(least_a_frame=least, made=made) if request.bone_from is not None else None
-        # Refused before the scan, not in it
-        self._model = OnnxModel(request.model) if request.bone_from == MODEL and request.model is not None else None
-        self._method = recipe.method_for(True)
-        recorder = None if request.record is None else Recorder(request.record, request.takes_up)
-        self.session = LiveSession(
-            self._given or OpenIGTLinkClient(*request.server or ("", 0)),
-            recipe,
-            self._growing or self._bone_map(part(progress, 0.0, 0.5)),
-            request.grid,
-            # One core stays with the windows, unless the configuration says how many threads insert
-            configuration=replace(configuration, threads=configuration.threads or max(usable_cores() - 1, 1)),
-            synchronizer=SynchronizerSettings(image_device=request.image_device),
-            record=recorder,
-            predictions_device=request.bone_device,
-        )
+    def __init__(self, job: ScanJob, progress: Progress | None = None):
+        configuration = job.configuration
+        self._given = None if job.server is not None else _Given()
+        # One core stays with the windows, unless the configuration says how many threads insert
+        threads = configuration.threads or max(usable_cores() - 1, 1)
+        job = replace(job, configuration=replace(configuration, threads=threads))
+        super().__init__(job, self._given or OpenIGTLinkClient(*job.server or ("", 0)), part(progress, 0.0, 0.5))
         self._spans: list[tuple[int, int | None]] = [(0, None)]
         self._poses: list[Matrix] = []
         self._noted = -1
@@ -95,22 +66,19 @@ class Scan:
         self._guidance: GuidanceWatch | None = None
         self._told: Guidance | None = None
         self._snapped = 0.0
-        self._seen_bone: BoneWatch | None = None
+        recorder = self.session.recorder
         try:
-            if self._labels is not None and self._place is not None:
-                self._agreement = AgreementWatch(self.session, BoneField.from_labels(self._labels), self._place)
-            if self._growing is not None:
-                # What a network says is recorded beside the scan
-                beside = None if recorder is None or request.bone_from == ECHOES else predictions_beside(recorder.path)
-                self._seen_bone = BoneWatch(self.session, self._growing, None if request.bone_device else self._estimator, beside)
-            self.guide(request.guidance)
+            if self.labels is not None and self.bone_to_reference is not None:
+                self._agreement = AgreementWatch(self.session, BoneField.from_labels(self.labels), self.bone_to_reference)
+            self.__enter__()
+            self.guide(job.guidance)
             while self._guidance is not None and not self._guidance.prepared.wait(LOOK_EVERY):
                 report(progress, 0.6, "Finding the surface of bone")
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
             if recorder is not None and recorder.frames:
-                self.session.take_up(TakenUp(recorder.path, configuration, request.spans))
-                self._spans = list(request.spans)
+                self.session.take_up(TakenUp(recorder.path, configuration, job.spans))
+                self._spans = list(job.spans)
                 if self._spans[-1][1] is not None:
                     self.session.pause()
             self.session.start()
@@ -154,7 +122,7 @@ class Scan:
             has_fallen=state is not None and state.has_fallen,
             compared=-1 if self._agreement is None else self._agreement.looked_at,
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
-            bone_lines=self._bone_lines(statistics.frames_received),
+            bone_lines=() if self.bone_watch is None else self.bone_watch.state.lines(statistics.frames_received),
             problems=tuple(problem for problem in problems if problem),
             record=None if session.recorder is None else session.recorder.path,
         )
@@ -182,19 +150,19 @@ class Scan:
 
     def guide(self, wanted: bool) -> None:
         """Tell from now on what is met of the labels, else of the bone that frames show, and where to look next; or do so no longer."""
-        if wanted and self._guidance is None and self._labels is not None and self._place is not None:
-            self._guidance = GuidanceWatch(self.session, self._labels, self._place, self._request.unseen)
-        elif wanted and self._guidance is None and self._labels is None and self._growing is not None:
-            self._guidance = GuidanceWatch(self.session, self._growing, unseen=self._request.unseen)
+        if wanted and self._guidance is None and self.labels is not None and self.bone_to_reference is not None:
+            self._guidance = GuidanceWatch(self.session, self.labels, self.bone_to_reference, self._job.unseen)
+        elif wanted and self._guidance is None and self.labels is None and self.growing is not None:
+            self._guidance = GuidanceWatch(self.session, self.growing, unseen=self._job.unseen)
         elif not wanted and self._guidance is not None:
             ended, self._guidance = self._guidance, None
             ended.stop(wait=False)
 
     def place(self, bone_to_reference: Matrix, labels: Volume | None = None) -> None:
         """The CT lies elsewhere now, or has other labels."""
-        self._place, before = bone_to_reference, self._agreement
+        self.bone_to_reference, before = bone_to_reference, self._agreement
         if labels is not None:
-            self._labels = labels
+            self.labels = labels
             self._agreement = AgreementWatch(self.session, BoneField.from_labels(labels), bone_to_reference)
             if before is not None:
                 before.stop(wait=False)
@@ -208,20 +176,13 @@ class Scan:
 
         Where the frames themselves say where bone is, the place of the CT changes nothing.
         """
-        self._place = bone_to_reference
-        if self._growing is not None:
+        self.bone_to_reference = bone_to_reference
+        if self.growing is not None:
             return False
-        bone = self._bone_map(progress)
+        bone = self.bone_map(progress)
         if bone is not None:
             self.session.use_bone(bone)
         return self.session.grid is not None and self.session.statistics.phase != SCOUTING
-
-    def use_scouted_box(self) -> None:
-        """Reconstruct in the box around what was seen so far.
-
-        Raises AIFReconError where it cannot be told yet.
-        """
-        self.session.use_grid(self.session.grid_from_scout(margin=SCOUT_MARGIN))
 
     def echoes(self) -> SweepEchoes:
         """The bone echoes so far, to place the CT by.
@@ -242,7 +203,7 @@ class Scan:
         result = self.session.finish(progress)
         if result is not None and not result.frames_inserted:
             result = None
-        recorded = None if self._seen_bone is None else self._seen_bone.recorded
+        recorded = None if self.bone_watch is None else self.bone_watch.recorded
         # With the score, which tells what was seen
         shown = None if result is None else replace(self._shown(result), score=result.score)
         problems = tuple(self._recording_problems())
@@ -254,13 +215,6 @@ class Scan:
         self.session.stop()
 
     # ---- parts
-
-    def _bone_map(self, progress: Progress | None) -> BoneMap | None:
-        if self._labels is not None:
-            self._labeled = LabeledBone(self._labels, self._place, None, self._request.recipe)
-            return self._labeled.map(self._method, progress)
-        probability = self._request.probability
-        return None if probability is None else BoneMap.from_probability(probability, self._place)
 
     def _note_poses(self) -> None:
         """Remember where the probe was in the frames that have come since: its face was on the skin."""
@@ -281,21 +235,9 @@ class Scan:
         rows, columns = latest.image.shape
         return SweepBeams(np.array(self._poses), (columns, rows), imaging.probe, imaging.region).skin()
 
-    def _estimator(self, imaging: Imaging) -> BoneEstimator:
-        return self._model or EchoEstimator(imaging)
-
     def _shown(self, result: Reconstruction) -> Reconstruction:
         """What a window shows of a volume."""
         return replace(result, score=None, hits=None, cosine=None)
-
-    def _bone_lines(self, frames: int) -> tuple[str, ...]:
-        if self._seen_bone is None:
-            return ()
-        state = self._seen_bone.state
-        lines = [f"Bone is known from {state.frames} of {frames} frames."]
-        if state.unmatched:
-            lines.append(f"{state.unmatched} predictions belong to no frame with a pose.")
-        return tuple(lines if state.problem is None else [*lines, state.problem])
 
     def _recording_problems(self) -> Sequence[str]:
         recorder = self.session.recorder
@@ -307,7 +249,7 @@ class Scan:
 
     def _stop_watches(self) -> None:
         self._snapshots.stop()
-        for watch in (self._agreement, self._guidance, self._seen_bone):
+        for watch in (self._agreement, self._guidance, self.bone_watch):
             if watch is not None:
                 watch.stop()
 

@@ -1,18 +1,98 @@
-"""How a program with windows begins a scan; what scans is loaded in the worker alone."""
+"""What a window is told of a live scan: plain values, which need nothing that computes."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..progress import Progress
-from .scan_request import ScanRequest
+from ..arrays import Floats, Matrix, Numbers
+from ..compounding.state import Reconstruction
+from ..geometry.volume import VoxelGrid
+from ..live.pairing.synchronizer import LiveFrame
+from ..live.session.statistics import ALL, LiveStatistics, Spans
 
 if TYPE_CHECKING:
-    from .scan import Scan
+    from ..guidance.seen import GuidanceSeen
 
 
-def begin_scan(request: ScanRequest, progress: Progress | None = None) -> Scan:
-    """Begin a scan; to be kept in the worker."""
-    from .scan import Scan
+@dataclass(frozen=True, eq=False)
+class SeenFrame:
+    """A frame with image and pose."""
 
-    return Scan(request, progress)
+    number: int
+    image: Numbers  #: (rows, columns)
+    image_to_reference: Matrix  #: (4, 4), pixels to mm
+    received: float  #: s of `time.monotonic`
+
+    @classmethod
+    def of(cls, frame: LiveFrame) -> SeenFrame | None:
+        """That of a frame of a stream; None where it has no place."""
+        if frame.status != "OK" or frame.image is None or frame.image_to_reference is None:
+            return None
+        return cls(frame.number, frame.image, frame.image_to_reference, frame.received)
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A look at a scan.
+
+    Parameters
+    ----------
+    statistics : LiveStatistics
+    grid : VoxelGrid or None
+        The voxels that are or will be filled.
+    scouted : int
+        Tracked frames seen since scouting began.
+    spans : Spans
+        What of the recording is in the volume.
+    frame : SeenFrame or None
+        The newest, where it was not seen yet.
+    result : Reconstruction or None
+        The volume, where it has changed.
+    guidance : GuidanceSeen or None
+        Where it has changed.
+    has_fallen : bool
+        CT and patient agreed in this scan and do so no longer.
+    agreement : str
+        How well they agree; empty while that cannot be told.
+    compared : int
+        Number of the last frame that this was told by; -1 before the first.
+    bone_lines : tuple of str
+        How the search for bone in the frames goes.
+    problems : tuple of str
+        What is wrong beside the stream, the worst first.
+    record : Path or None
+        Where every frame is recorded.
+    """
+
+    statistics: LiveStatistics
+    grid: VoxelGrid | None = None
+    scouted: int = 0
+    spans: Spans = ALL
+    frame: SeenFrame | None = None
+    result: Reconstruction | None = None
+    guidance: GuidanceSeen | None = None
+    has_fallen: bool = False
+    agreement: str = ""
+    compared: int = -1
+    bone_lines: tuple[str, ...] = ()
+    problems: tuple[str, ...] = ()
+    record: Path | None = None
+
+    @property
+    def is_scouting(self) -> bool:
+        """Whether the box is still to be found."""
+        return self.grid is None or self.statistics.phase == "scouting"
+
+
+@dataclass(frozen=True, eq=False)
+class Ended:
+    """What is left of a scan: the final volume, and the files of frames and of what a network said."""
+
+    statistics: LiveStatistics
+    result: Reconstruction | None = None
+    recorded: Path | None = None
+    predictions: Path | None = None
+    problems: tuple[str, ...] = ()
+    skin: Floats | None = None  #: (n, 3), mm in Reference. Where the face of the probe was; None where that is not known.

@@ -18,7 +18,7 @@ from typing import Any
 
 from ..errors import WorkerDiedError
 from ..progress import Progress
-from .calls import CANCEL, FORGET, Call, Kept, Logged, Message, Report, Returned, Told
+from .calls import CANCEL, FORGET, Call, Logged, Message, ProgressReport, RemoteObject, Returned, Told
 from .channel import Channel
 
 LIBRARY = "AIFReconLib"
@@ -116,7 +116,7 @@ class _Server(logging.Handler):
     def _is_short(self, call: Call) -> bool:
         """Whether a call is of a method that tells no progress: those are answered in the order in which they were asked."""
         first = call.arguments[0] if isinstance(call.function, str) else None
-        method = getattr(self._kept.get(first.number), str(call.function), None) if isinstance(first, Kept) else None
+        method = getattr(self._kept.get(first.number), str(call.function), None) if isinstance(first, RemoteObject) else None
         return method is not None and "progress" not in inspect.signature(method).parameters
 
     def _answer(self, call: Call) -> None:
@@ -147,11 +147,11 @@ class _Server(logging.Handler):
         if not call.keep:
             return value
         self._kept[call.number] = value
-        return Kept(call.number)
+        return RemoteObject(call.number)
 
     def _meant(self, argument: Any) -> Any:
         """The argument, or the object that it stands for."""
-        if not isinstance(argument, Kept):
+        if not isinstance(argument, RemoteObject):
             return argument
         if argument.number not in self._kept:
             raise WorkerDiedError("What was under way was lost with the process that computed it.")
@@ -165,7 +165,7 @@ class _Server(logging.Handler):
             now = time.monotonic()
             if now - last[0] >= REPORT_EVERY or step != last[1]:
                 last = now, step
-                self._send(Report(number, fraction, step))
+                self._send(ProgressReport(number, fraction, step))
             return not canceled.is_set()
 
         return progress

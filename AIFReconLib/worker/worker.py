@@ -17,7 +17,7 @@ from typing import Any
 from ..errors import WorkerDiedError
 from ..machine.processes import start_python
 from ..progress import Progress, report
-from .calls import CANCEL, FORGET, RECEIVED, Call, Kept, Logged, Message, Report, Returned, Told
+from .calls import CANCEL, FORGET, RECEIVED, Call, Logged, Message, ProgressReport, RemoteObject, Returned, Told
 from .channel import Channel
 from .serving import LIBRARY, TracebackInWorker, serve
 
@@ -78,7 +78,7 @@ class Task:
                 report(progress, *self.latest)
         except BaseException:
             self.cancel()
-            if self._returned is not None and isinstance(self._returned.value, Kept):
+            if self._returned is not None and isinstance(self._returned.value, RemoteObject):
                 self._worker.forget(self._returned.value)
             raise
         if self._returned.error is not None:
@@ -89,9 +89,9 @@ class Task:
         """The call is wanted no more: it ends at its next report, and nobody hears of it."""
         self._worker.drop(self._number)
 
-    def take(self, message: Report | Returned) -> None:
+    def take(self, message: ProgressReport | Returned) -> None:
         """Hear from the worker."""
-        if isinstance(message, Report):
+        if isinstance(message, ProgressReport):
             self.latest = message.fraction, message.step
             return
         self._returned = message
@@ -123,10 +123,10 @@ class Worker:
         Parameters
         ----------
         function : callable or str
-            It is given `progress` where it takes that. A name is a method's, of the first argument, which is `Kept`; those that take no
-            progress are called one after the other.
+            It is given `progress` where it takes that. A name is a method's, of the first argument, a `RemoteObject`; those that
+            take no progress are called one after the other.
         keep : bool
-            What it returns stays in the worker; the task's result is `Kept`.
+            What it returns stays in the worker; the task's result is a `RemoteObject`.
         """
         return self._begin(function, arguments, named, keep)
 
@@ -134,12 +134,12 @@ class Worker:
         """What a function returns, as for `begin`; `progress` hears of it and may cancel it. Errors as of `Task.result`."""
         return self._begin(function, arguments, named).result(progress)
 
-    def keep(self, function: Callable[..., Any], *arguments: Any, progress: Progress | None = None, **named: Any) -> Kept:
+    def keep(self, function: Callable[..., Any], *arguments: Any, progress: Progress | None = None, **named: Any) -> RemoteObject:
         """As `call`, but what is returned stays in the worker. When that ends it is closed, where it has `close`."""
-        kept: Kept = self._begin(function, arguments, named, keep=True).result(progress)
+        kept: RemoteObject = self._begin(function, arguments, named, keep=True).result(progress)
         return kept
 
-    def forget(self, kept: Kept) -> None:
+    def forget(self, kept: RemoteObject) -> None:
         """Close what is kept, where it has `close`, and let it go."""
         self._send(Told(kept.number, FORGET))
 
@@ -190,7 +190,7 @@ class Worker:
         if isinstance(message, Returned):
             self._tasks.pop(message.number, None)
             self._send(Told(message.number, RECEIVED))
-        if task is not None and isinstance(message, (Report, Returned)):
+        if task is not None and isinstance(message, (ProgressReport, Returned)):
             task.take(message)
 
     def _begin(self, function: Callable[..., Any] | str, arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:

@@ -25,9 +25,9 @@ from AIFReconLib.errors import WorkerDiedError
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.session.recording import growing_files
 from AIFReconLib.live.session.statistics import LiveStatistics
-from AIFReconLib.worker.scan_request import ScanRequest
-from AIFReconLib.worker.scanning import begin_scan
+from AIFReconLib.worker.reconstructing import begin_scan
 from AIFReconLib.worker.worker import Worker
+from AIFReconLib.workflows.job import ScanJob
 
 from .ledger import Entry, Ledger
 
@@ -64,7 +64,7 @@ def scan(worker: Worker, folder: Path) -> Callable[[], str]:
     def work() -> str:
         with tempfile.TemporaryDirectory(dir=folder) as place:
             record = Path(place) / "scan.mhd"
-            request = ScanRequest(Recipe(), None, configuration, GRID, record=record)
+            request = ScanJob(Recipe(), None, configuration, GRID, record=record)
             kept = worker.keep(begin_scan, request)
             number = 0
             while True:

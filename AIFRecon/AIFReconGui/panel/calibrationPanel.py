@@ -27,7 +27,7 @@ class CalibrationPanel(PanelPart):
     def update(self) -> None:
         """Enable what can be done; what was said of other nodes goes."""
         ui, parameters = self._ui, self._parameterNode
-        missing = self._live.whyNotNow() or readiness.whyNotRegister(parameters, self._logic.sweepSummary(parameters))
+        missing = self._live.whyNotNow() or readiness.whyNotRegister(parameters, self._logic.sweep.summary(parameters))
         does = _("Find the calibration with which the echoes lie on the CT's bone, and use it where the sweep tells; it can be undone")
         enable(ui.calibrateButton, missing, does)
         ui.undoCalibrationButton.enabled = self._moves.canUndo

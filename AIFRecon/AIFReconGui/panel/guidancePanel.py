@@ -41,7 +41,7 @@ class GuidancePanel(PanelPart):
         """Follow the box and what is chosen."""
         parameters, scanning = self._parameterNode, self._live.isRunning
         whyNot = readiness.whyNoImages if parameters.bone is None else readiness.whyNotRegister
-        missing = self._live.whyNotNow() or whyNot(parameters, self._logic.sweepSummary(parameters))
+        missing = self._live.whyNotNow() or whyNot(parameters, self._logic.sweep.summary(parameters))
         button = self._ui.guidanceSweepButton
         button.enabled = parameters.guidance and not missing
         button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")

@@ -254,7 +254,7 @@ def _enableButtons(ui, logic, parameters, waits: str, report: str) -> None:
 
     `waits` says why everything has to wait, `report` what was done last, which stays to be read where something is missing for the next.
     """
-    sweep = logic.sweepSummary(parameters)
+    sweep = logic.sweep.summary(parameters)
     cannot = readiness.whyNotReconstruct(parameters, sweep)
     noImages, cannotCompare = readiness.whyNoImages(parameters, sweep), readiness.whyNotCompare(parameters, sweep)
     enable(ui.loadButton, waits or readiness.whyNotLoad(parameters), _("Read the recording into a sweep that can be replayed"))

@@ -58,7 +58,7 @@ class RegistrationPanel(PanelPart):
     def update(self) -> None:
         """Enable what can be done; follow what is chosen."""
         ui, parameters = self._ui, self._parameterNode
-        missing = readiness.whyNotRegister(parameters, self._logic.sweepSummary(parameters), self._live.isRunning)
+        missing = readiness.whyNotRegister(parameters, self._logic.sweep.summary(parameters), self._live.isRunning)
         waits = self._live.whyNotNow()
         if self._about is not None and self._about != self._subject(parameters):
             self.forget()

@@ -14,7 +14,8 @@ from AIFReconLib.progress import part, report
 from AIFReconLib.recipe.recipe import RULES, Recipe
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.joined import joined
-from AIFReconLib.worker.reconstructing import Asked, PlacedBone
+from AIFReconLib.workflows.job import BoneSource as GivenBone
+from AIFReconLib.workflows.job import ReconstructionJob
 
 from ..sceneNodes import proxiesOf
 from ..sweep.sequenceReader import predictionsFromNode, sequenceFromBrowser
@@ -81,33 +82,24 @@ class Inputs:
         others = (sequenceFromBrowser(sweep) for sweep in self.otherSweeps)
         return joined([sequenceFromBrowser(self.sweep, self.imageSequence), *others])
 
-    def asked(self, progress=None) -> Asked:
+    def job(self, progress=None) -> ReconstructionJob:
         """What the worker is asked for, of the nodes as they are now. An AIFReconError says which cannot be used and what to do."""
         sequence, grid = self.sequence(), self.grid(self.recipe)
         images: list[Any] = [sweep.images for sweep in sequence.sweeps]
         for number, each in enumerate(images):
             each.shared(part(progress, 0.5 * number / len(images), 0.5 * (number + 1) / len(images)))
-        return Asked(
-            sequence,
-            self.recipe,
-            grid,
-            None if self.seesBone else self._placedBone(part(progress, 0.5, 1.0)),
-            None if self.boneFrames is None else predictionsFromNode(self.boneFrames),
-            self.boneModel,
-            tuple(sys.path),
-        )
+        bone = self._givenBone(part(progress, 0.5, 1.0))
+        return ReconstructionJob(sequence, self.recipe, bone, grid, search_path=tuple(sys.path))
 
-    def _placedBone(self, progress) -> PlacedBone | None:
-        if self.bone is None:
+    def _givenBone(self, progress) -> GivenBone | None:
+        if self.boneFrames is not None:
+            return GivenBone(predictions=predictionsFromNode(self.boneFrames))
+        if self.boneModel is not None:
+            return GivenBone(model=self.boneModel)
+        if self.bone is None or self.recipe.bone_from_sweep:
             return None
-        if not isLabeled(self.bone):
-            return PlacedBone(probabilityFromNode(self.bone), matrixToWorld(self.bone), self.bone.GetName(), is_labeled=False)
-        return PlacedBone(self.labels(progress), matrixToWorld(self.bone), self.bone.GetName())
-
-    @property
-    def seesBone(self) -> bool:
-        """Whether the frames themselves say where bone is."""
-        return self.recipe.bone_from_sweep or self.boneFrames is not None or self.boneModel is not None
+        probability = None if isLabeled(self.bone) else probabilityFromNode(self.bone)
+        return GivenBone(self.labels(progress), probability, matrixToWorld(self.bone), name=self.bone.GetName())
 
     def labels(self, progress=None):
         """The `Volume` of the chosen bone's labels in its own coordinates; None without bone, or where it is a probability."""

@@ -10,11 +10,13 @@ from types import SimpleNamespace
 from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError, WorkerDiedError
 from AIFReconLib.guidance.seen import GuidanceSeen
 from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
-from AIFReconLib.worker.scan_request import ECHOES, MODEL, PREDICTIONS, ScanRequest
-from AIFReconLib.worker.scanning import begin_scan
+from AIFReconLib.worker.reconstructing import begin_scan
+from AIFReconLib.workflows.job import BoneSource as GivenBone
+from AIFReconLib.workflows.job import ScanJob
 
 from ..inputs.boneNodes import isLabeled, probabilityFromNode
 from ..inputs.boneSource import BoneSource
@@ -29,8 +31,6 @@ from .nodeImages import NodeImages
 
 ASK_EVERY = 0.1
 """s between two looks at the scan; longer where what came of the last takes longer to be shown."""
-
-BONE_FROM = {BoneSource.ECHOES: ECHOES, BoneSource.PREDICTIONS: PREDICTIONS, BoneSource.MODEL: MODEL}
 
 MOST_DEATHS, WITHIN = 3, 60.0
 """Workers that may die within so many s before a scan is given up."""
@@ -109,7 +109,7 @@ class LiveReconstruction:
         """Weight by the bone where it lies now; True where a volume is growing already, which keeps the weights that it began with."""
         place = matrixToWorld(self._parameters.bone)
         keepsWeights = inWorker("follow_bone", self._scan, place, progress=progress)
-        self._followed = {"bone_to_reference": place, "labels": self._bone.labels}
+        self._followed = {"bone": replace(self._request.bone, to_reference=place, labels=self._bone.labels)}
         if not keepsWeights:
             self._request = replace(self._request, **self._followed)
         return keepsWeights
@@ -138,7 +138,8 @@ class LiveReconstruction:
             return True
         if self.guidance is not None and seen.guidance is not None:
             self.guidance.state, self._surface = seen.guidance.after(self.guidance.state), seen.guidance.surface
-        if self.guidance is not None and self._bone.problem is not None and not (self._request.bone_from and self._request.labels is None):
+        hasNoCT = self._request.sees_bone and self._request.bone.labels is None
+        if self.guidance is not None and self._bone.problem is not None and not hasNoCT:
             self.guidance.state = GuidanceSeen(problem=self._bone.problem)
         if seen.frame is not None:
             self._toShow.append(self._showFrame)
@@ -196,7 +197,7 @@ class LiveReconstruction:
         try:
             self._scan, self.lost, self._number, self._surface = again.result(), "", -1, None
             if self._bone.labels is not None:
-                others = None if self._bone.labels is self._request.labels else self._bone.labels
+                others = None if self._bone.labels is self._request.bone.labels else self._bone.labels
                 self._tell("place", self._bone.place, others)
         except WorkerDiedError as error:
             self._beginAgain(error)
@@ -292,28 +293,30 @@ class LiveReconstruction:
         self._views.show(self.volumeNode)
 
 
-def _requestOf(parameters, bone: FollowedBone, record) -> ScanRequest:
+def _requestOf(parameters, bone: FollowedBone, record) -> ScanJob:
     if parameters.liveSource == LiveSource.SCENE and parameters.liveImage is None:
         raise SettingsError("The image that is kept up to date must be chosen; got none. Select it as Live image.")
     inputs, recipe = Inputs.fromParameters(parameters), settingsFrom(parameters)
     node, path = parameters.bone, fileFrom(parameters.configurationPath)
-    fromFrames = BONE_FROM.get(parameters.boneSource)
+    source = parameters.boneSource
     isProbability = node is not None and not isLabeled(node)
-    if bone.labels is None and node is not None and not isProbability and fromFrames is None:
+    if bone.labels is None and node is not None and not isProbability and source == BoneSource.CT:
         inputs.labels()  # says what is wrong with it
-    return ScanRequest(
+    given = GivenBone(
+        bone.labels,
+        probabilityFromNode(node) if isProbability and source == BoneSource.CT else None,
+        None if node is None else matrixToWorld(node),
+        model=inputs.boneModel,
+        device=parameters.liveBoneDevice.strip() if source == BoneSource.PREDICTIONS else None,
+    )
+    return ScanJob(
         recipe,
         server=None if parameters.liveSource == LiveSource.SCENE else (parameters.liveHost.strip(), parameters.livePort),
         configuration=NO_CONFIGURATION if path is None else read_plus_configuration(path),
         grid=inputs.grid(recipe),
-        labels=bone.labels,
-        probability=probabilityFromNode(node) if isProbability and fromFrames is None else None,
-        bone_to_reference=None if node is None else matrixToWorld(node),
-        bone_from=fromFrames,
-        bone_device=parameters.liveBoneDevice.strip() if fromFrames == PREDICTIONS else None,
-        model=fileFrom(parameters.boneModelPath) if fromFrames == MODEL else None,
-        image_device=parameters.liveImageDevice.strip() or None,
+        bone=given,
+        synchronizer=SynchronizerSettings(image_device=parameters.liveImageDevice.strip() or None),
         record=record,
-        guidance=parameters.guidance and (bone.labels is not None or fromFrames is not None),
+        guidance=parameters.guidance and (bone.labels is not None or source != BoneSource.CT),
         search_path=tuple(sys.path),
     )

@@ -33,7 +33,7 @@ _COLORS = "AIFRecon.SpineColors"
 
 
 def keepSpine(node, surface, sweepName: str):
-    """The model of a `ShownSurface`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
+    """The model of a `ShownBoneMesh`, made or brought up to date beside the volume `node`; where there is none, an earlier one goes."""
     model = spineOf(node)
     if surface is None:
         node.SetNodeReferenceID(SPINE_ROLE, None)
@@ -76,7 +76,7 @@ def _show(model) -> None:
 
 
 def surfaceOf(found) -> vtk.vtkPolyData:
-    """A `ShownSurface` as VTK has it."""
+    """A `ShownBoneMesh` as VTK has it."""
     surface = polyData(found.points, found.triangles)
     surface.GetPointData().SetNormals(numpy_support.numpy_to_vtk(found.normals, deep=True))
     if found.distances is not None:

@@ -5,7 +5,7 @@ import numpy as np
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import why_not_rigid
 from AIFReconLib.progress import part
-from AIFReconLib.worker.placing import Found, Placed, Placing, echoes_in
+from AIFReconLib.worker.placing import Found, PlacedCT, Placing, echoes_in
 
 from ..inputs.inputs import Inputs
 from ..inputs.parameters import RegistrationStart, regionFrom
@@ -27,7 +27,7 @@ class CTRegistration:
     def __init__(self):
         self._key = self._echoes = self._placing = None
 
-    def check(self, parameters, progress=None, echoes=None) -> Placed:
+    def check(self, parameters, progress=None, echoes=None) -> PlacedCT:
         """How well the CT agrees where it is; `echoes` are those of the chosen sweep by default. An AIFReconError says what cannot be."""
         start = rigidPlace(parameters.bone)
         self._begin(parameters, part(progress, 0.0, 0.9), echoes)
@@ -41,7 +41,7 @@ class CTRegistration:
         start, apart = None if begin == RegistrationStart.ANYWHERE else place, begin == RegistrationStart.EACH_ON_ITS_OWN
         return inWorker(Placing.find, self._placing, start, apart, progress=part(progress, 0.5, 1.0))
 
-    def at(self, place: np.ndarray) -> Placed:
+    def at(self, place: np.ndarray) -> PlacedCT:
         """The echoes and the bone of the last call, in another place (4, 4)."""
         return inWorker(Placing.at, self._placing, place)
 

@@ -32,27 +32,27 @@ class SweepVerdicts:
 
     def __init__(self):
         self._known: dict[str, tuple] = {}
-        self._asked, self._sought = None, {}
+        self._job, self._sought = None, {}
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
-        self._known, self._asked = {}, None
+        self._known, self._job = {}, None
         self.cancelBeside()
 
     def of(self, parameters) -> dict[str, Verdict]:
         """The verdicts by name; where one is not known, what to do to be told."""
         return {name: self._known_or(name, parameters) for name in NAMES}
 
-    def judge(self, parameters, comparison, report, asked=None) -> None:
+    def judge(self, parameters, comparison, report, job=None) -> None:
         """Judge what was reconstructed, by its `TrackingReport` and the `Comparison` of CT and sweep (None without labels).
 
-        `asked` is what was reconstructed, an `Asked`; it is kept until more of that is looked at.
+        `job` is the `ReconstructionJob` that was carried out; it is kept until more of that is looked at.
         """
         self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
         if comparison is None:
             return
-        self._asked = asked
+        self._job = job
         if comparison.agreement is None:
             self._tell(REGISTRATION, parameters, unknown(comparison.lines[0]))
         else:
@@ -70,8 +70,8 @@ class SweepVerdicts:
 
     def beginBeside(self, parameters) -> None:
         """Have the worker look at what takes it seconds, of what was reconstructed last, where that can be told and is not."""
-        asked, self._asked = self._asked, None
-        if asked is None or parameters.bone is None:
+        job, self._job = self._job, None
+        if job is None or parameters.bone is None:
             return
         names = boneNames(parameters.bone, list(parameters.boneSegments))
         looks: dict[str, tuple] = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
@@ -81,7 +81,7 @@ class SweepVerdicts:
             advice = "If they do not wherever the CT is placed, the calibration may be wrong: press “More”."
             self._tell(CALIBRATION, parameters, Verdict(Level.UNKNOWN, "known where CT and sweep agree.", advice))
         for name, (look, verdictOf) in looks.items():
-            task = worker.begin(look, asked.sequence, asked.bone.volume, asked.bone.to_reference, asked.recipe)
+            task = worker.begin(look, job.sequence, job.bone.labels, job.bone.to_reference, job.recipe)
             self._sought[name] = task, _key(name, parameters), verdictOf, parameters.output
 
     def takeBeside(self) -> bool:

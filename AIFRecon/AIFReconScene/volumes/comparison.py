@@ -31,8 +31,8 @@ def compareMethods(inputs, progress=None) -> Comparison:
     The volumes and the table of the last comparison of this sweep are filled again, unless the user has given them another name,
     reconstructed into them, or chosen them as an input: those stay as they are, and new ones are made.
     """
-    asked, labels = inputs.asked(part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
-    compared = inWorker(compared_methods, asked, labels, asControl(), progress=part(progress, 0.05, 0.98))
+    job, labels = inputs.job(part(progress, 0.0, 0.04)), _labels(inputs, part(progress, 0.04, 0.05))
+    compared = inWorker(compared_methods, job, labels, asControl(), progress=part(progress, 0.05, 0.98))
     report(progress, 0.98, "Showing the volumes")
     volumes = _volumes(compared.results, inputs)
     _shareWindow(volumes.values())

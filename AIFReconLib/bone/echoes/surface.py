@@ -110,7 +110,7 @@ def bone_from_sweep(
     return replace(surface_of(found, part(progress, 0.9, 1.0)), made={"bone_from_sweep": True})
 
 
-def bone_unasked(
+def default_bone(
     sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None
 ) -> tuple[Recipe, BoneMap | None, tuple[str, ...]]:
     """What is done where nobody has said how, by a method, a bone input or a configuration: recipe, bone, and why there is none.

@@ -51,6 +51,13 @@ class BoneState:
     unmatched: int = 0
     problem: str | None = None
 
+    def lines(self, frames: int) -> tuple[str, ...]:
+        """How it goes with so many frames received, in words."""
+        lines = [f"Bone is known from {self.frames} of {frames} frames."]
+        if self.unmatched:
+            lines.append(f"{self.unmatched} predictions belong to no frame with a pose.")
+        return tuple(lines if self.problem is None else [*lines, self.problem])
+
 
 class BoneWatch(Watch):
     """Lets a bone map grow while a session goes on.

@@ -18,6 +18,7 @@ from ...compounding.state import Reconstruction, bytes_per_voxel
 from ...errors import SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.sound_speed import depth_factor
+from ...message import said
 from ...progress import Progress, part
 from ...provenance.record import with_origin
 from ...recipe.recipe import OF_READING, Recipe
@@ -26,11 +27,11 @@ from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import ImageMessage
-from ..wire.sources import ENDED, MessageSource
+from ..wire.sources import CONNECTED, ENDED, MessageSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import Heard, LiveStatistics, Meter, statistics_of
+from .statistics import NO_IMAGES, Heard, LiveStatistics, Meter, tracking_words
 
 logger = logging.getLogger(__name__)
 
@@ -328,8 +329,25 @@ class LiveSession:
         """A snapshot of everything that is counted."""
         # For the user, a failure matters more than a pause, and a pause more than what is paused
         phase = FAILED if self.error is not None and self._phase != STOPPED else PAUSED if self._paused else self._phase
-        return statistics_of(
-            phase, self._source, self._synchronizer, self._meter, self._heard, self.latest, self.recorder, error=self.error
+        now, latest, recorder, pairing = time.monotonic(), self.latest, self.recorder, self._synchronizer
+        counted, state, error = self._source.statistics, self._source.state, self.error
+        images_stopped, poses_stopped = self._heard.stopped(now, None if latest is None else latest.received)
+        troubles = (self._heard.trouble(now, lasts=state != CONNECTED), pairing.problem, pairing.note)
+        return LiveStatistics(
+            phase=phase,
+            connection=state,
+            tracking=NO_IMAGES if latest is None or images_stopped else tracking_words(latest.status, pairing.reference),
+            dropped=counted.dropped,
+            dropped_images=counted.dropped_images,
+            repeated=pairing.repeated,
+            other_images=pairing.other_images,
+            recorded=0 if recorder is None else recorder.frames,
+            recording_failure=self.recording_failure,
+            trouble=said(error) if error is not None else next(filter(None, troubles), None),
+            note=pairing.note,
+            images_stopped=images_stopped,
+            poses_stopped=poses_stopped,
+            **self._meter.counts(now),
         )
 
     def _start_inserting(self) -> None:

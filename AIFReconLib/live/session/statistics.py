@@ -12,12 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ...message import listed, said
+from ...message import listed
 from ..pairing.placement import stream_name
-from ..pairing.synchronizer import LiveFrame, Synchronizer
 from ..wire.messages import StreamEvent, StreamMessage, TransformMessage
-from ..wire.sources import CONNECTED, MessageSource
-from .recording import Recorder
 
 RATE_WINDOW = 2.0
 """s over which the frame rate is counted."""
@@ -111,38 +108,6 @@ class LiveStatistics:
     def frames_skipped(self) -> int:
         """Frames that were not inserted, for whatever reason."""
         return sum(self.skipped.values())
-
-
-def statistics_of(
-    phase: str,
-    source: MessageSource,
-    pairing: Synchronizer,
-    meter: Meter,
-    heard: Heard,
-    latest: LiveFrame | None,
-    recorder: Recorder | None,
-    error: Exception | None,
-) -> LiveStatistics:
-    """What a session tells now, of its parts."""
-    now, counted, state = time.monotonic(), source.statistics, source.state
-    images_stopped, poses_stopped = heard.stopped(now, None if latest is None else latest.received)
-    troubles = (heard.trouble(now, lasts=state != CONNECTED), pairing.problem, pairing.note)
-    return LiveStatistics(
-        phase=phase,
-        connection=state,
-        tracking=NO_IMAGES if latest is None or images_stopped else tracking_words(latest.status, pairing.reference),
-        dropped=counted.dropped,
-        dropped_images=counted.dropped_images,
-        repeated=pairing.repeated,
-        other_images=pairing.other_images,
-        recorded=0 if recorder is None else recorder.frames,
-        recording_failure=None if recorder is None else recorder.failure,
-        trouble=said(error) if error is not None else next(filter(None, troubles), None),
-        note=pairing.note,
-        images_stopped=images_stopped,
-        poses_stopped=poses_stopped,
-        **meter.counts(now),
-    )
 
 
 class Rhythm:

@@ -17,7 +17,7 @@ from files import tracked_sequence, write_patient
 from worker_tasks import double_or_die, look_in
 
 from AIFReconLib.batch import engine
-from AIFReconLib.batch.case import Task, carry_out
+from AIFReconLib.batch.case import CaseTask, carry_out
 from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers, own_memory
 from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, read_record
@@ -143,7 +143,7 @@ def test_a_volume_has_the_bytes_that_the_command_by_hand_writes(finished, tmp_pa
 def test_two_workers_write_the_bytes_that_one_process_writes(finished, tmp_path):
     lab, cohort, _ = finished
     (tmp_path / RECORDS).mkdir()
-    assert carry_out(Task(cohort.cases[2], lab.folder, tmp_path, "here")).state == DONE
+    assert carry_out(CaseTask(cohort.cases[2], lab.folder, tmp_path, "here")).state == DONE
     for path in (tmp_path / "P3").glob("*.nrrd"):
         assert path.read_bytes() == (lab.output / "P3" / path.name).read_bytes()
 
@@ -228,7 +228,7 @@ def test_a_full_disk_is_a_sentence_and_leaves_what_was_there(lab, monkeypatch):
 
     with monkeypatch.context() as patched:
         patched.setattr(os, "rename", full)
-        record = carry_out(Task(case, lab.folder, lab.output, "tonight"))
+        record = carry_out(CaseTask(case, lab.folder, lab.output, "tonight"))
     assert (record.state, "the disk is full" in record.message) == (LOST, True)
     assert [path.name for path in (lab.output / "P1").iterdir()] == ["before.nrrd"]
     assert lab.done() == ["P1"]
@@ -238,8 +238,8 @@ def test_a_full_disk_is_a_sentence_and_leaves_what_was_there(lab, monkeypatch):
 def test_a_mistake_of_ours_in_one_case_is_said_and_costs_no_other(lab, monkeypatch):
     (case, *_) = read_cases(lab.folder / "cases.csv").cases
     (lab.output / RECORDS).mkdir(parents=True)
-    monkeypatch.setattr("AIFReconLib.batch.case.reconstruct", lambda *_, **__: 1 / 0)
-    record = carry_out(Task(case, lab.folder, lab.output, "tonight"))
+    monkeypatch.setattr("AIFReconLib.batch.case.execute", lambda *_, **__: 1 / 0)
+    record = carry_out(CaseTask(case, lab.folder, lab.output, "tonight"))
     assert (record.state, "please report it: ZeroDivisionError" in record.message) == (FAILED, True)
     assert lab.done() == []
 

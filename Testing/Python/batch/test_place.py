@@ -10,7 +10,7 @@ import pytest
 from files import write_patient
 
 from AIFReconLib.batch import case as module
-from AIFReconLib.batch.case import Task, carry_out
+from AIFReconLib.batch.case import CaseTask, carry_out
 from AIFReconLib.batch.cohort import Cohort
 from AIFReconLib.batch.engine import Lost
 from AIFReconLib.batch.page import page
@@ -40,7 +40,7 @@ def first_case(lab):
 def done(lab, output):
     """Results of the case, as a run leaves them."""
     (output / RECORDS).mkdir(parents=True, exist_ok=True)
-    record = carry_out(Task(first_case(lab), lab, output, "tonight"))
+    record = carry_out(CaseTask(first_case(lab), lab, output, "tonight"))
     assert record.state == DONE, record.message
     return record
 
@@ -112,7 +112,7 @@ def test_a_file_that_comes_while_a_case_is_computed_stays(lab, monkeypatch):
         return work(self)
 
     monkeypatch.setattr(module._Work, "results", results)
-    record = carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
+    record = carry_out(CaseTask(first_case(lab), lab, lab / "out", "tonight"))
     assert (record.state, "mine.txt" in record.message) == (LOST, True)
     assert {path.name for path in (lab / "out" / "P1").iterdir()} == {"average.nrrd", "report.json", "mine.txt"}
 
@@ -121,7 +121,7 @@ def test_results_of_a_run_that_was_ended_before_it_said_so_are_replaced(lab, mon
     kept = []
     monkeypatch.setattr(module, "write_record", lambda output, record: (kept.append(record.state), write_record(output, record)))
     (lab / "out" / RECORDS).mkdir(parents=True)
-    carry_out(Task(first_case(lab), lab, lab / "out", "tonight"))
+    carry_out(CaseTask(first_case(lab), lab, lab / "out", "tonight"))
     # As it was between the results and the last record
     assert kept == [RUNNING, RUNNING, DONE]
     write_record(lab / "out", replace(read_record(lab / "out", "P1"), state=RUNNING, results=[]))
@@ -134,13 +134,13 @@ def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, s
     done(lab, lab / "out")
     error = OutputError("full") if state == LOST else ValueError("mistake")
     monkeypatch.setattr(module._Work, "results", lambda self: (_ for _ in ()).throw(error))
-    assert carry_out(Task(first_case(lab), lab, lab / "out", "tomorrow")).state == state
+    assert carry_out(CaseTask(first_case(lab), lab, lab / "out", "tomorrow")).state == state
     assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 
 def test_results_of_before_are_known_after_a_process_was_lost(lab):
     known = done(lab, lab / "out").outputs
-    task = Task(first_case(lab), lab, lab / "out", "tomorrow")
+    task = CaseTask(first_case(lab), lab, lab / "out", "tomorrow")
     write_record(lab / "out", Cohort([task.case], lab, lab / "out")._lost(task, Lost("it was ended")))
     record = read_record(lab / "out", "P1")
     assert (record.state, record.outputs, record.results) == (LOST, known, [])
@@ -159,7 +159,7 @@ def test_a_rename_that_reports_failure_after_it_was_done_costs_no_results(lab, m
 
     with monkeypatch.context() as patched:
         patched.setattr(os, "rename", late)
-        assert carry_out(Task(first_case(lab), lab, lab / "out", "tonight")).state == LOST
+        assert carry_out(CaseTask(first_case(lab), lab, lab / "out", "tonight")).state == LOST
     assert {path.name for path in (lab / "out" / "P1").iterdir()} == set(before)
     assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
@@ -177,7 +177,7 @@ def test_two_batches_in_one_folder_know_each_others_results(lab, monkeypatch, st
 
     monkeypatch.setattr(module._Work, "results", results)
     (lab / "out" / RECORDS).mkdir(parents=True)
-    assert carry_out(Task(first_case(lab), lab, lab / "out", "tonight")).state == state
+    assert carry_out(CaseTask(first_case(lab), lab, lab / "out", "tonight")).state == state
     assert main(["batch", str(lab / "cases.csv"), "--output", str(lab / "out"), "--dry-run"]) == 0
 
 

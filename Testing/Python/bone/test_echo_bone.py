@@ -27,8 +27,8 @@ from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import Imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
-from AIFReconLib.worker.reconstructing import Asked
 from AIFReconLib.worker.reconstructing import reconstructed as worker_reconstructs
+from AIFReconLib.workflows.job import ReconstructionJob
 
 COLUMNS, ROWS, SPACING = 120, 160, (0.25, 0.25)
 APEX = (59.5, -20.0)
@@ -267,7 +267,7 @@ def test_that_is_what_happens_where_nobody_has_said_how(patient, tmp_path, capsy
     assert "No CT. Bone is the surface that" in capsys.readouterr().out
     again = reconstructed(patient, tmp_path / "again.nrrd", "--settings", str(tmp_path / "v.nrrd"))
     np.testing.assert_array_equal(again, asked)
-    made = worker_reconstructs(Asked(read_sequence(patient.sweep, config=patient.config)))
+    made = worker_reconstructs(ReconstructionJob(read_sequence(patient.sweep, config=patient.config)))
     np.testing.assert_array_equal(made.result.intensity.array, asked)
     assert any("No CT. Bone is the surface" in line for line in made.lines)
     in_python = reconstruct(read_sequence(patient.sweep, config=patient.config))

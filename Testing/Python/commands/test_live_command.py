@@ -178,7 +178,7 @@ def test_a_scan_that_looks_for_bone_says_how_all_frames_are_weighted_by_all_of_i
     assert main(arguments) == 0
     lines = capsys.readouterr().out.splitlines()
     assert f"  to weight all frames by all that was found: aifrecon reconstruct {record} --bone-from-sweep" in lines
-    assert any("bone was looked for in" in line for line in lines)
+    assert any("Bone is known from" in line for line in lines)
 
 
 def fail_at_frame(number, monkeypatch):

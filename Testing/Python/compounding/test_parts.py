@@ -12,7 +12,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
-from AIFReconLib import reconstruction
 from AIFReconLib.compounding.finishing.parts import Costs, cut_into_parts
 from AIFReconLib.compounding.methods.table import LINEAR_METHODS, METHODS
 from AIFReconLib.errors import InsufficientMemoryError
@@ -23,8 +22,10 @@ from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
+from AIFReconLib.workflows import reconstruct as workflow
 
 ENGINES = ("numpy", "numba") if optional_module("AIFReconLib.compounding.compiled.numba_engine") else ("numpy",)
 REGION = ImageRegion(ClipRectangle((1, 2), (31, 22)))
@@ -45,11 +46,11 @@ def volumes_of(sweep, wanted, grid, cuts, monkeypatch, holes=(), **more):
     """All volumes, which frames were left out and what is said, of a box that is cut at these planes."""
     edges = [0, *sorted({cut for cut in cuts if 0 < cut < grid.size[2]}), grid.size[2]]
     with monkeypatch.context() as patched:
-        patched.setattr(reconstruction, "cut_into_parts", lambda *_: list(itertools.pairwise(edges)))
+        patched.setattr(workflow, "cut_into_parts", lambda *_: list(itertools.pairwise(edges)))
         if holes:
-            found = reconstruction.reconstructor_parts
-            patched.setattr(reconstruction, "reconstructor_parts", lambda *given: _with_holes(found(*given), holes))
-        result = reconstruction.reconstruct(
+            found = workflow.reconstructor_parts
+            patched.setattr(workflow, "reconstructor_parts", lambda *given: _with_holes(found(*given), holes))
+        result = reconstruct(
             sweep, replace(wanted, **imaging_fields(REGION, ProbeGeometry("sector", (16.0, -6.0)))), sphere_bone(), grid, **more
         )
     arrays = [None if (volume := getattr(result, name)) is None else volume.array for name in VOLUMES]
@@ -96,8 +97,8 @@ def test_parts_have_the_voxels_of_the_whole(method, engine, seed, turn, size, cu
     with pytest.MonkeyPatch.context() as patch:
         try:
             whole = volumes_of(sweep, wanted, grid, [], patch)
-        except reconstruction.NoUsableFramesError:
-            with pytest.raises(reconstruction.NoUsableFramesError):
+        except workflow.NoUsableFramesError:
+            with pytest.raises(workflow.NoUsableFramesError):
                 volumes_of(sweep, wanted, grid, cuts, patch)
             return
         assert_same(volumes_of(sweep, wanted, grid, cuts, patch), whole)
@@ -152,7 +153,7 @@ def test_frames_are_read_once_where_they_fit_beside_the_parts(left, monkeypatch)
     whole = volumes_of(sweep, wanted, grid, [], monkeypatch)
     counted = replace(sweep, images=Counted(sweep.images))
     images = sweep.images.nbytes
-    monkeypatch.setattr(reconstruction, "left_beside", lambda *_: images if left else images - 1)
+    monkeypatch.setattr(workflow, "left_beside", lambda *_: images if left else images - 1)
     assert_same(volumes_of(counted, wanted, grid, [3, 6], monkeypatch), whole)
     assert (counted.images.read == len(sweep)) == left
 
@@ -187,12 +188,12 @@ def test_a_method_of_ones_own_that_looks_at_bone_is_not_cut():
 
 def test_a_reconstruction_keeps_within_the_memory_that_it_is_given(monkeypatch):
     asked = []
-    found = reconstruction.cut_into_parts
-    monkeypatch.setattr(reconstruction, "cut_into_parts", lambda *given: asked.append(found(*given)) or asked[-1])
+    found = workflow.cut_into_parts
+    monkeypatch.setattr(workflow, "cut_into_parts", lambda *given: asked.append(found(*given)) or asked[-1])
     sweep, grid = sequence(8), turned_grid(size=(12, 11, PLANES))
     wanted = ReconstructionSettings(method="weighted", **imaging_fields(REGION, ProbeGeometry("linear")))
     bone = {"bone": sphere_bone(), "grid": grid}
-    little = reconstruction.reconstruct(sweep, wanted, **bone, beside=(), memory=2 * grid.voxels + 3 * 8 * 12 * 11)
-    plenty = reconstruction.reconstruct(sweep, wanted, **bone)
+    little = reconstruct(sweep, wanted, **bone, beside=(), memory=2 * grid.voxels + 3 * 8 * 12 * 11)
+    plenty = reconstruct(sweep, wanted, **bone)
     assert [len(parts) for parts in asked] == [3, 1]
     np.testing.assert_array_equal(little.intensity.array, plenty.intensity.array)

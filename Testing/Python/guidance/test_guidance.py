@@ -14,7 +14,7 @@ from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, guidance_of_sweep
-from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -28,7 +28,7 @@ def told(place=None, moved=None, **options):
     place = np.eye(4) if place is None else place
     bone = guided_bone(two_vertebrae())
     on = ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
-    poses = np.stack([place @ on.pose(Placement(x, 0.0, 90.0, -30.0)) for x in (-6.0, 0.0, 6.0)])
+    poses = np.stack([place @ on.pose(ProbePlacement(x, 0.0, 90.0, -30.0)) for x in (-6.0, 0.0, 6.0)])
     images = np.full((len(poses), *IMAGES.frame_size[::-1]), 120, np.uint8)
     sweep = TrackedSequence.from_arrays(images, poses, np.arange(len(poses)) * 0.1)
     recipe = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))

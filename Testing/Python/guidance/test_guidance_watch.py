@@ -17,7 +17,7 @@ from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
-from AIFReconLib.guidance.probe import Placement, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import GuidanceWatch
@@ -29,7 +29,7 @@ MOVED = rigid(translation=(0.0, 3.0, 12.0))
 def frames():
     bone = guided_bone(two_vertebrae())
     on = ProbeOnBack(IMAGES, Skin.over(bone), bone.patient_to_reference)
-    poses = [on.pose(Placement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
+    poses = [on.pose(ProbePlacement(x, 0.0, 90.0, tilt)) for tilt in (-30.0, 30.0) for x in (-6.0, 0.0, 6.0)]
     image = np.full(IMAGES.frame_size[::-1], 120, np.uint8)
     return [LiveFrame(image, pose, timestamp=0.1 * n, number=n) for n, pose in enumerate(poses)]
 

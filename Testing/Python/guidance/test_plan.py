@@ -18,7 +18,7 @@ from AIFReconLib.guidance.candidates import DRAWS, Candidates
 from AIFReconLib.guidance.met import expected_visibility, support_of
 from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, Hand, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, plan_scan
-from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, ProbeImages, ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import contact_pose
 
@@ -56,12 +56,12 @@ def test_the_face_is_where_the_simulated_transducer_has_it():
 def test_poses_are_those_of_the_simulator(orientation, turn):
     flat = ProbeOnBack(ProbeImages.simulated(), Skin.through(np.array([[0.0, -40.0, 0.0]])), np.eye(4))
     theirs = contact_pose(Flat(), 4.0, -9.0, orientation=orientation, in_plane_tilt_deg=20.0, elevational_tilt_deg=-35.0)
-    ours = flat.pose(Placement(4.0, -9.0, turn, 20.0, -35.0))
+    ours = flat.pose(ProbePlacement(4.0, -9.0, turn, 20.0, -35.0))
     np.testing.assert_allclose(ours, theirs @ PhasedArray().image_to_transducer, atol=1e-3)
 
 
 def test_the_middle_beam_goes_from_the_skin_through_the_point_aimed_at(probe):
-    placement = Placement(7.0, -12.0, 90.0, 30.0, 20.0)
+    placement = ProbePlacement(7.0, -12.0, 90.0, 30.0, 20.0)
     pose = invert(probe.patient_to_reference) @ probe.pose(placement)
     face = probe.images.faces(pose[None])[0]
     assert face[1] == pytest.approx(float(probe.skin.at(face[0], face[2])), abs=0.01)
@@ -76,7 +76,7 @@ def test_faces_lie_where_their_beams_first_meet_the_skin_however_steep_it_is(slo
     skin = Skin(np.array([-30.0, slope, 0.4 * slope, bend, -0.5 * bend, 0.8 * bend]))
     back = ProbeOnBack(ProbeImages.simulated(), skin, np.eye(4))
     placements = [
-        Placement(8.0, z, turn, tilt, across)
+        ProbePlacement(8.0, z, turn, tilt, across)
         for z in (-20.0, 5.0)
         for turn in (0.0, 90.0)
         for tilt in (-40.0, 25.0)
@@ -99,7 +99,7 @@ def test_faces_lie_where_their_beams_first_meet_the_skin_however_steep_it_is(slo
 
 
 def test_a_placement_is_read_back_from_its_pose(probe):
-    given = Placement(7.0, -12.0, 90.0, 30.0, -20.0)
+    given = ProbePlacement(7.0, -12.0, 90.0, 30.0, -20.0)
     found = probe.placement(probe.pose(given))
     angles = (found.turn_deg, found.in_plane_deg, found.across_deg)
     np.testing.assert_allclose(angles, (90.0, 30.0, -20.0), atol=1e-6)
@@ -187,7 +187,7 @@ def test_what_a_plan_predicts_for_a_hand_is_what_many_such_hands_show(bone, prob
 
 
 def test_a_plan_shows_far_more_of_its_target_than_a_plain_pass(plan, bone, probe):
-    shown, areas = expected(bone, probe, probe.poses([Placement(0.0, z) for z in np.linspace(-40, 40, FRAMES)]))
+    shown, areas = expected(bone, probe, probe.poses([ProbePlacement(0.0, z) for z in np.linspace(-40, 40, FRAMES)]))
     assert plan.predicted_of_reachable > max(2 * areas @ shown / areas.sum(), 0.5)
 
 

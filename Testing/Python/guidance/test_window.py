@@ -15,7 +15,7 @@ from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.guidance import guidance_of_sweep
 from AIFReconLib.guidance.plan import plan_scan
-from AIFReconLib.guidance.probe import Placement, ProbeImages, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.guidance.window import APART, NOT_SEEN, unseen_of, window
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.resolve import imaging_fields
@@ -55,13 +55,13 @@ def test_a_plan_reaches_more_of_the_places_than_one_for_bone_does(bone, probe):
 def test_bone_throws_its_shadow_on_such_places(bone, probe):
     inside = bone.surface.points_reference + 12.0 * bone.patient_to_reference[:3, 1]
     aimed = window(bone, inside[bone.posterior][::7])
-    straight = np.stack([probe.pose(Placement(x, 0.0, 90.0)) for x in np.arange(-20.0, 21.0, 2.0)])
+    straight = np.stack([probe.pose(ProbePlacement(x, 0.0, 90.0)) for x in np.arange(-20.0, 21.0, 2.0)])
     _, points, _ = geometry_of(aimed, probe).support(straight)
     assert len(np.unique(points)) < 0.3 * len(aimed)
 
 
 def test_the_next_move_of_a_sweep_leads_there(bone, probe):
-    away = np.stack([probe.pose(Placement(x, 60.0, 90.0)) for x in (-6.0, 0.0, 6.0)])
+    away = np.stack([probe.pose(ProbePlacement(x, 60.0, 90.0)) for x in (-6.0, 0.0, 6.0)])
     images = np.full((len(away), *IMAGES.frame_size[::-1]), 120, np.uint8)
     sweep = TrackedSequence.from_arrays(images, away, np.arange(len(away)) * 0.1)
     recipe = Recipe(**imaging_fields(IMAGES.region, IMAGES.geometry))

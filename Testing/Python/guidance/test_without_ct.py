@@ -25,7 +25,7 @@ from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
 from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
 from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
-from AIFReconLib.guidance.probe import Placement, ProbeOnBack, Skin
+from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
@@ -210,7 +210,7 @@ def moved(steps, pose) -> tuple[np.ndarray, np.ndarray]:
 def test_a_hand_that_follows_the_words_for_an_image_gets_there(now_deg, there_deg, way):
     """Both holds of a probe show one plane: what counts is where the image's plane is after turn and slides."""
     probe = ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), np.eye(4))
-    now, there = Placement(3.0, -2.0, now_deg), Placement(3.0 + way[0], -2.0 + way[1], there_deg)
+    now, there = ProbePlacement(3.0, -2.0, now_deg), ProbePlacement(3.0 + way[0], -2.0 + way[1], there_deg)
     axes, gone = moved(directions(now, there, knows_head=False), probe.pose(now))
     expected = probe.pose(there)
     np.testing.assert_allclose(gone, (way[0], 0.0, way[1]), atol=0.6 + 12 * np.radians(20.0) * (abs(now_deg) in (20.0, 100.0)))
@@ -223,7 +223,7 @@ def test_a_hand_that_follows_the_words_for_an_image_gets_there(now_deg, there_de
 @pytest.mark.parametrize("there_deg", [0.0, 90.0])
 def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_deg, tilt):
     probe = ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), np.eye(4))
-    now, there = Placement(0.0, 0.0, now_deg), Placement(0.0, 0.0, there_deg, *tilt)
+    now, there = ProbePlacement(0.0, 0.0, now_deg), ProbePlacement(0.0, 0.0, there_deg, *tilt)
     *turns, last = directions(now, there, knows_head=False)
     (right, into), _ = moved(turns, probe.pose(now))
     beam = probe.pose(there)[:3, 1] / IMAGES.spacing[1]
@@ -234,7 +234,7 @@ def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_d
 
 
 def test_where_nothing_is_left_to_be_done_one_sweeps_on():
-    (step,) = directions(Placement(0.0, 0.0, 180.0), Placement(0.0, 0.0), knows_head=False)
+    (step,) = directions(ProbePlacement(0.0, 0.0, 180.0), ProbePlacement(0.0, 0.0), knows_head=False)
     assert step.arrow == HERE
     assert {arrow for arrow, _ in IMAGE} >= {TO_LEFT, TO_RIGHT, UP}
 

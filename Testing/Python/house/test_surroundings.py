@@ -155,7 +155,7 @@ def test_an_interrupt_that_a_lock_turns_into_another_error_is_one(patient, resul
             lock.release()  # as a wait does; the interrupt comes before it takes it again
             raise KeyboardInterrupt
 
-    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", waits)
+    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct_job", waits)
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 130
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
 
@@ -167,7 +167,7 @@ def test_a_command_that_is_told_to_end_says_so_and_leaves_nothing(patient, resul
         while True:
             time.sleep(0.01)
 
-    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", told)
+    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct_job", told)
     assert main([*patient.reconstruct, "--output", str(results / "v.nrrd")]) == 143
     assert capsys.readouterr().err == "aifrecon: Interrupted. No file is left half-written.\n"
     assert list(results.iterdir()) == []
@@ -255,7 +255,7 @@ def test_running_out_of_memory_is_one_line_with_a_remedy(patient, results, monke
     def exhausted(*_, **_options):
         raise MemoryError
 
-    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct", exhausted)
+    monkeypatch.setattr("AIFReconLib.commands.reconstruct.reconstruct_job", exhausted)
     assert "larger --spacing" in refused([*patient.reconstruct, "--output", results / "v.nrrd"], capsys, results)
 
 

@@ -16,7 +16,8 @@ from AIFReconLib.bone.recorded_predictions import RecordedPredictions  # noqa: E
 from AIFReconLib.errors import GeometryError  # noqa: E402
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
-from AIFReconLib.worker.reconstructing import Asked, bone_in_frames  # noqa: E402
+from AIFReconLib.workflows.job import BoneSource, ReconstructionJob  # noqa: E402
+from AIFReconLib.workflows.reconstruct import found_bone  # noqa: E402
 
 SWEEP = PlaneSweep(count=5)
 SAID = (255 * SWEEP.predictions()).astype(np.uint8)
@@ -39,7 +40,8 @@ def bone_told_by(browser, predictions, recipe):
     """The bone that the worker is asked for."""
     from AIFReconScene.sweep.sequenceReader import predictionsFromNode, sequenceFromBrowser
 
-    return bone_in_frames(Asked(sequenceFromBrowser(browser), recipe, predictions=predictionsFromNode(predictions)))
+    bone = BoneSource(predictions=predictionsFromNode(predictions))
+    return found_bone(ReconstructionJob(sequenceFromBrowser(browser), recipe, bone))
 
 
 def test_predictions_in_the_scene_are_those_of_a_file(browsers):

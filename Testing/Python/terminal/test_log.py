@@ -43,7 +43,7 @@ def test_a_log_holds_the_command_what_happened_and_the_end(patient, tmp_path, ca
     lines = log.read_text().splitlines()
     assert lines[0] == FIRST_WORDS
     assert "aifrecon reconstruct" in lines[1]
-    assert any("AIFReconLib.reconstruction" in line and "6 of 6 frames" in line for line in lines)
+    assert any("AIFReconLib.workflows.reconstruct" in line and "6 of 6 frames" in line for line in lines)
     assert lines[-1].endswith("done")
     assert capsys.readouterr().err == ""
 

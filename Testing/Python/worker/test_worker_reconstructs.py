@@ -20,8 +20,9 @@ from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
-from AIFReconLib.worker.reconstructing import Asked, PlacedBone, know_method, reconstructed
+from AIFReconLib.worker.reconstructing import know_method, reconstructed
 from AIFReconLib.worker.recordings import RECORDING, VOLUME, images_between, kind_of, read_recording, without_images
+from AIFReconLib.workflows.job import BoneSource, ReconstructionJob
 
 
 def sweep(count: int = 5) -> TrackedSequence:
@@ -34,19 +35,21 @@ def test_voxels_score_and_hits_are_those_of_the_library_and_the_report_is_of_the
     recipe = Recipe(spacing=1.0, probe="linear", bone_sigma_mm=2.0)
     labels, place = two_vertebrae(), np.eye(4)
     sequence = sweep()
-    made = worker.call(reconstructed, Asked(sequence, recipe, bone=PlacedBone(labels, place)), BESIDE, for_views=True)
+    made = worker.call(
+        reconstructed, ReconstructionJob(sequence, recipe, bone=BoneSource(labels, to_reference=place)), BESIDE, for_views=True
+    )
     bone = LabeledBone(labels, place, sequence, recipe).map("weighted")
     expected = reconstruct(sequence, recipe, bone)
     for kind in ("intensity", "score", "hits", "mask"):
         np.testing.assert_array_equal(getattr(made.result, kind).array, getattr(expected, kind).array)
     mean = reconstruct(sequence, Recipe(spacing=1.0, method="average", hole_limit=expected.hole_limit), grid=expected.grid)
     np.testing.assert_array_equal(made.measured.array, mean.intensity.array)
-    assert made.tracking == tracking_report(sequence, sweep_poses(sequence), expected)
+    assert made.tracking[sequence.name] == tracking_report(sequence, sweep_poses(sequence), expected)
     assert made.comparison.lines
 
 
 def test_what_is_not_wanted_stays_in_the_worker(worker):
-    made = worker.call(reconstructed, Asked(sweep(), Recipe(spacing=2.0, method="average")), for_views=True)
+    made = worker.call(reconstructed, ReconstructionJob(sweep(), Recipe(spacing=2.0, method="average")), for_views=True)
     assert (made.result.score, made.result.hits, made.result.cosine, made.measured, made.surface) == (None,) * 5
 
 
@@ -64,7 +67,7 @@ def test_a_method_of_one_s_own_is_imported_where_it_lies_and_anew_when_its_file_
         )
 
     def brightest() -> int:
-        asked = Asked(sweep(), object.__new__(Recipe), search_path=(str(tmp_path),))
+        asked = ReconstructionJob(sweep(), object.__new__(Recipe), search_path=(str(tmp_path),))
         vars(asked.recipe).update({**vars(Recipe(spacing=2.0, method="average")), "method": "own_level:flat"})
         return int(worker.call(reconstructed, asked).result.intensity.array.max())
 

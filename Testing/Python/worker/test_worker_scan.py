@@ -26,9 +26,9 @@ from AIFReconLib.live.session.recording import growing_files
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
+from AIFReconLib.worker.reconstructing import begin_scan
 from AIFReconLib.worker.scan import Scan
-from AIFReconLib.worker.scan_request import ScanRequest
-from AIFReconLib.worker.scanning import begin_scan
+from AIFReconLib.workflows.job import BoneSource, ScanJob
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 SEQUENCE = tracked_sequence(24, statuses={5: TransformStatus.OUT_OF_VIEW})
@@ -43,9 +43,8 @@ def request_of(tmp_path):
     folder.mkdir()
     patient = write_patient(folder)
     configuration, labels = read_plus_configuration(patient.config), read_volume(patient.labels)
-    made = ScanRequest(
-        RECIPE, None, configuration, GRID, labels, bone_to_reference=LABELS_TO_REFERENCE, record=tmp_path / "scans" / "scan.mhd"
-    )
+    bone = BoneSource(labels, to_reference=LABELS_TO_REFERENCE)
+    made = ScanJob(RECIPE, None, configuration, GRID, bone, record=tmp_path / "scans" / "scan.mhd")
     made.record.parent.mkdir()
     return lambda **changed: replace(made, **changed)
 
@@ -73,7 +72,7 @@ def is_taken(worker, scan, number) -> bool:
 def offline(request, frames):
     """The volume of these frames, with the bone of the request."""
     chosen = replace(SEQUENCE, images=SEQUENCE.images[frames], records=[SEQUENCE.records[n] for n in frames])
-    bone = BoneMap.from_labels(request.labels, 1.0, None, request.bone_to_reference)
+    bone = BoneMap.from_labels(request.bone.labels, 1.0, None, request.bone.to_reference)
     return reconstruct(replace(chosen, configuration=request.configuration), RECIPE, bone, GRID).intensity.array
 
 
