@@ -180,17 +180,18 @@ def _placed(found: Registration, labels: Volume) -> Volume:
 
 def _findings(found: Registration, labels: Labels) -> list[str]:
     """What else a user should know, one line each."""
-    lines = []
+    lines, all_echoes = [], len(found.echoes)
     if found.moved is not None:
         lines.append(f"moved by {found.moved:.1f} mm from the start")
     lines += [
-        f"{labels.called(label)}: {own.agreement:.0%} of {own.echoes:,} echoes agree"
+        f"{labels.called(label)}: {own.agreement:.0%} of its echoes agree; it has {own.echoes / all_echoes:.0%} of all"
         for label, own in sorted(found.agreement.per_label.items())
     ]
     if found.uncertain:
         lines.append("not determined by this sweep: " + "; ".join(found.uncertain))
     if found.agreement.elsewhere:
-        lines.append(f"{found.agreement.elsewhere:,} echoes lie far from labeled bone: of bone that the labels lack, or of none")
+        far = found.agreement.elsewhere / all_echoes
+        lines.append(f"{far:.1%} of all echoes lie far from labeled bone: of bone that the labels lack, or of none")
     if found.alternatives:
         best = found.alternatives[0]
         levels = "" if not best.levels else f" ({best.levels:+d} level{'s' if abs(best.levels) > 1 else ''})"
