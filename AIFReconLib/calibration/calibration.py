@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ..registration.search import anywhere, search
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
-from .solve import ALL, COARSE, EXPECTED, FINE, FINE_ECHOES, PARAMETERS, UNITS, Solved, as_vector, descend, in_words, solve
+from .solve import ALL, COARSE, EXPECTED, FINE, FINE_ECHOES, PARAMETERS, UNITS, Solved, as_correction, as_vector, descend, in_words, solve
 
 PLACES = 3
 """Places of the CT from which is started where none is given."""
@@ -104,7 +104,7 @@ def advice_for(missing: list[str]) -> str | None:
     moves = [move for move, tells in MOVEMENTS.items() if set(tells) & set(missing)]
     if not missing:
         return None
-    return f"Not told by this sweep, and left as given: {listed(missing)}. Scan the same bone with the probe also {listed(moves)}."
+    return f"Not determined by this sweep, and left as given: {listed(missing)}. Scan the same bone with the probe also {listed(moves)}."
 
 
 def calibrate(
@@ -158,12 +158,17 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
     best = solutions[0]
     report(progress, 0.8, "Judging the calibration")
     given = min((_as_given(many, bone, place, none) for place in (best.labels_to_reference, *starts)), key=lambda one: one.cost)
-    sides = compared_halves(echoes, bone, given, best, asked)
-    before, after = (check(echoes.placed(one.correction), bone, one.labels_to_reference) for one in (given, best))
     deviation = np.full(len(PARAMETERS), np.nan)
     deviation[asked] = deviations(many, bone, best, asked)
     free = np.nan_to_num(deviation, nan=np.inf) <= HELD
     deviation *= EXPECTED
+    if (free != asked).any():
+        # Along what is not held, any answer would do
+        best = descend(many, bone, replace(given, correction=_only(free, best.correction)), (*COARSE, *FINE), free)
+        # Turns about two axes are a little of one about the third
+        best = replace(best, correction=_only(free, best.correction))
+    sides = compared_halves(echoes, bone, given, best, free)
+    before, after = (check(echoes.placed(one.correction), bone, one.labels_to_reference) for one in (given, best))
     changed = float(np.median(np.linalg.norm(placed_by(best, echoes) - placed_by(given, echoes), axis=1)))
     said = _refusal(echoes, best, solutions[1:], free, after, sides)
     report(progress, 1.0, "Calibrated")
@@ -184,6 +189,11 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
     )
 
 
+def _only(free: Mask, correction: Correction) -> Correction:
+    """The numbers of a correction that are free, (9,); the others stay as given."""
+    return as_correction(np.where(free, as_vector(correction), 0.0), correction.center)
+
+
 def _as_given(echoes: ImagedEchoes, bone: BoneField, place: Floats, none: Correction) -> Solved:
     return descend(echoes, bone, Solved(place, none, 1.0), (*COARSE, FINE[-1]), np.zeros(len(PARAMETERS), dtype=bool))
 
@@ -193,6 +203,8 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     angles = int(echoes.angles.max()) + 1
     if angles < FEWEST_ANGLES:
         return ONE_ANGLE
+    if not free.any():
+        return Sentence(advice_for(list(PARAMETERS)) or "")
     if not after.enough or after.closeness > LEAST_CLOSENESS:
         return Sentence(
             f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}",
@@ -203,7 +215,7 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
         return Sentence(
             f"Two calibrations fit as well and lie {_apart(best, rival, echoes):.1f} mm apart. Scan the same bone from more angles."
         )
-    return doubt_of_halves(sides.apart if free.any() else np.inf) or doubt_of_size(best.correction, free)
+    return doubt_of_halves(sides.apart) or doubt_of_size(best.correction, free)
 
 
 def doubt_of_halves(apart: float) -> Sentence | None:

@@ -141,9 +141,12 @@ def known_without_ct(sequences: TrackedSequence | Iterable[TrackedSequence], rec
         return ()
     if (contradicted := contradiction(echoes)) is not None:
         return (contradicted,)
+    return (f"Calibration: not checked, as there is no CT; {_off_each_other(echoes)}.",)
+
+
+def _off_each_other(echoes: ImagedEchoes) -> str:
     apart = off_the_surface(echoes, Correction.none(echoes.center))
-    how = f"echoes of different angles lie {apart:.1f} mm off each other's surface" if apart == apart else "bone is shown from one angle"
-    return (f"Calibration: not checked, as there is no CT; {how}.",)
+    return f"echoes of different angles lie {apart:.1f} mm off each other's surface" if apart == apart else "bone is shown from one angle"
 
 
 def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Repair, ImagedEchoes]]:
@@ -164,10 +167,9 @@ def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> Checked:
     if contradicted is not None:
         return Checked(False, "cannot be told of frames that contradict each other.", (contradicted,))
     found = calibrate_crossing_echoes(echoes, progress)
-    before, after = found.halves.before, found.halves.after
-    lie = f"echoes of different angles lie {before:.2f} mm off each other's surface"
-    if after <= GAIN * before:
-        return Checked(False, Sentence(f"{lie}, and {after:.2f} mm with another calibration.", CALIBRATE))
+    lie = _off_each_other(echoes)
+    if found.halves.after <= GAIN * found.halves.before:
+        return Checked(False, Sentence(f"{lie}, and {found.after:.1f} mm with another calibration.", CALIBRATE))
     return Checked(
         None,
         f"{lie}, and another calibration lays them no nearer. Whether that is near enough cannot be told without a CT or a phantom, nor "

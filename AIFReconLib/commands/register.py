@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ..arrays import Matrix
 from ..errors import RegistrationRefused
 from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
@@ -17,12 +17,10 @@ from ..io.disk.atomic import write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
-from ..message import said
-from ..progress import Progress, part
+from ..progress import part
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
-from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
 from ..terminal.options import (
     Commands,
@@ -100,46 +98,29 @@ def run(arguments: argparse.Namespace) -> None:
     with ProgressBar() as progress:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
         start = place_from(arguments)
-        sequences = [sequence_from(one) for one in each]
+        sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
         given = labels
         if given.space_is_guessed:
-            labels = LabeledBone(given, start, sequences, recipe_from(arguments)).labels
-        found = _registered(arguments, sequences, labels, start, part(progress, 0.05, 0.8))
+            labels = LabeledBone(given, start, sequences, recipe).labels
+        registered = partial(register, sequences, start=start, per_segment=arguments.per_segment, level=arguments.level or 0, recipe=recipe)
+        found = registered(labels, progress=part(progress, 0.05, 0.8))
         if given.space_is_guessed and not found.accepted:
             is_lps = np.array_equal(labels.ijk_to_reference, given.ijk_to_reference)
             turned = given.taken_as("RAS" if is_lps else "LPS", "where the sweep fits better")
-            other = _registered(arguments, sequences, turned, start, None)
+            other = registered(turned)
             if other.agreement.tightness > found.agreement.tightness:
                 found, labels = other, turned
-        calibration = _calibration(arguments, sequences, found, labels, part(progress, 0.8, 0.95)) if found.accepted else []
+        calibration: list[str] = []
+        if found.accepted:
+            # What the bone where it came to lie says; nothing where the sweep cannot tell
+            told, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe, part(progress, 0.8, 0.95), found.echoes)
+            calibration = [] if agrees is None else told
         written = _write(arguments, found, labels, calibration)
     lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels), *calibration]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
         raise RegistrationRefused(f"No transform is written. {found.said}", said(found.said))
     print(f"next: {reconstruct_command(arguments, bone_transform=arguments.output)}")
-
-
-def _registered(
-    arguments: argparse.Namespace, sequences: list[TrackedSequence], labels: Labels, start: Matrix | None, progress: Progress | None
-) -> Registration:
-    return register(
-        sequences,
-        labels,
-        start,
-        per_segment=arguments.per_segment,
-        level=arguments.level or 0,
-        recipe=recipe_from(arguments),
-        progress=progress,
-    )
-
-
-def _calibration(
-    arguments: argparse.Namespace, sequences: list[TrackedSequence], found: Registration, labels: Volume, progress: Progress | None
-) -> list[str]:
-    """What the bone where it came to lie says of the calibration; nothing where the sweep cannot tell."""
-    lines, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe_from(arguments), progress, found.echoes)
-    return [] if agrees is None else lines
 
 
 def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:
@@ -178,17 +159,18 @@ def _placed(found: Registration, labels: Volume) -> Volume:
 
 def _findings(found: Registration, labels: Labels) -> list[str]:
     """What else a user should know, one line each."""
-    lines = []
+    lines, all_echoes = [], len(found.echoes)
     if found.moved is not None:
         lines.append(f"moved by {found.moved:.1f} mm from the start")
     lines += [
-        f"{labels.called(label)}: {own.agreement:.0%} of {own.echoes:,} echoes agree"
+        f"{labels.called(label)}: {own.agreement:.0%} of its echoes agree; it has {own.echoes / all_echoes:.0%} of all"
         for label, own in sorted(found.agreement.per_label.items())
     ]
     if found.uncertain:
         lines.append("not determined by this sweep: " + "; ".join(found.uncertain))
     if found.agreement.elsewhere:
-        lines.append(f"{found.agreement.elsewhere:,} echoes lie far from labeled bone: of bone that the labels lack, or of none")
+        far = found.agreement.elsewhere / all_echoes
+        lines.append(f"{far:.1%} of all echoes lie far from labeled bone: of bone that the labels lack, or of none")
     if found.alternatives:
         best = found.alternatives[0]
         levels = "" if not best.levels else f" ({best.levels:+d} level{'s' if abs(best.levels) > 1 else ''})"

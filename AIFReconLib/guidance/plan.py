@@ -57,7 +57,7 @@ class ScanPlan(Described):
     the reconstruction, whose coverage is of what the sweep could reach."""
     predicted_of_reachable: float
     """0 to 1. The same as a share of all of the target that any probe on the back can reach."""
-    met: BoneMet  #: What the whole plan meets, point by point
+    met: BoneMet  #: What a hand that follows the plan meets, point by point
 
     @property
     def frames(self) -> int:
@@ -249,27 +249,32 @@ def _planned(
     hand: Hand | None,
     progress: Progress | None,
 ) -> ScanPlan:
-    """The plan with what it meets, and what it shows as hands happen to make it."""
+    """The plan, and what it meets and shows as hands happen to make it: in the middle one of `FOLLOWED` tries."""
     areas, geometry = bone.surface.areas[chosen], geometry_of(bone.only(chosen), probe)
     rng = np.random.default_rng(1)
     draws = 1 if hand is None else FOLLOWED
-    shown, shares = np.zeros((draws, len(passes) + 1)), np.zeros(draws)
+    tries: list[tuple[list[float], Matrix]] = []
     for draw in range(draws):
-        met = BoneMet(geometry)
+        met, shown, made = BoneMet(geometry), [0.0], []
         for number, (one, count) in enumerate(passes):
             report(progress, (draw + number / len(passes)) / (draws + 1), "Following the plan")
             placements = one.placements(count)
-            for pose in probe.poses(placements if hand is None else hand.follow(placements, rng)):
+            made.append(probe.poses(placements if hand is None else hand.follow(placements, rng)))
+            for pose in made[-1]:
                 met.insert(pose)
-            shown[draw, number + 1] = areas @ met.expected
-        shares[draw] = shown[draw, -1] / max(float(areas[met.support > 0].sum()), 1e-9)
-    adds = np.diff(shown.mean(axis=0)) / 100.0
-    planned = [PlannedPass(one.name, one.poses(probe, count), float(added), one) for (one, count), added in zip(passes, adds, strict=True)]
-    exact = BoneMet(geometry_of(bone, probe))
-    for pose in np.concatenate([one.image_to_reference for one in planned]):
-        exact.insert(pose)
-    of_reachable = float(shown[:, -1].mean()) / float(areas.sum())
-    return ScanPlan(target, tuple(planned), float(shares.mean()), of_reachable, exact)
+            shown.append(float(areas @ met.expected))
+        tries.append((shown, np.concatenate(made)))
+    shown, poses = sorted(tries, key=lambda one: one[0][-1])[draws // 2]
+    met = BoneMet(geometry_of(bone, probe))
+    for pose in poses:
+        met.insert(pose)
+    planned = [
+        PlannedPass(one.name, one.poses(probe, count), float(added) / 100.0, one)
+        for (one, count), added in zip(passes, np.diff(shown), strict=True)
+    ]
+    is_met = met.support[chosen] > 0
+    of_met = shown[-1] / max(float(areas[is_met].sum()), 1e-9)
+    return ScanPlan(target, tuple(planned), of_met, shown[-1] / float(areas.sum()), met)
 
 
 def passes_of(document: object) -> list[tuple[str, Matrix]]:

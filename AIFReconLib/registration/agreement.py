@@ -115,12 +115,12 @@ class Agreement:
         return tuple(label for label, one in self.per_label.items() if one.agreement < ENOUGH_OF_LABEL and one.echoes >= least)
 
     def sentence(self) -> str:
-        """The agreement as users read it."""
+        """The agreement as users read it: in shares, for how many echoes there are depends on how many frames were looked at."""
         if not self.echoes:
-            return f"CT and sweep do not agree: none of {self.elsewhere:,} bone echoes lies near the CT's bone."
+            return "CT and sweep do not agree: none of the sweep's bone echoes lies near the CT's bone."
         verdict = "agree" if self.enough else "do not agree"
         return (
-            f"CT and sweep {verdict}: {self.share:.0%} of {self.echoes:,} bone echoes lie within {CLOSE:g} mm of the CT's bone, "
+            f"CT and sweep {verdict}: {self.share:.0%} of the bone echoes lie within {CLOSE:g} mm of the CT's bone, "
             f"{self.median_distance:.1f} mm off in the median."
         )
 

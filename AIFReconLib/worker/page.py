@@ -131,26 +131,21 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
 
 def _agreement(about: PageAbout, words: Spelling, progress: Progress | None) -> tuple[Section, str]:
     """How CT and sweep agree: a section, and words for the line."""
-    from ..bone.echoes.search import sweep_echoes
-    from ..bone.field import BoneField
     from ..evaluation.report import Section
-    from ..registration.comparison import check
+    from ..registration.comparison import compared
 
     title = "CT and sweep"
     if about.labels is None or about.labels_to_reference is None:
         return Section(title, said=(about.problem,)), ""
-    try:
-        echoes = sweep_echoes(about.sequence, about.recipe, progress=progress)
-        agreement = check(echoes, BoneField.from_labels(about.labels), about.labels_to_reference)
-    except OperationCanceled:
-        raise
-    except AIFReconError as error:
-        return Section(title, said=(advised(error, words),)), ""
+    found = compared(about.sequence, about.labels, about.labels_to_reference, about.recipe, progress)
+    agreement = found.agreement
+    if agreement is None:
+        return Section(title, said=tuple(advised(line, words) for line in found.lines)), ""
     rows = [
-        (about.names.get(label) or f"label {label}", f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm", f"{own.echoes:,}")
+        (about.names.get(label) or f"label {label}", f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm")
         for label, own in sorted(agreement.per_label.items())
     ]
-    table = (("Bone", "Echoes that agree", "Median distance", "Echoes"), *rows) if rows else ()
+    table = (("Bone", "Echoes that agree", "Median distance"), *rows) if rows else ()
     warning = agreement.warning(about.names)
     said = (agreement.sentence(), *(() if warning is None else (warning,)))
     return Section(title, said=said, table=table), registration_verdict(agreement, about.names).finding

@@ -239,8 +239,8 @@ class RegistrationPanel(PanelPart):
         bar.format = "" if agreement is None else _("{share:.0%} of the echoes agree").format(share=agreement.share)
         labels = {} if agreement is None else agreement.per_label
         lines = [
-            _("Label {number} {name}: {share:.0%} of {count:,} echoes agree").format(
-                number=label, name=(names or {}).get(label, ""), share=own.agreement, count=own.echoes
+            _("Label {number} {name}: {share:.0%} of its echoes agree").format(
+                number=label, name=(names or {}).get(label, ""), share=own.agreement
             )
             for label, own in sorted(labels.items())
         ]

@@ -17,6 +17,7 @@ from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ...machine.memory import available_memory, require_bytes
 from ..disk.itk import itk_path, short_cause, without_warnings
+from ..disk.regular_files import files_in
 from .files import READABLE_SUFFIXES, read_volume, suffix_of
 from .itk_images import array_of
 
@@ -107,7 +108,7 @@ def _series_in(folder: Path) -> tuple[dict[str, dict[Path, sitk.ImageFileReader]
     """The images of each series of CT in a folder, by its UID, but for localizers; and the kinds of other images there."""
     series: dict[str, dict[Path, sitk.ImageFileReader]] = {}
     others = set()
-    for file in sorted(file for file in folder.iterdir() if file.is_file()):
+    for file in files_in(folder):
         header = _header(file)
         if header is None or "LOCALIZER" in _said(header, IMAGE_TYPE):
             continue

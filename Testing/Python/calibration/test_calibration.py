@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from made_echoes import ANGLES, FRAMES, SPACING, field, made_echoes, misplaced, spine, wrongly_calibrated
+from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
@@ -89,6 +90,20 @@ def test_what_tilts_within_the_plane_leave_open_is_named_with_the_movement_that_
     assert not found.held[PARAMETERS.index("shift out of the image")]
     assert "shift out of the image" in (found.advice or "")
     assert "tilted out of its image plane" in (found.advice or "")
+
+
+def test_a_robot_that_tilts_about_one_axis_does_not_give_the_image_a_false_turn_of_ten_degrees(bone):
+    """Steps along the spine, at each a few tilts within the image plane: a turn of the image there is one of the CT."""
+    echoes = made_echoes(ANGLES[:3])
+    turned = np.eye(4)
+    turned[:3, :3] = Rotation.from_euler("z", 10, degrees=True).as_matrix()
+    turned[:3, 3] = echoes.center - turned[:3, :3] @ echoes.center
+    planes = echoes.planes @ turned
+    found = calibrate_echoes(replace(echoes, planes=planes, tracks=(Track(echoes.times, planes),)), bone, np.eye(4))
+    left = [name for name, value in zip(PARAMETERS, found.values, strict=True) if value == 0.0]
+    assert "turn in the image" in left
+    assert left == found.names(~found.held)
+    assert any(line.startswith("Not determined by this sweep, and left as given: ") for line in findings(found))
 
 
 def test_the_ct_of_another_patient_is_refused():

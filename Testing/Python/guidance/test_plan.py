@@ -207,6 +207,9 @@ def test_the_command_writes_a_plan_that_the_simulated_probe_can_follow(tmp_path,
     said = capsys.readouterr().out
     document = json.loads(written.read_text("utf-8"))
     assert f"expected to show {document['predicted_visibility']:.0%} of interspinous" in said
+    of_all = f"{document['predicted_of_reachable']:.0%}"
+    assert f"{of_all} of what can be reached" in said
+    assert next(line for line in said.splitlines() if "interspinous borders" in line).endswith(of_all)
     poses = np.array([pose for one in document["passes"] for pose in one["image_to_reference"]])
     assert all(isinstance(one["name"], str) and one["name"] in said for one in document["passes"])
     path = planned_path(written)
