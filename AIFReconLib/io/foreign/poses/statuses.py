@@ -8,8 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-import numpy as np
-
 from ....arrays import Mask
 from ....errors import SettingsError
 from ....geometry.transform_graph import TransformStatus
