@@ -185,7 +185,7 @@ def _read(columns: Sequence[Column], longest: bool, is_known: bool) -> list[Trac
             tools.setdefault(name, {})[place] = replace(column, role=role)
         elif not of_tools and any(is_of_pose(other) for _, other in part):
             left += "marker" not in " ".join(column.words).lower()  # they have places alone
-        elif each:
+        elif each and not name[2]:  # Tool2 Mean Marker Error names no tool
             beside[place] = replace(column, role=role)
     own = {name: {column.role for column in of_tool.values()} for name, of_tool in tools.items()}
     if not all(is_whole({role for role in each if role}) for each in own.values()) or (left > 2 and not is_known):
