@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from os import SEEK_CUR
 from pathlib import Path
 from types import ModuleType
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,17 +13,10 @@ from ...arrays import Floats, Numbers
 from ...errors import FileFormatError
 from ..sequence.decoded_images import DecodedImages, decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .bounds import check_pixels, check_scans
 from .images import ImportedImages, describe_stack
 
 if TYPE_CHECKING:
     from pydicom import Dataset
-
-_JPEG = ("1.2.840.10008.1.2.4.5", "1.2.840.10008.1.2.4.6", "1.2.840.10008.1.2.4.70")
-"""How the transfer syntaxes of JPEG begin."""
-
-_BEFORE_FRAGMENTS = 12
-"""Bytes of tag, kind and length."""
 
 _ENHANCED_US_VOLUME = "1.2.840.10008.5.1.4.1.1.6.2"
 _OF_SLICES = ("CT", "MR", "PT", "NM")
@@ -118,10 +110,8 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
         # pydicom would inflate all of it, whatever that becomes, and then not find its pixels
         if pydicom.filereader.read_file_meta_info(path).get("TransferSyntaxUID") == pydicom.uid.DeflatedExplicitVRLittleEndian:
             raise FileFormatError(f"{path}: DICOM files that are deflated as a whole are not read. Export it uncompressed.")
-        with open(path, "rb") as file:
-            header = pydicom.dcmread(file, stop_before_pixels=True)
-            _check_frames(path, header)
-            _check_pixels(path, header, file)
+        header = pydicom.dcmread(path, stop_before_pixels=True)
+        _check_frames(path, header)
         # Values are decoded when first asked for, so what is wrong with one shows here
         count = _frame_count(header)
         _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), _number(header)
@@ -154,18 +144,6 @@ def _groups(header: Dataset, name: str) -> list[Dataset]:
 def _number(header: Dataset) -> int | None:
     value = getattr(header, "InstanceNumber", None)
     return None if value in (None, "") else int(value)
-
-
-def _check_pixels(path: Path, header: Dataset, file: IO[bytes]) -> None:
-    """Return if a frame is no larger than one may be, and JPEG has no more scans; the file is at its pixels."""
-    rows, columns = (int(getattr(header, name, 0) or 0) for name in ("Rows", "Columns"))
-    bits = int(getattr(header, "BitsAllocated", 8) or 8) * int(getattr(header, "SamplesPerPixel", 1) or 1)
-    check_pixels(path, columns, rows, -(-bits // 8))
-    if getattr(header.file_meta, "TransferSyntaxUID", "").startswith(_JPEG):
-        fragments = library("pydicom.encaps", "DICOM files")
-        file.seek(_BEFORE_FRAGMENTS, SEEK_CUR)
-        count, _ = fragments.parse_fragments(file)
-        check_scans(fragments.generate_fragments(file), path, rows * columns, min(_frame_count(header), max(count - 1, 1)))
 
 
 def _frame_count(header: Dataset) -> int:

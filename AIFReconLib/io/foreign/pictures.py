@@ -13,7 +13,6 @@ from ...errors import FileFormatError
 from ..disk.regular_files import file_stamp
 from ..sequence.decoded_images import DecodedImages, decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .bounds import check_pixels
 from .images import ImportedImages, describe_stack
 from .tiff import ORIENTATION, is_tiff, tiff_frames
 
@@ -62,7 +61,6 @@ def _picture_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[st
         # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
         with _readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
             picture.seek(page)
-            check_pixels(path, picture.width, picture.height, 4)
             shown = turns.exif_transpose(picture)
             if shown.mode == "1":
                 return np.asarray(shown.convert("L"))

@@ -16,7 +16,6 @@ from ...arrays import Numbers
 from ...errors import FileFormatError
 from ..sequence.decoded_images import decoding, frames_in_place, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .bounds import check_pixels
 
 if TYPE_CHECKING:
     from tifffile import TiffFile, TiffPage
@@ -53,9 +52,6 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
         tiff = tifffile.TiffFile(file)
         tiff.filehandle.seek(place)
         page = tifffile.TiffPage(tiff, 0)
-        samples = max(int(page.samplesperpixel), 1)
-        check_pixels(path, page.imagewidth, page.imagelength * max(page.imagedepth, 1), -(-page.bitspersample * samples // 8))
-        check_pixels(path, page.tilewidth or 0, (page.tilelength or 0) * max(page.tiledepth, 1), -(-page.bitspersample * samples // 8))
         if not page.dataoffsets or not all(page.dataoffsets) or not all(page.databytecounts):
             raise FileFormatError(f"{path}: parts of the page at byte {place} are missing. Export it again.")
         return tiff, page

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 import struct
 import subprocess
@@ -274,29 +273,6 @@ def test_images_are_turned_to_marked_far(code, flip):
 # ---- small files that ask for hours and gigabytes
 
 
-def jpeg_of_scans(pil, scans, side=1000):
-    """A JPEG whose last scan is repeated."""
-    file = io.BytesIO()
-    pil.fromarray(np.zeros((side, side), np.uint8)).save(file, "JPEG", progressive=True)
-    data = file.getvalue()
-    last = data.rindex(b"\xff\xda")
-    return data[:last] + scans * data[last:-2] + data[-2:]
-
-
-def test_a_jpeg_within_dicom_of_thousands_of_scans_is_refused(pil, dicom, tmp_path):
-    path = tmp_path / "a.dcm"
-    write_dicom(dicom, path, np.zeros((1000, 1000), np.uint8))
-    dataset = dicom.dcmread(path)
-    dataset.file_meta.TransferSyntaxUID = dicom.uid.JPEGExtended12Bit
-    data = jpeg_of_scans(pil, 3000)
-    # In pieces, as one frame may come
-    dataset.PixelData = dicom.encaps.encapsulate([data + b"\0" * (len(data) % 2)], fragments_per_frame=4)
-    dataset["PixelData"].is_undefined_length = True
-    dataset.save_as(path)
-    with pytest.raises(FileFormatError, match="3005 scans"):
-        open_images([path])
-
-
 def test_a_picture_that_says_it_has_billions_of_pages_is_refused(pil, tmp_path):
     path = tmp_path / "a.png"
     pil.fromarray(FRAMES[0]).save(path, save_all=True, append_images=[pil.fromarray(FRAMES[1])])
@@ -318,7 +294,7 @@ def test_a_deflated_dicom_file_is_refused_before_it_becomes_gigabytes(dicom, tmp
         open_images([path])
 
 
-def test_a_dicom_image_of_more_pixels_than_a_frame_has_is_refused_before_it_is_decoded(dicom, tmp_path):
+def test_a_dicom_image_of_more_pixels_than_a_frame_has_is_refused(dicom, tmp_path):
     path = write_dicom(dicom, tmp_path / "a.dcm", FRAMES[0], Rows=60000, Columns=60000)
-    with pytest.raises(FileFormatError, match="60000 x 60000 pixels"):
+    with pytest.raises(FileFormatError, match="pixels cannot be decoded"):
         open_images([path])

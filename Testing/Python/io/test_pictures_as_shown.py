@@ -135,7 +135,7 @@ def test_a_tiff_that_says_it_has_billions_of_pixels_is_refused(tmp_path):
     data = bytearray((tmp_path / "a.tif").read_bytes())
     struct.pack_into("<I", data, 10 + 8, 2**31 - 1)
     (tmp_path / "a.tif").write_bytes(data)
-    with pytest.raises(FileFormatError, match="2147483647 x 12 pixels, which would take too long"):
+    with pytest.raises(FileFormatError, match="it cannot be read as a picture"):
         opened(tmp_path / "a.tif")
 
 

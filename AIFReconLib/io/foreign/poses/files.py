@@ -189,7 +189,8 @@ def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
         if isinstance(error, FileFormatError):
             raise
         layout = None
-    if not isinstance(layout, dict) or not isinstance(layout.get("headings", {}), dict):
+    is_one = isinstance(layout, dict) and isinstance(layout.get("columns", ""), str | list)
+    if not is_one or not isinstance(layout.get("headings", {}), dict):
         raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.")
     return layout
 

@@ -226,7 +226,7 @@ def _matrices(values: Mapping[str, Floats], kind: RotationKind) -> Matrix:
     poses = np.stack([values.get(name, unsaid + (name == "m33")) for name in MATRIX], axis=1).reshape(-1, 4, 4)
     poses = poses.transpose(0, 2, 1).copy() if kind.order == COLUMNS else poses
     good = np.isfinite(poses).all(axis=(1, 2))
-    wrong = good & ~np.isclose(poses[:, 3], (0, 0, 0, 1), atol=1e-6).all(axis=1)
+    wrong = np.asarray(good & ~np.isclose(poses[:, 3], (0, 0, 0, 1), atol=1e-6).all(axis=1))
     if wrong.any():
         first = poses[np.argmax(wrong)]
         by_column = np.allclose(first[:, 3], (0, 0, 0, 1))

@@ -30,6 +30,9 @@ from .sheet import Cells, Sheet, cells_of
 _ROWS_SHOWN = 2
 _MOST_UNREAD = 6
 """Headings that nothing is known of are as many as a pose has: another tool's, perhaps."""
+_Reading = tuple[tuple[str, str, str], str]
+"""The words of a heading that name its tool, and what the others say that it holds."""
+
 _OF_ONE_TOOL = POSE | {STATUS, OCCLUDED}
 
 
@@ -165,24 +168,24 @@ def _poses_in(tracks: Iterable[Track]) -> set[frozenset[tuple[int, str | None]]]
 def _read(columns: Sequence[Column], longest: bool, is_known: bool) -> list[Track]:
     """The tools, by headings read as long or as short as they can be; none where poses are not whole, or part of one is left."""
     parts = [parts_of(c.words) if c.words else (((("", ""), c.role),) if c.role else ()) for c in columns]
-    readings = [[((c.tool, *name), role) for name, role in each if not all(name)] for c, each in zip(columns, parts)]
-    roles: dict[tuple[str, ...], set[str]] = {}
+    readings: list[list[_Reading]] = [[((c.tool, *name), role) for name, role in each if not all(name)] for c, each in zip(columns, parts)]
+    roles: dict[tuple[str, str, str], set[str]] = {}
     for each in readings:
         for name, role in each:
             roles.setdefault(name, set()).add(role)
     whole = {name: named for name, had in roles.items() if is_whole({(named := numbered(had)).get(role, role) for role in had})}
-    tools: dict[tuple[str, ...], dict[int, Column]] = {}
+    tools: dict[tuple[str, str, str], dict[int, Column]] = {}
     beside: dict[int, Column] = {}
     left = 0
     for place, (column, part, each) in enumerate(zip(columns, parts, readings)):
         of_tools = [reading for reading in each if reading[0] in whole]
-        name, role = of_tools[0 if longest else -1] if of_tools else each[0] if each else (("",), "")
+        name, role = of_tools[0 if longest else -1] if of_tools else each[0] if each else (("", "", ""), "")
         role = whole.get(name, {}).get(role, role)
         if of_tools and (any(name) or role in _OF_ONE_TOOL):
             tools.setdefault(name, {})[place] = replace(column, role=role)
         elif not of_tools and any(is_of_pose(other) for _, other in part):
             left += "marker" not in " ".join(column.words).lower()  # they have places alone
-        elif each:
+        elif each and not name[2]:  # Tool2 Mean Marker Error names no tool
             beside[place] = replace(column, role=role)
     own = {name: {column.role for column in of_tool.values()} for name, of_tool in tools.items()}
     if not all(is_whole({role for role in each if role}) for each in own.values()) or (left > 2 and not is_known):
@@ -195,7 +198,7 @@ def _read(columns: Sequence[Column], longest: bool, is_known: bool) -> list[Trac
 
 
 def _told_by_place(columns: Sequence[Column], sheet: Sheet) -> list[Column]:
-    """The same, with the tool of each where the headings of a pose stand again and again: its name before the first of them, or a number."""
+    """The same, with their tools where headings of a pose stand again and again: the name before the first of them, or a number."""
     counts = Counter(column.heading for column in columns if column.heading)
     turns = [column.heading for column in columns if is_of_pose(column.role or "") and column.role not in TRANSLATION]
     times = max((counts[heading] for heading in turns), default=1)
@@ -203,7 +206,8 @@ def _told_by_place(columns: Sequence[Column], sheet: Sheet) -> list[Column]:
         return list(columns)
     first = next(heading for heading, count in counts.items() if count == times)
     starts = [place for place, column in enumerate(columns) if column.heading == first]
-    before = [dict((role, name[0]) for name, role in parts_of(columns[start - 1].words) if not name[1]).get("x", "") for start in starts]
+    ahead = [parts_of(columns[start - 1].words) for start in starts]
+    before = [{role: name[0] for name, role in parts if not name[1]}.get("x", "") for parts in ahead]
     told = list(columns)
     if all(before) and starts[0]:
         starts = [start - 1 for start in starts]
