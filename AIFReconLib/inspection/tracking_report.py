@@ -44,7 +44,7 @@ class PoseJump:
 
 
 @dataclass(frozen=True)
-class Coverage:
+class GridCoverage:
     """Voxels of the grid, how many were measured, and how many were filled from neighbors."""
 
     voxels: int
@@ -71,7 +71,7 @@ class TrackingReport:
     median_step: float | None = None
     largest_step: float | None = None
     """mm. The same as distances, whatever the time between."""
-    coverage: Coverage | None = None  #: Of the grid of a reconstruction
+    coverage: GridCoverage | None = None  #: Of the grid of a reconstruction
 
     def rows(self) -> list[tuple[str, str]]:
         """Names and values for a table."""
@@ -161,7 +161,7 @@ def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Recons
         if len(result.sweeps) > 1:
             used, skipped = result.sweeps[number].inserted, result.sweeps[number].skipped
         mask = result.mask.array
-        coverage = Coverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
+        coverage = GridCoverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
     numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)
     found = TrackingReport(len(sequence), used, skipped, coverage=coverage)
     if len(numbers) > 1:
