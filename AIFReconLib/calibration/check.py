@@ -50,7 +50,7 @@ class Repair:
 
 
 @dataclass(frozen=True)
-class Checked:
+class CalibrationCheck:
     """What a check of the calibration has found."""
 
     agrees: bool | None  #: None where the sweep cannot tell, or does not lie on the CT's bone anyhow
@@ -88,7 +88,7 @@ def checked(
     recipe: Recipe | None = None,
     progress: Progress | None = None,
     known: SweepEchoes | None = None,
-) -> Checked:
+) -> CalibrationCheck:
     """What `check_calibration` tells, and whether the calibration agrees; `known` are echoes of the sweeps that were found already."""
     if labels is not None:
         require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
@@ -98,7 +98,7 @@ def checked(
     bone = None if labels is None else BoneField.from_labels(labels)
     echoes = imaged_echoes(sweeps, recipe, part(progress, 0.0, 0.2), known)
     if len(np.unique(echoes.angles)) < 2:
-        return Checked(None, "cannot be told from this sweep, which shows bone from one angle.")
+        return CalibrationCheck(None, "cannot be told from this sweep, which shows bone from one angle.")
     report(progress, 0.2, "Trying repairs")
     given = crossing(echoes)
     better = sorted(_better(echoes, list(repairs(echoes, sweeps, recipe)), given), key=lambda one: one[0])
@@ -114,7 +114,7 @@ def checked(
         return _near(found)
     if found.before.enough and found.before.closeness <= LEAST_CLOSENESS:
         # It lies on the bone as it is: what else would lie there tells nothing
-        return Checked(None, f"cannot be told from this sweep. {found.said}")
+        return CalibrationCheck(None, f"cannot be told from this sweep. {found.said}")
     for number, (_, repair, mended) in enumerate(better[:TRIED]):
         again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.2 * number, 0.7 + 0.2 * number))
         if again.accepted:
@@ -126,7 +126,7 @@ def checked(
         if again.accepted:
             return _size(echoes, again)
     report(progress, 1.0, "Tried repairs")
-    return Checked(
+    return CalibrationCheck(
         None,
         "neither near the one given nor with anything usual mended does the sweep lie on the CT's bone. "
         f"{found.before.sentence()} Check that both are of one bone.",
@@ -161,27 +161,27 @@ def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator
             yield apart, repair, mended
 
 
-def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> Checked:
+def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> CalibrationCheck:
     """What is said without a CT: the yardstick is how near to each other another calibration lays the echoes."""
     contradicted = contradiction(echoes)
     if contradicted is not None:
-        return Checked(False, "cannot be told of frames that contradict each other.", (contradicted,))
+        return CalibrationCheck(False, "cannot be told of frames that contradict each other.", (contradicted,))
     found = calibrate_crossing_echoes(echoes, progress)
     lie = _off_each_other(echoes)
     if found.halves.after <= GAIN * found.halves.before:
-        return Checked(False, Sentence(f"{lie}, and {found.after:.1f} mm with another calibration.", CALIBRATE))
-    return Checked(
+        return CalibrationCheck(False, Sentence(f"{lie}, and {found.after:.1f} mm with another calibration.", CALIBRATE))
+    return CalibrationCheck(
         None,
         f"{lie}, and another calibration lays them no nearer. Whether that is near enough cannot be told without a CT or a phantom, nor "
         "whether pixels have their true size.",
     )
 
 
-def _size(echoes: ImagedEchoes, found: Calibration) -> Checked:
+def _size(echoes: ImagedEchoes, found: Calibration) -> CalibrationCheck:
     """What is said where pixels of quite another size explain the sweep."""
     times = found.correction.scale * np.array(found.echoes.spacing) / np.array(echoes.spacing)
     words = f"pixels look {1 / times[0]:.0%} as wide and {1 / times[1]:.0%} as high as they are."
-    return Checked(
+    return CalibrationCheck(
         False,
         Sentence(
             words, "Mend recordings with aifrecon convert {scale:{across} {along}}.", across=f"{times[0]:.3f}", along=f"{times[1]:.3f}"
@@ -189,14 +189,14 @@ def _size(echoes: ImagedEchoes, found: Calibration) -> Checked:
     )
 
 
-def _told(repair: Repair, why: str) -> Checked:
-    return Checked(False, Sentence(f"{repair.words} ({why}).", repair.advice, **repair.details))
+def _told(repair: Repair, why: str) -> CalibrationCheck:
+    return CalibrationCheck(False, Sentence(f"{repair.words} ({why}).", repair.advice, **repair.details))
 
 
-def _near(found: Calibration) -> Checked:
+def _near(found: Calibration) -> CalibrationCheck:
     """What is said of a sweep of which a calibration is found near the one that was given."""
     if found.changed <= found.uncertainty:
-        return Checked(True, f"agrees with this sweep within {found.uncertainty:.1f} mm.")
+        return CalibrationCheck(True, f"agrees with this sweep within {found.uncertainty:.1f} mm.")
     values, deviations = in_words(found.values), in_words(found.deviation)
     sure = found.held & (np.abs(values) > SURE * deviations)
     wrong = [f"{name} {value:+.1f} {unit}" for name, value, unit, one in zip(PARAMETERS, values, UNITS, sure, strict=True) if one]
@@ -211,7 +211,7 @@ def _near(found: Calibration) -> Checked:
         more.append(
             Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", ADD_TIME_OFFSET, offset=f"{found.values[-1]:.3f}")
         )
-    return Checked(False, Sentence(off, CALIBRATE), tuple(more))
+    return CalibrationCheck(False, Sentence(off, CALIBRATE), tuple(more))
 
 
 def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:

@@ -64,7 +64,7 @@ class Correction:
 
 
 @dataclass(frozen=True, eq=False)
-class Track:
+class PlaneTrack:
     """Where the image plane was all through one sweep."""
 
     times: Floats  #: (n,), s, rising
@@ -111,7 +111,7 @@ class ImagedEchoes:
     planes: Matrix  #: (frames, 4, 4). Where the old calibration places each image plane, mm to Reference.
     sweeps: Integers  #: (frames,). Which of `tracks` it belongs to.
     angles: Integers  #: (frames,). Frames of one number were taken from about one angle.
-    tracks: tuple[Track, ...]  #: One for each sweep
+    tracks: tuple[PlaneTrack, ...]  #: One for each sweep
     spacing: tuple[float, float]  #: mm. Of a pixel, by the old calibration.
     frame_size: tuple[int, int]  #: columns, rows
 
@@ -249,7 +249,7 @@ def replaced(echoes: ImagedEchoes, sequences: TrackedSequence | Iterable[Tracked
 
 def _planes(
     sweeps: Sequence[TrackedSequence], poses: Sequence[SweepPoses], spacing: tuple[float, float]
-) -> tuple[Matrix, tuple[Track, ...]]:
+) -> tuple[Matrix, tuple[PlaneTrack, ...]]:
     """Where the image plane of every frame lies, (frames of all, 4, 4), mm to mm, NaN where nothing places it; and that of each in time."""
     tracks, planes = [], []
     for sweep, pose in zip(sweeps, poses, strict=True):
@@ -257,7 +257,7 @@ def _planes(
         matrices[:, :3, 2] = np.cross(matrices[:, :3, 0], matrices[:, :3, 1])
         usable = pose.usable
         usable = usable[np.argsort(sweep.timestamps[usable], kind="stable")]
-        tracks.append(Track(sweep.timestamps[usable], matrices[usable]))
+        tracks.append(PlaneTrack(sweep.timestamps[usable], matrices[usable]))
         planes.append(matrices)
     return np.concatenate(planes), tuple(tracks)
 

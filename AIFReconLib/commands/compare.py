@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import GeometryError, SettingsError
-from ..evaluation.figures import Comparison, require_matplotlib
+from ..evaluation.figures import ComparisonFigure, require_matplotlib
 from ..evaluation.preview import middle_of_bone
 from ..io.disk.atomic import check_writable
 from ..io.volume.dicom_series import read_ct
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
         _require_within(first.grid.corners(), center, arguments.volumes[0])
         progress(0.6, "Drawing")
         window = tuple(arguments.window) if arguments.window else None
-        Comparison(volumes, center, ct, labels, mask, arguments.title, window, arguments.white).write(arguments.output)
+        ComparisonFigure(volumes, center, ct, labels, mask, arguments.title, window, arguments.white).write(arguments.output)
     print("\n  ".join([f"wrote {arguments.output}", *map(in_options, () if given is None else given.notes)]))
 
 

@@ -17,7 +17,7 @@ from ..compounding.compiled.aside import compiled_aside
 from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
 from ..compounding.methods.weighted import WEIGHTED
 from ..compounding.state import Reconstruction
-from ..evaluation.figures import Comparison, require_matplotlib
+from ..evaluation.figures import ComparisonFigure, require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import IN_WORDS, BoneMetrics, achieved, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
@@ -127,7 +127,7 @@ def run(arguments: argparse.Namespace) -> None:
         shown = {method: one.intensity for method, one in results.items()}
         seen = bone_from_sweep(sequence)
         shown[WITHOUT_CT] = reconstruct(sequence, settings[WEIGHTED.name], seen, progress=part(progress, 0.95, 0.97)).intensity
-        Comparison(shown, files.center_ras, ct, labels, result.mask, title).write(figure)
+        ComparisonFigure(shown, files.center_ras, ct, labels, result.mask, title).write(figure)
         bar.clear()
         print(f"look at {figure}; the other methods and the report follow", flush=True)
         others = [method for method in METHODS if method not in results]

@@ -9,7 +9,7 @@ from datetime import date
 from pathlib import Path
 
 from ..errors import GeometryError, SettingsError
-from ..evaluation.figures import Comparison, require_matplotlib, within_spinous_process
+from ..evaluation.figures import ComparisonFigure, require_matplotlib, within_spinous_process
 from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import BoneMetrics, achieved, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
@@ -119,7 +119,7 @@ def run(arguments: argparse.Namespace) -> None:
             progress(0.9, "Drawing")
             ct = read_ct(arguments.ct).placed_by(to_reference)
             center = within_spinous_process(truth.surface, next(iter(shown.values())).grid)
-            figure = Comparison(shown, center, ct, labels, mask).png()
+            figure = ComparisonFigure(shown, center, ct, labels, mask).png()
     frames = len(beams.image_to_reference) if beams else None
     # Before anything is printed, which can fail: whoever reads it may go away
     if arguments.csv:

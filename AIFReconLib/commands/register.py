@@ -17,6 +17,7 @@ from ..io.disk.atomic import write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
+from ..message import said
 from ..progress import part
 from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import Registration, as_report, register

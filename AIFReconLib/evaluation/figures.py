@@ -97,7 +97,7 @@ def png_of(figure: Figure) -> bytes:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ComparisonFigure:
     """Sagittal, axial and coronal cuts of reconstructions side by side, beside the CT where there is one.
 
     Parameters
@@ -160,7 +160,7 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
     return place
 
 
-def _draw(shown: Comparison) -> Figure:
+def _draw(shown: ComparisonFigure) -> Figure:
     ways = planes(shown.ct is not None or shown.bone is not None)
     mask, window = shown.mask, shown.window or (0.0, _brightest(shown.volumes.values()))
     background, ink = (PAPER, INK_ON_PAPER) if shown.white else (BACKGROUND, INK)

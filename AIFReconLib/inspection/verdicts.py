@@ -12,7 +12,7 @@ from ..message import Sentence, listed, said
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
-    from ..calibration.check import Checked
+    from ..calibration.check import CalibrationCheck
     from .tracking_report import TrackingReport
 
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
@@ -139,7 +139,7 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, again)
 
 
-def calibration_verdict(checked: Checked) -> Verdict:
+def calibration_verdict(checked: CalibrationCheck) -> Verdict:
     """Whether the calibration agrees with the bone of a CT that lies on the sweep."""
     level = Level.UNKNOWN if checked.agrees is None else Level.GOOD if checked.agrees else Level.LOOK
     return Verdict(level, checked.finding, Sentence(" ".join(checked.more), said(checked.finding)))

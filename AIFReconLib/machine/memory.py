@@ -73,7 +73,7 @@ def require_memory(
             needed=_gigabytes(needed),
             usable=f"at most {fitting}" if available is None else fitting,
         ),
-        "No spacing would fit: free some memory, or choose a smaller box." if fits is None else "A {spacing} of {fits:g} mm would fit.",
+        "No spacing would fit: free some memory, or choose a smaller box." if fits is None else "A spacing of {fits:g} mm would fit.",
         fits=fits,
     )
 

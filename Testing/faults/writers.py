@@ -12,7 +12,7 @@ import numpy as np
 from files import tracked_sequence
 from live_messages import tracked as tracked_messages
 
-from AIFReconLib.evaluation.figures import Comparison
+from AIFReconLib.evaluation.figures import ComparisonFigure
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.inspection.sweep_drawing import draw_sweep
 from AIFReconLib.io.disk.atomic import write_text
@@ -119,7 +119,7 @@ def _recording_writer(file: str) -> Writer:
 
 def _write_figure(folder: Path, version: int) -> None:
     ct, shown = volume(version, 24), {"average": volume(version + 2, 24)}
-    Comparison(shown, np.array([5.0, 5.0, 5.0]), ct).write(folder / "f.png")
+    ComparisonFigure(shown, np.array([5.0, 5.0, 5.0]), ct).write(folder / "f.png")
 
 
 def _write_transform(file: str) -> Callable[[Path, int], None]:

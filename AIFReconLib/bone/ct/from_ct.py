@@ -13,7 +13,7 @@ from ...geometry.labels import Labels
 from ...geometry.volume import Volume, as_volume
 from ...machine.memory import LARGEST_GRID, require_memory
 from ...progress import Progress, report
-from .hounsfield import AIR, SoftTissue, soft_tissue
+from .hounsfield import AIR, SoftTissuePeak, soft_tissue
 from .vertebrae import in_vertebrae
 
 FINEST = 0.6
@@ -169,7 +169,7 @@ def _in_blocks(volume: Volume, factors: Integers) -> Volume:
 class _Coarse:
     """The CT in blocks of some 2 mm, where shapes are told: body, table, contrast."""
 
-    def __init__(self, work: Volume, threshold: float, tissue: SoftTissue):
+    def __init__(self, work: Volume, threshold: float, tissue: SoftTissuePeak):
         self._factors = np.maximum(np.round(COARSE / work.spacing), 1).astype(int)
         blocks = _in_blocks(work, self._factors)
         self._values: Singles = blocks.array.astype(np.float32)
@@ -239,7 +239,7 @@ def _pieces(candidate: Mask, cubic: float) -> Mask | None:
     return kept
 
 
-def _trim(bone: Mask, values: Singles, tissue: SoftTissue, spacing: Floats) -> None:
+def _trim(bone: Mask, values: Singles, tissue: SoftTissuePeak, spacing: Floats) -> None:
     """Take off the voxels at the surface that are less than halfway from soft tissue to the densest bone beside them."""
     reach = 2 * np.maximum(np.round(BRIGHTEST_WITHIN / spacing[::-1]), 1).astype(int) + 1
     densest = np.minimum(scipy.ndimage.maximum_filter(np.where(bone, values, np.float32(tissue.level)), tuple(reach)), BRIGHTEST)

@@ -34,7 +34,7 @@ _STEP = 4.0
 
 
 @dataclass(frozen=True)
-class SoftTissue:
+class SoftTissuePeak:
     """The peak of soft tissue in the histogram of a CT."""
 
     level: float  #: HU
@@ -46,7 +46,7 @@ class SoftTissue:
         return round(min(self.level + max(ABOVE_SOFT, SIGMAS * self.spread), HIGHEST))
 
 
-def soft_tissue(values: Numbers) -> SoftTissue:
+def soft_tissue(values: Numbers) -> SoftTissuePeak:
     """The peak of soft tissue among the values of a CT [k, j, i].
 
     Raises GeometryError when they are no Hounsfield units: nothing is below fat, or most of what is no air is no soft tissue.
@@ -69,10 +69,10 @@ def soft_tissue(values: Numbers) -> SoftTissue:
     return _peak(middles, counts.astype(np.float64))
 
 
-def _peak(middles: Floats, counts: Floats) -> SoftTissue:
+def _peak(middles: Floats, counts: Floats) -> SoftTissuePeak:
     smooth = np.convolve(counts, np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9, "same")
     within = (middles > SOFT[0]) & (middles < SOFT[1])
     top = int(np.flatnonzero(within)[smooth[within].argmax()])
     below = np.flatnonzero(smooth[top:] < smooth[top] / 2)
     half = (int(below[0]) if len(below) else 1) * _STEP
-    return SoftTissue(float(middles[top]), half / 1.177)
+    return SoftTissuePeak(float(middles[top]), half / 1.177)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Integers, Singles
 from . import rules
-from .method import BuiltInMethod, Kept, Kinds, Pixels
+from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 LONG_RUN = 64
 """Pixels in the order of their voxels, on average, from which on the sort that merges such runs is the faster one."""
@@ -59,11 +59,11 @@ class VoxelGroups:
             yield active, self.order[self.starts[:active] + turn]
 
 
-def _kept(whole: bool, shares: bool) -> Kinds:
-    return Kinds(np.float32, np.float32)
+def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
+    return AccumulatorTypes(np.float32, np.float32)
 
 
-def _insert(kept: Kept, pixels: Pixels, compensated: bool) -> None:
+def _insert(kept: Accumulator, pixels: Pixels, compensated: bool) -> None:
     """The paper's rule, which depends on the order of pixels: those of a frame are sorted by voxel, in row-major order within each.
 
     Then one pixel of every voxel is taken at a time: as many vector operations as the fullest voxel has pixels, instead of as many scalar

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Integers, Reals, Singles
-from .method import BuiltInMethod, Kept, Kinds, Pixels
+from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 
-def _kept(whole: bool, shares: bool) -> Kinds:
+def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
     if shares:
-        return Kinds(np.float64, np.float64)
+        return AccumulatorTypes(np.float64, np.float64)
     # Whole numbers are packed with their hits
-    return Kinds(np.uint32 if whole else np.float64)
+    return AccumulatorTypes(np.uint32 if whole else np.float64)
 
 
-def _insert(kept: Kept, pixels: Pixels) -> None:
+def _insert(kept: Accumulator, pixels: Pixels) -> None:
     np.add.at(kept.value, pixels.voxels, pixels.values.astype(np.float64))
 
 
-def _spread(kept: Kept, voxels: Integers, values: Singles, shares: Reals) -> None:
+def _spread(kept: Accumulator, voxels: Integers, values: Singles, shares: Reals) -> None:
     shares = shares.astype(np.float64, copy=False)
     np.add.at(kept.value, voxels, shares * values)
     np.add.at(kept.weights, voxels, shares)

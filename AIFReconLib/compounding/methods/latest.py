@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Integers, Reals, Singles
-from .method import BuiltInMethod, Kept, Kinds, Pixels
+from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 
-def _kept(whole: bool, shares: bool) -> Kinds:
-    return Kinds(np.uint8 if whole and not shares else np.float32)
+def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
+    return AccumulatorTypes(np.uint8 if whole and not shares else np.float32)
 
 
-def _insert(kept: Kept, pixels: Pixels) -> None:
+def _insert(kept: Accumulator, pixels: Pixels) -> None:
     # Of several in one voxel numpy leaves the last
     kept.value[pixels.voxels] = pixels.values
 
 
-def _spread(kept: Kept, voxels: Integers, values: Singles, _: Reals) -> None:
+def _spread(kept: Accumulator, voxels: Integers, values: Singles, _: Reals) -> None:
     kept.value[voxels] = values
 
 

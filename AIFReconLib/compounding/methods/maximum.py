@@ -7,18 +7,18 @@ import math
 import numpy as np
 
 from ...arrays import Integers, Reals, Singles
-from .method import BuiltInMethod, Kept, Kinds, Pixels
+from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 
-def _kept(whole: bool, shares: bool) -> Kinds:
-    return Kinds(np.uint8) if whole and not shares else Kinds(np.float32, start=-math.inf)
+def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
+    return AccumulatorTypes(np.uint8) if whole and not shares else AccumulatorTypes(np.float32, start=-math.inf)
 
 
-def _insert(kept: Kept, pixels: Pixels) -> None:
+def _insert(kept: Accumulator, pixels: Pixels) -> None:
     np.maximum.at(kept.value, pixels.voxels, pixels.values.astype(kept.value.dtype, copy=False))
 
 
-def _spread(kept: Kept, voxels: Integers, values: Singles, _: Reals) -> None:
+def _spread(kept: Accumulator, voxels: Integers, values: Singles, _: Reals) -> None:
     np.maximum.at(kept.value, voxels, values)
 
 

@@ -73,7 +73,7 @@ class Pixels:
     onset: Singles
 
 
-class Kept(Protocol):
+class Accumulator(Protocol):
     """What is kept of every voxel, as rules see it: `VoxelState` has more."""
 
     value: Numbers
@@ -83,7 +83,7 @@ class Kept(Protocol):
         """(voxels,), of methods that keep some."""
 
 
-class Kinds(NamedTuple):
+class AccumulatorTypes(NamedTuple):
     """Types of what is kept of a voxel, and the value before the first pixel; `weight` is None where none is kept."""
 
     value: type[np.generic]
@@ -92,7 +92,7 @@ class Kinds(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Method:
+class CompoundingMethod:
     """What the library asks of a method, whoever wrote it.
 
     Parameters
@@ -100,7 +100,7 @@ class Method:
     words : str
         What it does, for people, in a few words that follow its name.
     kept : callable
-        `Kinds` by whether pixels are whole numbers of 8 bits, and whether they spread over voxels or count unequally.
+        `AccumulatorTypes` by whether pixels are whole numbers of 8 bits, and whether they spread over voxels or count unequally.
     spread : callable, or None
         The rule for pixels that spread over several voxels, or count unequally: brings values (n,) with their shares (n,) into voxels
         (n,). None where the method cannot; of the others linear interpolation can be asked, and they are Plus's too.
@@ -132,8 +132,8 @@ class Method:
 
     name: str
     words: str
-    kept: Callable[[bool, bool], Kinds]
-    spread: Callable[[Kept, Integers, Singles, Reals], None] | None = None
+    kept: Callable[[bool, bool], AccumulatorTypes]
+    spread: Callable[[Accumulator, Integers, Singles, Reals], None] | None = None
     least_share: float = 0.0
     weighs_pixels: bool = False
     reads_bone: Reading = "nowhere"
@@ -155,7 +155,7 @@ class Method:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class BuiltInMethod(Method):
+class BuiltInMethod(CompoundingMethod):
     """A method of the library.
 
     Parameters
@@ -165,4 +165,4 @@ class BuiltInMethod(Method):
         mean of whole numbers, which is packed with its hits.
     """
 
-    insert: Callable[[Kept, Pixels], None]
+    insert: Callable[[Accumulator, Pixels], None]

@@ -15,7 +15,7 @@ from .aif import AIF, AIF_COMPENSATED
 from .average import AVERAGE
 from .latest import LATEST
 from .maximum import MAXIMUM
-from .method import BuiltInMethod, Method
+from .method import BuiltInMethod, CompoundingMethod
 from .weighted import WEIGHTED
 
 BUILT_IN = (AVERAGE, LATEST, MAXIMUM, AIF, AIF_COMPENSATED, WEIGHTED)
@@ -32,7 +32,7 @@ IN_WORDS = "; ".join(f"{method.name}: {method.words}" for method in BUILT_IN)
 DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE = WEIGHTED.name, AVERAGE.name
 COMPARED_METHODS = tuple(method.name for method in BUILT_IN if method.compared)
 
-_TABLE: dict[str, Method] = {method.name: method for method in BUILT_IN}
+_TABLE: dict[str, CompoundingMethod] = {method.name: method for method in BUILT_IN}
 
 
 def built_in(name: str) -> BuiltInMethod:
@@ -53,12 +53,12 @@ def registered_methods() -> tuple[str, ...]:
     return tuple(_TABLE)[len(BUILT_IN) :]
 
 
-def enter(method: Method) -> None:
+def enter(method: CompoundingMethod) -> None:
     """Put a method of the user's own into the table; it takes the place of an earlier one of its name."""
     _TABLE[method.name] = method
 
 
-def method_named(name: str) -> Method:
+def method_named(name: str) -> CompoundingMethod:
     """The method of that name, built in or registered; a MethodError when there is none."""
     if name in _TABLE:
         return _TABLE[name]

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from . import rules
-from .method import BuiltInMethod, Kept, Kinds, Pixels
+from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 
-def _kept(whole: bool, shares: bool) -> Kinds:
-    return Kinds(np.float32, np.float32)
+def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
+    return AccumulatorTypes(np.float32, np.float32)
 
 
-def _insert(kept: Kept, pixels: Pixels) -> None:
+def _insert(kept: Accumulator, pixels: Pixels) -> None:
     """Where no shadow begins, as nearly everywhere, the gate is closed: the bone map is not looked at."""
     if pixels.bone_at is None:
         raise ValueError("Input bone must be given for method weighted; got None.")

@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from ...arrays import Reals, Singles
 from ...errors import MethodError
 from ...message import listed
-from ..methods.method import Kinds
-from ..methods.method import Method as AnyMethod
+from ..methods.method import AccumulatorTypes, CompoundingMethod
 from ..methods.table import enter, is_own_method, method_named, registered_methods
 
 Answer = tuple[ArrayLike, ArrayLike]
@@ -31,7 +30,7 @@ ARRAYS = ("intensity", *OF_BONE, *OF_SHADOWS)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Method(AnyMethod):
+class Method(CompoundingMethod):
     """A method of one's own, as `register_method` makes it. It can still be called like the function.
 
     Its `name`, ``module:function``, is what settings, command line and the header of a volume call it.
@@ -48,7 +47,7 @@ class Method(AnyMethod):
     def __call__(self, *arguments: object, **named: object) -> Answer:
         return self.function(*arguments, **named)
 
-    def __reduce__(self) -> tuple[Callable[[str], AnyMethod], tuple[str]]:
+    def __reduce__(self) -> tuple[Callable[[str], CompoundingMethod], tuple[str]]:
         # By its name, as functions are; the function's own name leads to this
         return load_method, (self.name,)
 
@@ -115,8 +114,8 @@ class Method(AnyMethod):
             )
 
 
-def _kept(whole: bool, shares: bool) -> Kinds:
-    return Kinds(np.float64, np.float64)
+def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
+    return AccumulatorTypes(np.float64, np.float64)
 
 
 def register_method(function: Callable[..., Answer]) -> Method:
@@ -197,7 +196,7 @@ def register_method(function: Callable[..., Answer]) -> Method:
     return method
 
 
-def load_method(name: str) -> AnyMethod:
+def load_method(name: str) -> CompoundingMethod:
     """The method ``module:function``, its module imported if need be. For names that the user gave, never for those of a file.
 
     Raises MethodError when there is no such module, it cannot be imported, or it registers no such method.

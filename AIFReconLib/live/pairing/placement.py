@@ -28,7 +28,7 @@ UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedImage:
     """The pose of an image (None without), its status, and all of its transforms."""
 
     image_to_reference: Matrix | None
@@ -60,7 +60,7 @@ class _Tools:
         return () if self.ways is not None and self.ways.without(broken) is not None else broken
 
 
-class Placement:
+class ImagePlacement:
     """Places images.
 
     Parameters
@@ -126,7 +126,7 @@ class Placement:
         sent: Mapping[TransformName, TransformSample],
         metadata: Mapping[TransformName, TransformSample],
         problems: Mapping[TransformName, str],
-    ) -> Placed:
+    ) -> PlacedImage:
         """The image's pose and status.
 
         Parameters
@@ -152,7 +152,7 @@ class Placement:
         transforms.pop(of_image.inverse, None)
         transforms[of_image] = TransformSample(message.image_to_sender, status)
         if doubt is not None:
-            return Placed(None, doubt, transforms)
+            return PlacedImage(None, doubt, transforms)
         # The server has followed the other ways
         return self._follow(message, transforms, problems, str(self.wanted) if frame == self.wanted.target else self._named)
 
@@ -241,28 +241,28 @@ class Placement:
         transforms: dict[TransformName, TransformSample],
         problems: Mapping[TransformName, str],
         named: str | None,
-    ) -> Placed:
+    ) -> PlacedImage:
         """Follow the ways exactly as for a frame of a recording, so that live and offline agree to the bit."""
         source, target = self.wanted.source, self.wanted.target
         ways = self._look_up(source, target, frozenset(transforms), named)
         if isinstance(ways, TransformError):
             self._tell(said(ways), transforms)
-            return Placed(None, f"no transform leads from {source} to {target}", transforms)
+            return PlacedImage(None, f"no transform leads from {source} to {target}", transforms)
         if not transforms.keys() & set(ways.names):
             self._tell(f"By the configuration alone {source} is fixed to {target}, so all images would lie in one plane.", transforms)
-            return Placed(None, f"{source} is fixed to {target}", transforms)
+            return PlacedImage(None, f"{source} is fixed to {target}", transforms)
         pose = frame_pose(ways, transforms, self._static(transforms), source)
         try:
             if pose.loops:
                 require_agreement("", message.image.shape[::-1], pose.ways, {0: pose.loops})
         except TransformError as error:
             self.problem = said(error)
-            return Placed(None, f"two ways lead from {source} to {target}, and disagree", transforms)
+            return PlacedImage(None, f"two ways lead from {source} to {target}, and disagree", transforms)
         self.problem = None
         if pose.problem is None:
-            return Placed(pose.matrix, "OK", transforms)
+            return PlacedImage(pose.matrix, "OK", transforms)
         culprit = next((name for name in problems if pose.problem.startswith(f"{name} ")), None)
-        return Placed(None, f"{culprit} {problems[culprit]}" if culprit else pose.problem, transforms)
+        return PlacedImage(None, f"{culprit} {problems[culprit]}" if culprit else pose.problem, transforms)
 
     def _tell(self, what: str, transforms: Mapping[TransformName, TransformSample]) -> None:
         """Say what is wrong, and what is missing."""

@@ -17,7 +17,7 @@ from ...message import listed
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedFrame
 from ..wire.messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
-from .placement import Placement, metadata_transforms, stream_name
+from .placement import ImagePlacement, metadata_transforms, stream_name
 from .pose_history import Answer, PoseHistory
 
 MOST_WAITING = 128
@@ -121,7 +121,7 @@ class Synchronizer:
         # Who spells out a chain wants that one
         by_image = given.time_offset == 0.0 and "," not in (given.image_to_reference or "")
         configuration = configuration or NO_CONFIGURATION
-        self._placement = Placement(configuration, given.image_to_reference, given.reference, by_image, given.trust_image_pose)
+        self._placement = ImagePlacement(configuration, given.image_to_reference, given.reference, by_image, given.trust_image_pose)
         self._histories: dict[TransformName, PoseHistory] = {}
         self._expected: frozenset[TransformName] = frozenset()
         self._waiting: deque[_Waiting] = deque()

@@ -15,7 +15,7 @@ from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
 from AIFReconLib.calibration.check import Repair, mirrored, quarter_turns
 from AIFReconLib.calibration.crossing import crossing
-from AIFReconLib.calibration.echoes import Correction, Track
+from AIFReconLib.calibration.echoes import Correction, PlaneTrack
 from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector
 from AIFReconLib.geometry.transforms import with_unit_depth
 from AIFReconLib.geometry.volume import Volume
@@ -99,7 +99,7 @@ def test_a_robot_that_tilts_about_one_axis_does_not_give_the_image_a_false_turn_
     turned[:3, :3] = Rotation.from_euler("z", 10, degrees=True).as_matrix()
     turned[:3, 3] = echoes.center - turned[:3, :3] @ echoes.center
     planes = echoes.planes @ turned
-    found = calibrate_echoes(replace(echoes, planes=planes, tracks=(Track(echoes.times, planes),)), bone, np.eye(4))
+    found = calibrate_echoes(replace(echoes, planes=planes, tracks=(PlaneTrack(echoes.times, planes),)), bone, np.eye(4))
     left = [name for name, value in zip(PARAMETERS, found.values, strict=True) if value == 0.0]
     assert "turn in the image" in left
     assert left == found.names(~found.held)
@@ -160,7 +160,7 @@ def test_between_frames_and_beyond_the_end_of_a_pass_planes_go_on_as_they_moved(
 def test_a_frame_alone_in_its_pass_stays_where_it_is():
     planes = np.array([np.eye(4), np.eye(4), np.eye(4)])
     planes[:, 0, 3] = (0.0, 10.0, 11.0)
-    track = Track(np.array([0.0, 5.0, 5.05]), planes)
+    track = PlaneTrack(np.array([0.0, 5.0, 5.05]), planes)
     assert track.at(np.array([0.05]))[0] == pytest.approx(planes[0])
 
 

@@ -13,7 +13,7 @@ import pytest
 from AIFReconLib.batch.case import TRANSFORM, CaseTask, carry_out
 from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
-from AIFReconLib.calibration.check import Checked
+from AIFReconLib.calibration.check import CalibrationCheck
 from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.errors import AIFReconError, DisagreementWarning
@@ -93,8 +93,11 @@ def test_the_report_says_of_the_calibration_what_info_says_with_the_transform_th
 @pytest.mark.parametrize(
     ("found", "said"),
     [
-        (Checked(False, Sentence("image points lie 2.0 mm off.", CALIBRATE), ("More.",)), ["image points lie 2.0 mm off.", "More."]),
-        (Checked(None, "cannot be told from this sweep."), []),
+        (
+            CalibrationCheck(False, Sentence("image points lie 2.0 mm off.", CALIBRATE), ("More.",)),
+            ["image points lie 2.0 mm off.", "More."],
+        ),
+        (CalibrationCheck(None, "cannot be told from this sweep."), []),
         (AIFReconError("Too few echoes."), []),
     ],
 )

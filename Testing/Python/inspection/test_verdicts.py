@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from AIFReconLib.calibration.check import Checked
+from AIFReconLib.calibration.check import CalibrationCheck
 from AIFReconLib.inspection.tracking_report import PoseJump, TrackingReport
 from AIFReconLib.inspection.verdicts import Level, Verdict, calibration_verdict, coverage_verdict, registration_verdict, tracking_verdict
 from AIFReconLib.message import Sentence, advised
@@ -107,11 +107,11 @@ def test_bone_that_faces_the_back_is_told_by_label():
 
 @pytest.mark.parametrize(("agrees", "level"), [(True, Level.GOOD), (False, Level.LOOK), (None, Level.UNKNOWN)])
 def test_a_calibration_is_as_good_as_the_check_says(agrees, level):
-    verdict = calibration_verdict(Checked(agrees, "as it is."))
+    verdict = calibration_verdict(CalibrationCheck(agrees, "as it is."))
     assert (verdict.level, verdict.finding, advised(verdict.advice)) == (level, "as it is.", "")
 
 
 def test_a_calibration_that_is_off_is_told_with_all_that_was_found_and_what_to_do():
-    verdict = calibration_verdict(Checked(False, Sentence("points lie off.", CALIBRATE), ("Images are late.",)))
+    verdict = calibration_verdict(CalibrationCheck(False, Sentence("points lie off.", CALIBRATE), ("Images are late.",)))
     assert verdict.finding == "points lie off."
     assert advised(verdict.advice) == f"Images are late. {CALIBRATE}"

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -192,7 +192,7 @@ def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
     is_one = isinstance(layout, dict) and isinstance(layout.get("columns", ""), str | list)
     if not is_one or not isinstance(layout.get("headings", {}), dict):
         raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.")
-    return layout
+    return cast("dict[str, Any]", layout)
 
 
 def _columns(sheet: Sheet, form: PoseFormat, own: dict[str, str]) -> list[Column]:
