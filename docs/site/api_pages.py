@@ -23,7 +23,7 @@ ROOMS = (
         "inspection",
         "evaluation",
     ),
-    *("provenance", "simulation", "live", "batch", "machine", "commands", "worker", "terminal"),
+    *("provenance", "simulation", "live", "batch", "machine", "commands", "worker", "terminal", "workflows"),
 )
 """In the order in which somebody who writes Python meets them; a test of the site compares with what is there."""
 

@@ -17,11 +17,16 @@ class PayloadStream:
     """The pixels of a metafile, decoded forward. It keeps its place, not a file handle: `file` is always that of `open_payload`."""
 
     def __init__(self, metafile: Metafile):
+        self._metafile = metafile
         self._next = metafile.data_offset
         self._stop = metafile.data_offset + metafile.data_length
         self._pending = b""
         self._decoder = None if metafile.encoding == RAW else zlib.decompressobj(ZLIB_OR_GZIP)
         self.position = 0
+
+    def __reduce__(self) -> tuple[type[PayloadStream], tuple[Metafile]]:
+        # A decoder cannot go to another process: a copy begins at the first pixel
+        return PayloadStream, (self._metafile,)
 
     def read(self, file: BinaryIO, count: int) -> bytes:
         """The next `count` decoded bytes.

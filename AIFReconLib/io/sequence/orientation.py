@@ -74,7 +74,7 @@ def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool,
     if code in _UNKNOWN_CODES:
         raise metafile.failure(
             f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it.",
-            ("Look which side of the images is marked and say it with {orientation}: a wrong code mirrors the anatomy."),
+            ("Look which side of the images is marked and say it with {orientation:CODE}: a wrong code mirrors the anatomy."),
         )
     if not re.fullmatch("[MU][FN][AD]?", code):
         raise metafile.failure(

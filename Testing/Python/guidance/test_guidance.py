@@ -43,7 +43,7 @@ def here():
 def test_a_patient_who_lies_elsewhere_is_told_the_same(here):
     there = told(ELSEWHERE)
     assert (there.levels == here.levels).mean() > 0.99
-    np.testing.assert_allclose(there.colored.mesh.points_reference, here.colored.mesh.points_reference, atol=1e-6)
+    np.testing.assert_allclose(there.colored.mesh.points_reference, here.colored.mesh.points_reference, atol=1e-4)
     assert [step.words for step in there.advice.directions] == [step.words for step in here.advice.directions]
     np.testing.assert_allclose(there.advice.move.image_to_reference, ELSEWHERE @ here.advice.move.image_to_reference, atol=1e-6)
 

@@ -141,7 +141,7 @@ def test_a_transform_spelled_in_two_ways_is_refused_with_both_keys(tmp_path):
 @pytest.mark.parametrize("code", ["??", "XX"])
 def test_an_unknown_orientation_is_refused_with_the_way_out(tmp_path, code):
     path = Variant(changes={"UltrasoundImageOrientation": code}).write_mha(tmp_path / "sweep.mha")
-    with pytest.raises(SequenceFormatError, match=r"did not know it.*say it as orientation"):
+    with pytest.raises(SequenceFormatError, match=r"did not know it.*say it with orientation"):
         read_sequence(path)
 
 
