@@ -22,7 +22,7 @@ from .imaging.images import ImageStack
 from .imaging.recognized import learned_gray_levels, recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
-from .message import said
+from .message import Sentence, said
 from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
 from .remedies import NAME_THE_PROBE
 from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
@@ -225,7 +225,7 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
         except BeamGeometryError as error:
             raise BeamGeometryError(f"{sequence.name}: {' '.join((*notes, said(error)))}", error) from None
     elif region is None:
-        known = _without_black_surround(sequence, known, configuration.scan_region, pixel)
+        known = _with_black_surround_told(sequence, known, pixel)
     return replace(known, notes=(*notes, *known.notes)).judging(sequence.images, asked)
 
 
@@ -330,25 +330,28 @@ def scanned_alike(configuration: PlusConfiguration, pixel: tuple[float, float]) 
     return replace(configuration, probe=None, scan_region=None), (note,)
 
 
-def _without_black_surround(sequence: TrackedSequence, known: Imaging, scanned: ImageRegion | None, pixel: tuple[float, float]) -> Imaging:
-    """Where a configuration's clip rectangle is the whole image: the part that ultrasound fills, with a note of that.
-
-    That is recognized in the images, else what the scan conversion fills.
-    """
+def _with_black_surround_told(sequence: TrackedSequence, known: Imaging, pixel: tuple[float, float]) -> Imaging:
+    """The same, with a note where a configuration's clip rectangle is the whole image although ultrasound fills only a part of it."""
     columns, rows = sequence.frame_size
     if known.region.fan is not None or not known.region.mask(columns, rows).all():
         return known
     try:
-        filled = recognized(sequence.images, pixel).region
+        lit = recognized(sequence.images, pixel).region.mask(columns, rows)
     except BeamGeometryError:
-        filled = scanned or known.region
-    if filled.mask(columns, rows).mean() > MOST_OF_AN_IMAGE:
         return known
-    note = (
-        f"The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of it: "
-        "that part is used."
+    if lit.mean() > MOST_OF_AN_IMAGE:
+        return known
+    (left, right), (top, bottom) = (np.flatnonzero(lit.any(axis=axis))[[0, -1]] for axis in (0, 1))
+    note = Sentence(
+        f"The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of "
+        "it: the black around it enters the volume too.",
+        "Recognized: {clip_px:{x} {y} {width} {height}}.",
+        x=int(left),
+        y=int(top),
+        width=int(right - left),
+        height=int(bottom - top),
     )
-    return replace(known, region=filled, notes=(*known.notes, note))
+    return replace(known, notes=(*known.notes, note))
 
 
 def recognized_imaging(

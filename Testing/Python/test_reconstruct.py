@@ -15,9 +15,11 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.message import advised
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.configuration import PlusConfiguration
+from AIFReconLib.terminal.remedies import in_options
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
 FULL = ImageRegion(ClipRectangle((0, 0), (39, 29)))
@@ -37,19 +39,13 @@ def rectangle_images(count=6):
     return images
 
 
-@pytest.mark.parametrize("named", [{}, {"scan_region": ImageRegion(ClipRectangle((5, 3), (29, 23)))}], ids=["by the images", "by both"])
-def test_where_a_clip_rectangle_is_the_whole_image_its_black_surround_is_left_out(named):
-    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL, spacing=(2.0,) * 3, **named)
+def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround():
+    sequence = calibrated(tracked_sequence(images=rectangle_images()), region=FULL, spacing=(2.0,) * 3)
     result = reconstruct(sequence)
     (note,) = (note for note in result.notes if "clip rectangle" in note)
     assert "whole image of 40 x 30 pixels" in note
-    assert result.hits.array.sum() == 6 * 30 * 24
-
-
-def test_a_scan_conversion_tells_what_a_clip_rectangle_of_the_whole_image_and_the_images_do_not():
-    scanned = ImageRegion(ClipRectangle((5, 3), (9, 9)))
-    result = reconstruct(calibrated(region=FULL, spacing=(1.0,) * 3, scan_region=scanned))
-    assert result.hits.array.sum() == 6 * 100
+    assert "clip_px=(5, 3, 29, 23)" in advised(note)
+    assert "--clip-px 5 3 29 23" in in_options(result.said[result.notes.index(note)])
 
 
 def test_a_scan_conversion_of_another_depth_is_not_used_and_said():
