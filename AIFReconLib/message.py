@@ -33,6 +33,10 @@ ARGUMENTS = {
 """Inputs that have another name in Python than on the command line."""
 
 
+COMMANDS = ("calibrate", "convert", "import", "register")
+"""Names in an advice that are no settings: what else of this program helps. A panel has buttons for some."""
+
+
 class Sentence(str):
     """What the library says, and the advice that goes with it, in which every door writes settings in its own way.
 
@@ -44,7 +48,7 @@ class Sentence(str):
         What is wrong, and where. Names from a file may be in it: it is shown on one line, and cut to `LONGEST_SENTENCE` characters.
     advice : str, Sentence or Exception
         What to do, in words that hold for all doors, with names of settings in braces, and values where there are any:
-        ``"Give {probe:linear}, or choose another {method}."``. Of a sentence or an error, its advice.
+        ``"Give {probe:linear}, or choose another {method}."``; `COMMANDS` likewise. Of a sentence or an error, its advice.
     **details
         What else stands in braces there.
     """
@@ -77,6 +81,8 @@ class _Setting:
 def as_argument(name: str, value: str = "") -> str:
     """A setting as Python writes it: ``probe=``, ``apex_px=(column, row)``; a value in capitals stands for another."""
     name = ARGUMENTS.get(name, name)
+    if name in COMMANDS:
+        return name
     if not value:
         return name if "." in name else f"{name}="
     if value.startswith('"'):
@@ -88,7 +94,8 @@ def as_argument(name: str, value: str = "") -> str:
 def as_label(labels: Mapping[str, str], name: str, value: str = "") -> str:
     """A setting as a panel shows it, by the labels of its controls; without one, its name in words."""
     label = labels.get(name)
-    control = f"“{label}”" if label else name.replace("_", " ")
+    bare = f"aifrecon {name}" if name in COMMANDS else name.replace("_", " ")
+    control = f"“{label}”" if label else bare
     return control if value.isupper() or not value else f"{control} ({value})"
 
 

@@ -9,17 +9,17 @@ CHOOSE_LABELS = "Say with {labels} which labels are bone."
 TAKE_AS_PROBABILITY = "If these are bone probabilities, give them as {bone_probability}."
 TAKE_AS_CT = "If this is a CT, give it as {ct}."
 
-PLACE_THE_CT = "Check the place of the CT ({bone_transform}); aifrecon register finds it."
+PLACE_THE_CT = "Find the place of the CT with {register}."
 START_NEARER = "Check that CT and sweep are of one patient, start nearer with {bone_transform}, or take it as it is with {accept}."
 
-CALIBRATE = "See aifrecon calibrate, or repeat the calibration."
+CALIBRATE = "See {calibrate}, or repeat the calibration."
 MISSING_LINK = "Give the missing link with {config:PlusDeviceSet.xml}."
 CALIBRATION_FILE = "Give it with {config:PlusDeviceSet.xml} or {calibration:FILE}."
 NAME_THE_CALIBRATION = "Name it, as in {calibration:{example}=FILE}."
-ADD_TIME_OFFSET = "Add {offset} s to {time_offset}, or mend recordings with aifrecon convert."
+ADD_TIME_OFFSET = "Add {offset} s to {time_offset}, or mend recordings with {convert}."
 
 TRANSFORM_SEQUENCES = "Slicer saves transforms as sequences of their own: give them too ({transform_sequence:NAME=FILE})."
-IMPORT_IT = "Give a MetaImage or NRRD file; aifrecon import makes one of pictures, DICOM or video."
+IMPORT_IT = "Give a MetaImage or NRRD file; {import} makes one of pictures, DICOM or video."
 
 NAME_THE_COLUMNS = 'Name the columns, as in {columns:"time x y z qx qy qz qw"}, - for those that are not used.'
 WHICH_TOOL = 'Give the one that holds the image, as in {tool:"{first}"}, and a marker on the patient with {reference_tool}.'

@@ -33,11 +33,14 @@ def asControl() -> Spelling:
         "bone_labels": _("Bone of CT"),
         "bone_probability": _("Bone of CT"),
         "bone_transform": _("Place CT on sweep"),
+        "calibrate": _("Calibrate on this sweep"),
         "check": _("Calibrate on this sweep"),
         "ct": _("Bone from CT"),
         "grid_like": _("Like volume"),
         "labels": _("Segments that are bone"),
+        "import": _("Import..."),
         "level": _("Places"),
+        "register": _("Place CT on sweep"),
         "target": _("Target"),
     }
     return partial(as_label, {**{name: rule["label"].rstrip(":") for name, rule in RULES.items()}, **inputs})

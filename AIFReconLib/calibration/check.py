@@ -183,9 +183,7 @@ def _size(echoes: ImagedEchoes, found: Calibration) -> CalibrationCheck:
     words = f"pixels look {1 / times[0]:.0%} as wide and {1 / times[1]:.0%} as high as they are."
     return CalibrationCheck(
         False,
-        Sentence(
-            words, "Mend recordings with aifrecon convert {scale:{across} {along}}.", across=f"{times[0]:.3f}", along=f"{times[1]:.3f}"
-        ),
+        Sentence(words, "Mend recordings with {convert} {scale:{across} {along}}.", across=f"{times[0]:.3f}", along=f"{times[1]:.3f}"),
     )
 
 
@@ -216,7 +214,7 @@ def _near(found: Calibration) -> CalibrationCheck:
 
 def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:
     """All that is tried."""
-    yield Repair("the images look mirrored", "Mend recordings with aifrecon convert {mirror}.", {}, partial(mirrored, echoes))
+    yield Repair("the images look mirrored", "Mend recordings with {convert} {mirror}.", {}, partial(mirrored, echoes))
     whole = [with_configured_transforms(sweep) for sweep in sweeps]
     recorded = whole[0].transform_names()
     for step in sweep_poses(sweeps[0], recipe.image_to_reference, recipe.reference).path:
@@ -224,7 +222,7 @@ def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe)
         if name in recorded and name not in (CROPPED, CROPPED.inverse):
             mend = partial(_inverted, echoes, whole, name, recipe)
             yield Repair(
-                f"{name} looks recorded as its inverse", "Mend recordings with aifrecon convert {invert:{name}}.", {"name": str(name)}, mend
+                f"{name} looks recorded as its inverse", "Mend recordings with {convert} {invert:{name}}.", {"name": str(name)}, mend
             )
     calibration = _calibration(whole[0], recipe)
     if calibration is not None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 
-from ..message import advised
+from ..message import COMMANDS, advised
 
 
 def as_option(name: str, value: str = "") -> str:
-    """A setting as an option of the command line."""
+    """A setting as an option of the command line, or another command."""
+    if name in COMMANDS:
+        return f"aifrecon {name}"
     return f"--{name.replace('_', '-')} {value}".rstrip()
 
 

@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from AIFReconLib.commands.parser import COMMANDS as COMMANDS_OF_THE_TERMINAL
 from AIFReconLib.commands.parser import build_parser
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, one_line, said
+from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, one_line, said
 from AIFReconLib.terminal.remedies import as_option, in_columns, in_options
 
 LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
@@ -146,7 +147,7 @@ DETAILS = {
 
 def named() -> set[str]:
     """The settings that an advice names."""
-    return {name for text in ADVICE for name in Sentence("", text).settings} - DETAILS - {"module"}
+    return {name for text in ADVICE for name in Sentence("", text).settings} - DETAILS - {"module", *COMMANDS}
 
 
 def options_of(parser: argparse.ArgumentParser) -> set[str]:
@@ -163,6 +164,13 @@ def test_every_setting_of_an_advice_is_an_option():
     known = options_of(build_parser())
     assert len(named()) > 30
     assert {name for name in named() if as_option(name) not in known} == set()
+
+
+def test_every_command_of_an_advice_is_one():
+    assert set(COMMANDS) <= set(COMMANDS_OF_THE_TERMINAL)
+    assert all(any(f"{{{command}" in text for text in ADVICE) for command in COMMANDS)
+    sentence = Sentence("Off.", "See {calibrate}.")
+    assert (in_options(sentence), advised(sentence)) == ("Off. See aifrecon calibrate.", "Off. See calibrate.")
 
 
 def names_in(path: Path) -> set[str]:

@@ -141,7 +141,7 @@ class AIFReconPathsTest(unittest.TestCase):
         self.addPoint(*self.expected().target)
         said = self.find()
         self.assertIn("the CT does not lie on the volume's bone", said)
-        self.assertIn("no lower bound is promised. Check the place of the CT (“Place CT on sweep”)", said)
+        self.assertIn("no lower bound is promised. Find the place of the CT with “Place CT on sweep”.", said)
         found = self.expected(self.points("Target")[0], labels=False)
         np.testing.assert_allclose(self.points(), [found.windows[0].entry, found.windows[0].end], atol=1e-3)
 

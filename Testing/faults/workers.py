@@ -86,7 +86,9 @@ def scan(worker: Worker, folder: Path) -> Callable[[], str]:
                         # One more may be there than was heard of
                         number = len(read_sequence(growing))
                     kept = worker.keep(begin_scan, replace(request, takes_up=True))
-            if not same(record, images):
+            # One that died between the pixels of its first frame and the header keeps the name, and the next has a number
+            finished = [path for path in Path(place).glob("scan*.mhd") if path != growing_files(record)[0]]
+            if len(finished) != 1 or not same(finished[0], images):
                 return "another recording"
             volumes.add(digest_of(ended.result.intensity.array))
             return digest_of(images) if len(volumes) == 1 else "another volume"

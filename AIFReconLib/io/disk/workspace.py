@@ -49,10 +49,11 @@ def workspace(parent: Path) -> Iterator[Path]:
             # First, because removing takes a descriptor too, and there may be no more; who takes it for left behind now removes it for us
             _release(lock)
             _remove(folders)
-        except KeyboardInterrupt:
-            # Ctrl-C, just now
+        except (KeyboardInterrupt, OSError) as error:
+            # Ctrl-C, just now; within rmtree it may have a descriptor closed twice
             _remove(folders)
-            raise
+            interrupt = error.__context__
+            raise (interrupt if isinstance(interrupt, KeyboardInterrupt) else error) from None
 
 
 def _remove(folders: list[Path]) -> None:

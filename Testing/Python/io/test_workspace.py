@@ -148,3 +148,19 @@ def test_ctrl_c_while_the_folder_is_made_leaves_nothing(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt), workspace(tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []
+
+
+def test_ctrl_c_that_has_a_descriptor_closed_twice_is_an_interrupt(tmp_path, monkeypatch):
+    removed = shutil.rmtree
+
+    def interrupted(*arguments, **named):
+        monkeypatch.setattr(shutil, "rmtree", removed)
+        try:
+            raise KeyboardInterrupt
+        finally:
+            raise OSError(9, "Bad file descriptor")
+
+    monkeypatch.setattr(shutil, "rmtree", interrupted)
+    with pytest.raises(KeyboardInterrupt), workspace(tmp_path) as folder:
+        (folder / "part").write_bytes(b"1")
+    assert list(tmp_path.iterdir()) == []

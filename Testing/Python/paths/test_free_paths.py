@@ -194,7 +194,7 @@ def test_bone_of_a_ct_counts_where_it_agrees_and_is_said_not_to_where_it_does_no
     wrong = free_paths(volume, TARGET, skin, labels, off)
     assert wrong.ct_agrees is False
     assert any(note.startswith("WARNING: the CT does not lie on the volume's bone") for note in wrong.notes)
-    assert any(line.endswith("aifrecon register finds it.") for line in wrong.text(in_options))
+    assert any(line.endswith("Find the place of the CT with aifrecon register.") for line in wrong.text(in_options))
     assert wrong.along(reference(9, 0, 0), reference(9, 40, 0))[0] > 0
 
 
