@@ -13,18 +13,20 @@ from ..arrays import Matrix
 from ..bone.echoes.found import SweepEchoes
 from ..bone.echoes.surface import default_bone
 from ..compounding.methods.table import method_named
-from ..errors import AIFReconError
+from ..errors import AIFReconError, SettingsError
 from ..geometry.volume import Volume
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
+from ..inspection.sweep_drawing import draw_sweep
+from ..io.disk.atomic import write_text
 from ..message import columns
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
-from ..terminal.options import Commands, add_labels_options, labels_from, place_from
+from ..terminal.options import Commands, add_labels_options, labels_from, place_from, refuse_to_overwrite
 from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_sweep_options, of_each, sequence_from
@@ -44,6 +46,7 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha; one or more")
     parser.add_argument("--json", action="store_true", help="print JSON instead of text (of several sequences: a list)")
+    parser.add_argument("--drawing", type=Path, metavar="FILE.svg", help="also draw where the images of a sequence lie, by their poses")
     bone = parser.add_argument_group("bone", "where it will be asked for")
     add_labels_options(bone)
     bone.add_argument("--bone-transform", type=Path, metavar="FILE", help="transform CT -> Reference as Slicer saves it")
@@ -54,6 +57,9 @@ def add_to(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Read and report; the answer is the exit code."""
     each = of_each(arguments, arguments.sequences)
+    refuse_to_overwrite(arguments, "drawing")
+    if arguments.drawing and len(each) > 1:
+        raise SettingsError("--drawing shows one sequence, and several are given. Give one.")
     texts, dicts, ready = [], [], True
     with ProgressBar() as progress:
         for number, one in enumerate(each):
@@ -76,6 +82,11 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     report = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress, told and f"{told} (as given)", has_bone)
     report = replace(report, findings=tuple(map(in_options, report.findings)))
     text, as_dict = report.to_text(), report.to_dict()
+    poses = report.poses
+    if arguments.drawing and poses is not None and len(poses.usable):
+        placed, reference = poses.image_to_reference[poses.usable], recipe.reference or "Reference"
+        write_text(arguments.drawing, draw_sweep(placed, sequence.frame_size, sequence.name, reference).to_svg())
+        text += f"\ndrew {arguments.drawing}: columns red, rows (into the body) green, first frames light"
     if not report.ready:
         return text, as_dict
     unasked: tuple[str, ...] = ()

@@ -99,3 +99,13 @@ def test_a_rectangle_that_was_recognized_stands_in_the_command(tmp_path, monkeyp
     words = shlex.split(plan["command"])
     assert main(words[words.index("reconstruct") :]) == 0
     assert list(read_volume(tmp_path / words[-1]).grid.size) == plan["size"]
+
+
+def test_where_the_images_lie_is_drawn_where_that_is_asked_for(patient, results, capsys):
+    drawing = results / "sweep.svg"
+    assert main(["info", str(patient.sweep), "--config", str(patient.config), "--drawing", str(drawing)]) == 0
+    assert drawing.read_text("utf-8").startswith("<svg")
+    assert f"drew {drawing}" in capsys.readouterr().out
+    assert main(["info", str(patient.sweep), str(patient.sweep), "--config", str(patient.config), "--drawing", str(drawing)]) == 2
+    assert main(["info", str(patient.sweep), "--config", str(patient.config), "--drawing", str(patient.sweep)]) == 2
+    assert "would overwrite" in capsys.readouterr().err
