@@ -7,8 +7,8 @@ from contextlib import nullcontext
 from dataclasses import replace
 
 from .bone.map import BoneMap
-from .compounding.compiled.aside import compiled_aside
-from .compounding.intake import require_kinds
+from .compounding.compiled.precompile import compiled_aside
+from .compounding.frame_placement import require_kinds
 from .compounding.state import BESIDE, Reconstruction
 from .geometry.volume import Volume, VoxelGrid
 from .progress import Progress
@@ -16,7 +16,7 @@ from .recipe.recipe import Recipe
 from .registration.comparison import warn_of_disagreement
 from .registration.labeled_bone import LabeledBone
 from .sweep.frames import TrackedSequence
-from .sweep.joined import joined
+from .sweep.multi_sweep import joined
 from .workflows.job import ReconstructionJob
 from .workflows.reconstruct import reconstruct_job
 

@@ -37,7 +37,7 @@ from ..message import listed, said
 from ..registration.registration import Registration, as_report, register
 from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..terminal.options import labels_from, place_from, required_labels
 from ..terminal.recipe_options import load_method_here, recipe_from
 from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_inputs, bone_source_from, grid_from

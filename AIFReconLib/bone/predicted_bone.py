@@ -7,12 +7,12 @@ from dataclasses import replace
 from functools import partial
 from typing import Protocol
 
+from ..effective_settings import Imaging, resolve_imaging
 from ..errors import GeometryError
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..resolve import Imaging, resolve_imaging
 from ..sweep.frames import TrackedFrame, TrackedSequence
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..sweep.poses import SweepPoses, still_images_of, sweep_poses, tracked_frames
 from .echoes.finder import BoneEchoFinder
 from .echoes.found import BoneEchoes, SweepEchoes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Numbers, Singles
-from ..resolve import Imaging
+from ..effective_settings import Imaging
 from .echoes.found import BoneEchoes
 from .scan_line_reader import Rectangle, ScanLineReader
 

@@ -11,7 +11,7 @@ from ..arrays import Floats, Integers, Numbers, Singles
 from ..errors import GeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformStatus
 from ..sweep.frames import TrackedFrame, TrackedSequence
-from ..sweep.joined import sweeps_of
+from ..sweep.multi_sweep import sweeps_of
 from .predictions import Prediction
 from .scan_line_reader import Rectangle
 

@@ -9,11 +9,11 @@ import numpy as np
 import scipy
 
 from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
+from ..effective_settings import Imaging
 from ..errors import BeamGeometryError
 from ..geometry.transforms import pixel_spacing
 from ..imaging.scan_lines import scan_line_samples
 from ..remedies import NAME_THE_PROBE
-from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
 
 LINE_PITCH, SAMPLE_STEP = 0.5, 0.2

@@ -23,7 +23,7 @@ from ..registration.registration import LEAST_CLOSENESS
 from ..remedies import ADD_TIME_OFFSET, CALIBRATE
 from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
-from ..sweep.joined import sweeps_of
+from ..sweep.multi_sweep import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
 from .calibration import FARTHEST, Calibration, calibrate_echoes
 from .crossing import GAIN, calibrate_crossing_echoes, contradiction, crossing, off_the_surface

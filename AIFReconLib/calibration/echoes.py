@@ -18,7 +18,7 @@ from ..message import Judged
 from ..progress import Progress
 from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import sweeps_of
+from ..sweep.multi_sweep import sweeps_of
 from ..sweep.poses import SweepPoses, poses_of_each
 
 SAME_ANGLE_DEG = 10.0

@@ -27,7 +27,7 @@ from ..message import Judged, Sentence, listed
 from ..progress import Progress, part, report
 from ..remedies import MISSING_LINK
 from ..sweep.frames import CROPPED, TrackedSequence
-from ..sweep.joined import sweeps_of
+from ..sweep.multi_sweep import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
 from .wire_points import ORDERS, WireFrames, as_wires, unit_vectors, wire_points
 

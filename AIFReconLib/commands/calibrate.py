@@ -25,7 +25,7 @@ from ..io.transform.files import HDF5_SUFFIXES, TEXT_SUFFIXES, read_transform, w
 from ..message import said
 from ..progress import part
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import JoinedImages
+from ..sweep.multi_sweep import JoinedImages
 from ..sweep.poses import chain_ends
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, add_labels_options, check_files, labels_from, names_labels, refuse_to_overwrite

@@ -13,17 +13,18 @@ import numpy as np
 
 from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
-from ..compounding.compiled.aside import compiled_aside
+from ..compounding.compiled.precompile import compiled_aside
 from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
 from ..compounding.methods.weighted import WEIGHTED
 from ..compounding.state import Reconstruction
+from ..effective_settings import resolve_settings
 from ..evaluation.figures import ComparisonFigure, require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import IN_WORDS, BoneMetrics, achieved, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
 from ..guidance.coverage import Coverage, coverage
-from ..guidance.seen import Share
+from ..guidance.snapshot import Share
 from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.transform.files import read_transform
@@ -34,7 +35,6 @@ from ..progress import part
 from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
-from ..resolve import resolve_settings
 from ..simulation.ultrasound import UltrasoundEffects
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands

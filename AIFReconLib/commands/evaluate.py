@@ -22,7 +22,7 @@ from ..io.volume.files import read_volume
 from ..message import columns, listed
 from ..progress import part
 from ..provenance.settings_files import made_with
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..terminal.console import ProgressBar, real_path
 from ..terminal.options import (
     Commands,

@@ -15,7 +15,7 @@ from ..io.volume.files import read_volume
 from ..io.volume.models import LPS, MODEL_SUFFIXES, RAS, read_model
 from ..io.volume.surfaces import check_surface_path
 from ..paths.free_paths import CONE_DEG, MARGIN, WITHIN, FreePaths, free_paths
-from ..paths.shown import markups, paths_figure, write_skin_map
+from ..paths.path_export import markups, paths_figure, write_skin_map
 from ..progress import part
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..compounding.compiled.aside import compiled_aside
+from ..compounding.compiled.precompile import compiled_aside
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
@@ -24,7 +24,7 @@ from ..provenance.record import settings_of
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, check_files, names_labels, refuse_to_overwrite

@@ -12,6 +12,7 @@ import numpy as np
 from ..arrays import Reals
 from ..bone.map import BoneMap
 from ..bone.placed.on_grid import PlacedBone
+from ..effective_settings import given_imaging
 from ..errors import BeamGeometryError, OperationCanceled, require_kind
 from ..geometry.volume import VoxelGrid
 from ..holes.filling import HoleFilling
@@ -24,14 +25,13 @@ from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import NAME_THE_PROBE, PLACE_THE_CT
-from ..resolve import given_imaging
 from ..sweep.frames import TrackedFrame
 from .batch import FrameBatch
 from .engine import Engine, Job
 from .engines import choose_engine
 from .finishing.parts import Planes
 from .finishing.results import Results
-from .intake import OUTSIDE, ImageKind, Intake, require_kinds, why_not
+from .frame_placement import OUTSIDE, ImageKind, Intake, require_kinds, why_not
 from .layout import MostHits, most_in_a_voxel
 from .methods.table import method_named
 from .needs import (

@@ -16,7 +16,7 @@ from ..message import Described, advised
 from .methods.table import method_named
 
 if TYPE_CHECKING:
-    from ..sweep.joined import SweepShare
+    from ..sweep.multi_sweep import SweepShare
 
 MAP_BYTES = 4 + 3 * 4
 """Probability and direction of the bone map, per voxel."""

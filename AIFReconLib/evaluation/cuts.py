@@ -11,7 +11,7 @@ import scipy
 
 from ..arrays import Bytes, Floats
 from ..geometry.volume import Volume
-from ..inspection.raised import BANDS
+from ..inspection.enhancement_map import BANDS
 from .figures import BONE_COLOR, CT_WINDOW, NOT_SCANNED
 from .preview import middle_of_bone
 from .slices import Plane, cut, planes, whole_cut

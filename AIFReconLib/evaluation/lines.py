@@ -34,7 +34,7 @@ ASIDE, STEEPEST_DEG = 5.0, 30.0
 
 
 @dataclass(frozen=True)
-class ToldApart:
+class RocResult:
     """How well a number tells free lines from blocked ones; NaN where there are too few of either."""
 
     area: float
@@ -42,13 +42,13 @@ class ToldApart:
     called_free: float  #: Share of the blocked lines that look as free as nine in ten free ones do
 
 
-def told_apart(free: Numbers, blocked: Numbers) -> ToldApart:
+def told_apart(free: Numbers, blocked: Numbers) -> RocResult:
     """Of free lines and blocked ones by a number, (n,) and (m,), that is to be greater for free ones."""
     if min(len(free), len(blocked)) < FEWEST:
-        return ToldApart(np.nan, np.nan)
+        return RocResult(np.nan, np.nan)
     order = np.sort(blocked)
     below = (np.searchsorted(order, free, "left") + np.searchsorted(order, free, "right")) / 2
-    return ToldApart(float(below.mean() / len(blocked)), float((blocked >= np.quantile(free, 1 - FOUND)).mean()))
+    return RocResult(float(below.mean() / len(blocked)), float((blocked >= np.quantile(free, 1 - FOUND)).mean()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class StraightLines:
         found: Singles = values_at(volume, points_along(self.entries, self.ends)).max(axis=1)
         return found
 
-    def told_by(self, number: Numbers) -> ToldApart:
+    def told_by(self, number: Numbers) -> RocResult:
         """How well a number of each line, (n,), tells the free ones, for which it is to be greater."""
         return told_apart(number[self.free], number[self.blocked])
 

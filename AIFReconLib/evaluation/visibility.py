@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Bytes, Floats, Integers, Mask, Matrix
 from ..bone.canal import canals_of
+from ..effective_settings import resolve_imaging
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import image_plane_axes, pixel_spacing, transform_points
@@ -21,9 +22,8 @@ from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..sweep.poses import sweep_poses
 from .lines import StraightLines, lines_to_canal
 from .surface import BoneSurface, bone_surface, centers_of_mass, distance_from_labels, interspinous_border

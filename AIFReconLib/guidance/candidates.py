@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats, Integers, Singles
 from ..progress import Progress, part, report
 from .bone import GuidedBone
-from .met import MOST, FrameGeometry, expected_visibility, support_for, unseen
+from .bone_coverage import MOST, FrameGeometry, expected_visibility, support_for, unseen
 from .passes import Hand, Pass
 from .probe import ProbeOnBack, ProbePlacement
 

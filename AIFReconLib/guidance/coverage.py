@@ -9,18 +9,18 @@ import numpy as np
 
 from ..arrays import Floats, Mask, Matrix
 from ..bone.echoes.surface import bone_from_sweep
+from ..effective_settings import resolve_imaging
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..geometry.volume import Volume
 from ..message import Described, columns, one_line
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..sweep.poses import still_images_of, sweep_poses, time_order, tracked_frames
 from .bone import GuidedBone, bone_of_echoes, guided_bone
-from .met import BoneMet, FrameGeometry
-from .seen import Share
+from .bone_coverage import CoverageAccumulator, FrameGeometry
+from .snapshot import Share
 
 BELOW_60, BELOW_45 = np.cos(np.radians((60.0, 45.0)))
 
@@ -32,7 +32,7 @@ AWRY_DEG = 60.0
 class Coverage(Described):
     """What a scan met."""
 
-    met: BoneMet  #: Point by point
+    met: CoverageAccumulator  #: Point by point
     all: Share
     interspinous: Share
     by_label: dict[str, Share]  #: By the name of the label, or its number where it has none; nothing where there is no CT
@@ -110,12 +110,12 @@ def coverage(
 
 def followed(
     bone: GuidedBone, sequence: TrackedSequence, recipe: Recipe, thickness: float = BEAM_THICKNESS, progress: Progress | None = None
-) -> BoneMet:
+) -> CoverageAccumulator:
     """What the frames of a sweep met of this bone, in the order of time; arguments and errors are those of `coverage`."""
     poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference)
     usable = poses.require_usable(sequence.name)
     imaging = resolve_imaging(sequence, poses, True, recipe)
-    met = BoneMet(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
+    met = CoverageAccumulator(FrameGeometry(bone, sequence.frame_size, imaging.known_probe(), imaging.region, thickness))
     order = time_order(sequence)
     order = order[np.isin(order, usable)]
     for done, frame in enumerate(tracked_frames(sequence, poses, order, still_images_of(sequence, poses, order))):
@@ -126,7 +126,7 @@ def followed(
     return met
 
 
-def unrefuted(met: BoneMet) -> BoneMet:
+def unrefuted(met: CoverageAccumulator) -> CoverageAccumulator:
     """What was met of `bone_of_echoes`, but for the places beyond its surface that beams met below 60 degrees: no echo came from there."""
     with np.errstate(invalid="ignore"):
         refuted = (met.bone.surface.labels == 0) & (met.best_cosine > BELOW_60)
@@ -150,25 +150,25 @@ def is_awry(front: Floats, looks: Floats) -> bool:
     return length >= 0.5 and bool(front @ looks < np.cos(np.radians(AWRY_DEG)) * length * np.linalg.norm(front))
 
 
-def covered(met: BoneMet, notes: tuple[str, ...] = ()) -> Coverage:
+def covered(met: CoverageAccumulator, notes: tuple[str, ...] = ()) -> Coverage:
     """What was met until now, in shares."""
     everything = np.ones(len(met.bone), dtype=bool)
     return Coverage(met, share_of(met, everything), share_of(met, met.bone.border), _of_labels(met, everything), notes)
 
 
-def back_of_labels(met: BoneMet) -> dict[str, Share]:
+def back_of_labels(met: CoverageAccumulator) -> dict[str, Share]:
     """By the name of each label, how much of its bone that faces the back was met: what a scan from there is to show."""
     return _of_labels(met, met.bone.posterior)
 
 
-def _of_labels(met: BoneMet, chosen: Mask) -> dict[str, Share]:
+def _of_labels(met: CoverageAccumulator, chosen: Mask) -> dict[str, Share]:
     labels = met.bone.surface.labels
     if not met.bone.is_of_ct:
         return {}
     return {met.bone.name_of(int(label)): share_of(met, chosen & (labels == label)) for label in np.unique(labels)}
 
 
-def share_of(met: BoneMet, chosen: Mask) -> Share:
+def share_of(met: CoverageAccumulator, chosen: Mask) -> Share:
     """How much of the chosen points was met, (n,) bool."""
     areas, best = met.bone.surface.areas[chosen], met.best_cosine[chosen]
     total = float(areas.sum())

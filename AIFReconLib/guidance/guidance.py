@@ -13,17 +13,17 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import joined
+from ..sweep.multi_sweep import joined
 from ..sweep.poses import sweep_poses, time_order
 from .bone import GuidedBone
+from .bone_coverage import CoverageAccumulator
 from .candidates import DRAWS
 from .coverage import Coverage, coverage, covered, followed
 from .mesh import ColoredBone
-from .met import BoneMet
 from .next_move import Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
-from .seen import AdvisedMove, Direction, GuidanceSeen, ProbeShape
+from .snapshot import AdvisedMove, Direction, GuidanceSnapshot, ProbeShape
 from .window import NOT_SEEN, window
 
 FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
@@ -47,15 +47,15 @@ class Guidance:
         return cls(colored, colored.levels(np.full(len(bone), np.nan)), problem=problem)
 
     @classmethod
-    def of(cls, colored: ColoredBone, met: BoneMet, advice: Advice | None = None, notes: tuple[str, ...] = ()) -> Guidance:
+    def of(cls, colored: ColoredBone, met: CoverageAccumulator, advice: Advice | None = None, notes: tuple[str, ...] = ()) -> Guidance:
         """What was met until now, and the advice if there is one."""
         best = met.best_cosine.copy()
         return cls(colored, colored.levels(best), covered(met, notes), best, advice)
 
-    def seen(self, known: int | None = None) -> GuidanceSeen:
+    def seen(self, known: int | None = None) -> GuidanceSnapshot:
         """What is shown of it; `known` is the number of the mesh that who asks has already, and is not told again."""
         mesh = None if self.colored is None else self.colored.mesh
-        seen = GuidanceSeen(
+        seen = GuidanceSnapshot(
             self.problem,
             None if mesh is None else mesh.number,
             None if mesh is None or mesh.number == known else mesh,
@@ -101,7 +101,7 @@ class Advisor:
     see `look_again`.
     """
 
-    def __init__(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None, draws: int = DRAWS):
+    def __init__(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None, draws: int = DRAWS):
         bone, beams = met.bone, met.geometry.beams
         images = images_like(image_to_reference[0], beams.frame_size, beams.probe, beams.region)
         skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(image_to_reference)))
@@ -112,7 +112,7 @@ class Advisor:
         """Look at candidate passes once more, so that advice becomes better; False where that was done as often as it helps."""
         return self._next.look_again(progress)
 
-    def advise(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None) -> Advice:
+    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None) -> Advice:
         """What to do next, from a pose."""
         return self.to(self._next.advise(met, image_to_reference, progress), image_to_reference)
 
@@ -125,7 +125,7 @@ class Advisor:
         return Advice(move, way, labels_under(self._bone, there.z), self._probe.images.shape, NOT_SEEN not in self._bone.names.values())
 
 
-def has_come_near(met: BoneMet) -> bool:
+def has_come_near(met: CoverageAccumulator) -> bool:
     """Whether any point was in any beam."""
     return bool(met.frames.any() or met.shadowed.any() or met.dark.any())
 

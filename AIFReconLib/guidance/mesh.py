@@ -13,9 +13,9 @@ from ..geometry.level_surface import level_surface, triangles_of
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from .bone import APART, GuidedBone, axes_across
+from .bone_coverage import CoverageAccumulator
 from .coverage import BELOW_45, BELOW_60
-from .met import BoneMet
-from .seen import BoneMesh
+from .snapshot import BoneMesh
 
 NEAR = 2.5
 """mm. A corner of the mesh takes the numbers of the reachable point that is nearest, within this; farther ones are not reachable."""
@@ -50,7 +50,7 @@ def _tiles(surface: BoneSurface) -> BoneMesh:
     return BoneMesh(corners.reshape(-1, 3), triangles)
 
 
-def met_on_mesh(mesh: BoneMesh, met: BoneMet) -> dict[str, Numbers]:
+def met_on_mesh(mesh: BoneMesh, met: CoverageAccumulator) -> dict[str, Numbers]:
     """What was met at the corners of a mesh, by name.
 
     Returns

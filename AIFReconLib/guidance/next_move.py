@@ -10,11 +10,11 @@ from ..arrays import Matrix
 from ..message import listed
 from ..progress import Progress
 from .bone import GuidedBone
+from .bone_coverage import CoverageAccumulator
 from .candidates import DRAWS, Candidates
-from .met import BoneMet
 from .passes import HAND, Hand, Pass, freehand_passes, name_of_place
 from .probe import ProbeOnBack, ProbePlacement
-from .seen import Direction
+from .snapshot import Direction
 
 STABLE = 0.25
 """Part by which another move must be better than the one that was advised before it is advised instead."""
@@ -97,7 +97,7 @@ class NextMove:
         self._candidates.look_again(progress)
         return True
 
-    def advise(self, met: BoneMet, image_to_reference: Matrix, progress: Progress | None = None) -> Move | None:
+    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None) -> Move | None:
         """What to do next from a pose; None when nothing is worth its labor any more."""
         now = self._probe.placement(image_to_reference)
         gains = self._candidates.gains(self._candidates.looked(met.support), ROUNDS, progress)

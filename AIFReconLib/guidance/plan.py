@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Matrix
+from ..effective_settings import resolve_imaging
 from ..errors import GeometryError, SettingsError
 from ..geometry.transforms import as_matrix, invert, transform_points
 from ..geometry.volume import Volume
@@ -15,14 +16,13 @@ from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..remedies import PLACE_THE_CT
-from ..resolve import resolve_imaging
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from ..sweep.time_offset import as_asked
 from .bone import GuidedBone, guided_bone
+from .bone_coverage import CoverageAccumulator
 from .candidates import Candidates, geometry_of
 from .coverage import bone_before
-from .met import BoneMet
 from .passes import HAND, Hand, Pass, freehand_passes, wearable_passes, wearable_places
 from .probe import ProbeImages, ProbeOnBack, Skin, images_like
 
@@ -57,7 +57,7 @@ class ScanPlan(Described):
     the reconstruction, whose coverage is of what the sweep could reach."""
     predicted_of_reachable: float
     """0 to 1. The same as a share of all of the target that any probe on the back can reach."""
-    met: BoneMet  #: What a hand that follows the plan meets, point by point
+    met: CoverageAccumulator  #: What a hand that follows the plan meets, point by point
 
     @property
     def frames(self) -> int:
@@ -255,7 +255,7 @@ def _planned(
     draws = 1 if hand is None else FOLLOWED
     tries: list[tuple[list[float], Matrix]] = []
     for draw in range(draws):
-        met, shown, made = BoneMet(geometry), [0.0], []
+        met, shown, made = CoverageAccumulator(geometry), [0.0], []
         for number, (one, count) in enumerate(passes):
             report(progress, (draw + number / len(passes)) / (draws + 1), "Following the plan")
             placements = one.placements(count)
@@ -265,7 +265,7 @@ def _planned(
             shown.append(float(areas @ met.expected))
         tries.append((shown, np.concatenate(made)))
     shown, poses = sorted(tries, key=lambda one: one[0][-1])[draws // 2]
-    met = BoneMet(geometry_of(bone, probe))
+    met = CoverageAccumulator(geometry_of(bone, probe))
     for pose in poses:
         met.insert(pose)
     planned = [

@@ -15,7 +15,7 @@ from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion, extreme_pixels
 from ..simulation.phased_array import PhasedArray
 from .bone import GuidedBone
-from .seen import ProbeShape
+from .snapshot import ProbeShape
 
 AIM_DEPTH = 30.0
 """mm under the skin of the point about which tilts turn: spinous processes and laminae lie there, and stay in view."""

@@ -1,4 +1,4 @@
-"""Holes filled with an average of the measured voxels in a cube around them, as the Plus toolkit defines it; see `plus_ways`.
+"""Holes filled with an average of the measured voxels in a cube around them, as the Plus toolkit defines it; see `igsio_hole_filling`.
 
 Each function here takes
 

@@ -6,8 +6,8 @@ from ..arrays import Bytes, Floats, Numbers
 from ..progress import Progress
 from ..recipe.recipe import AUTOMATIC, Recipe
 from .filling import GAUSSIAN_BY_HITS, HoleFilling, within
+from .igsio_hole_filling import fill_holes_by_kind
 from .nearest import fill_holes
-from .plus_ways import fill_holes_by_kind
 
 
 def fill_as_asked(

@@ -1,4 +1,4 @@
-"""Hole filling by sticks, compiled; see `plus_ways` for the rules."""
+"""Hole filling by sticks, compiled; see `igsio_hole_filling` for the rules."""
 
 from __future__ import annotations
 

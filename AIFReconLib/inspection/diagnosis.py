@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats
+from ..effective_settings import scanned_alike
 from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformName, TransformStatus
 from ..geometry.transforms import pixel_spacing
@@ -15,7 +16,6 @@ from ..imaging.recognized import recognized
 from ..message import Sentence, columns, said
 from ..progress import Progress
 from ..remedies import NAME_THE_PROBE
-from ..resolve import scanned_alike
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses, without_still_images
 from .offset_estimate import OffsetEstimate, estimate_time_offset

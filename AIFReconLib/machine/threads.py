@@ -54,7 +54,7 @@ def in_parts(
         raise errors[0]
 
 
-class Pace:
+class AdaptiveBatch:
     """How many items of a kind are worked on in one step: as many as take `STEP`, by the time that the last ones took; one at first."""
 
     def __init__(self) -> None:

@@ -15,9 +15,9 @@ from pathlib import Path
 from .. import __version__
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
+from ..effective_settings import Imaging, imaging_fields
 from ..geometry.volume import Volume
 from ..recipe.recipe import AUTOMATIC, KEPT, OF_READING, OF_REGION, RULES, Recipe
-from ..resolve import Imaging, imaging_fields
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 

@@ -14,8 +14,8 @@ from ..io.disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_tom
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..message import shorten
 from ..recipe.recipe import Recipe
-from .kept import KeptSettings, understood
 from .record import INPUTS, SETTINGS, VERSION
+from .settings_schema import KeptSettings, understood
 
 VOLUME_SUFFIXES = (*NRRD_SUFFIXES, *METAIMAGE_SUFFIXES)
 WRITTEN_BY = "version"

@@ -29,7 +29,7 @@ ALONG = 0.94
 
 
 @dataclass(frozen=True, eq=False)
-class Loose:
+class UnconstrainedMotion:
     """A motion that the sweep does not hold."""
 
     kind: str  #: "slide" or "turn"
@@ -54,7 +54,7 @@ def _words(axis: Floats) -> str:
     return "the axis ({:.2f}, {:.2f}, {:.2f}) of the CT".format(*(axis + 0.0))
 
 
-def not_held(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> list[Loose]:
+def not_held(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> list[UnconstrainedMotion]:
     """Motions that hardly matter to the agreement, the loosest first.
 
     The eigenvectors of Gauss-Newton's matrix at the optimum, `labels_to_reference`, are motions that do not depend on each other; the
@@ -89,7 +89,7 @@ def not_held(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) 
         if amount > (HELD_MM if slides else HELD_DEG):
             axis = axis / length
             axis = axis * np.sign(axis[np.abs(axis).argmax()])
-            found.append(Loose("slide" if slides else "turn", axis, float(amount), axis @ labels_to_reference[:3, :3]))
+            found.append(UnconstrainedMotion("slide" if slides else "turn", axis, float(amount), axis @ labels_to_reference[:3, :3]))
     return sorted(found, key=lambda one: -one.amount / (HELD_MM if one.kind == "slide" else HELD_DEG))
 
 

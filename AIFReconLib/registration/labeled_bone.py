@@ -22,7 +22,7 @@ from ..message import Described, said
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, Recipe
 from ..sweep.frames import TrackedSequence
-from ..sweep.joined import sweeps_of
+from ..sweep.multi_sweep import sweeps_of
 from .agreement import Comparison
 from .comparison import compared
 

@@ -11,8 +11,8 @@ from ..bone.echoes.finder import BoneEchoFinder
 from ..bone.echoes.found import FEWEST, SweepEchoes
 from ..bone.echoes.search import echoes_of
 from ..bone.field import BoneField
+from ..effective_settings import Imaging
 from ..geometry.transforms import pixel_spacing
-from ..resolve import Imaging
 from ..sweep.frames import TrackedFrame
 from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 from .comparison import EchoFit, agreement_of, judged

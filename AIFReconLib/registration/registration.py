@@ -20,7 +20,7 @@ from ..recipe.recipe import Recipe
 from ..remedies import START_NEARER
 from ..sweep.frames import TrackedSequence
 from .agreement import Agreement
-from .certainty import HELD_MM, Loose, not_held, restart_spread
+from .certainty import HELD_MM, UnconstrainedMotion, not_held, restart_spread
 from .comparison import check
 from .search import Place, anywhere, around, beside, distinct, finished, level_shifts, mirrored, motion_between, search, shifted
 from .segments import Segments, fields_of_labels, fit_segments
@@ -63,7 +63,7 @@ class Registration(Judged):
     agreement: Agreement  #: Of that place, or, where each bone moved on its own, of the bones where they came to lie
     said: str | None
     """Sentence. Why the answer must not be used unseen, with options named as on the command line; see `refusal`."""
-    loose: tuple[Loose, ...]  #: Motions that the sweep does not hold
+    loose: tuple[UnconstrainedMotion, ...]  #: Motions that the sweep does not hold
     restarts: float  #: mm. How far apart refinements from nearby starts ended.
     alternatives: tuple[Alternative, ...]  #: Other places, best first; of which some may be as good
     moved: float | None  #: mm. How far the bone has moved from the start; None without one.

@@ -25,7 +25,7 @@ from ..remedies import MISSING_LINK, TRANSFORM_SEQUENCES
 from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
-from .joined import JoinedSequence, names_of
+from .multi_sweep import JoinedSequence, names_of
 from .pixel_size import about_pixel_size, implausible_extent, implausible_size
 from .still_images import STILL, StillImages, are_equal
 

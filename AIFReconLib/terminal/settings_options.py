@@ -11,9 +11,9 @@ from .. import __version__
 from ..compounding.state import Reconstruction
 from ..geometry.transform_graph import capital
 from ..imaging.beams import LINEAR
-from ..provenance.kept import KeptSettings
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import check_settings_path, read_settings, write_settings
+from ..provenance.settings_schema import KeptSettings
 from ..sweep.poses import ends_of
 from .one_line_parser import OneLineParser
 

@@ -17,7 +17,7 @@ from ..arrays import Floats, Matrix
 from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
-from ..guidance.seen import GuidanceSeen, Share
+from ..guidance.snapshot import GuidanceSnapshot, Share
 from ..inspection.verdicts import Verdict, calibration_verdict
 from ..io.disk.workspace import workspace
 from ..machine.threads import usable_cores
@@ -138,7 +138,7 @@ def guidance_in_sweep(
     grid: VoxelGrid | None = None,
     unseen: Floats | None = None,
     progress: Progress | None = None,
-) -> tuple[GuidanceSeen, dict[str, Share]]:
+) -> tuple[GuidanceSnapshot, dict[str, Share]]:
     """What `guidance_of_sweep` tells, and as `met_of_sweep`; nothing of that where there is a problem."""
     from ..guidance.coverage import back_of_labels
     from ..guidance.guidance import guidance_of_sweep

@@ -63,7 +63,7 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
     """
     from ..evaluation.report import Report, Section, software_versions, write_report
     from ..io.disk.atomic import check_writable
-    from ..provenance.kept import understood
+    from ..provenance.settings_schema import understood
 
     if path is not None:
         check_writable(path)
@@ -106,7 +106,7 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
     """Cuts through the reconstruction and, where it was kept, the same through its plain echo; bone in 3D."""
     from ..evaluation.cuts import Scene, cut_pictures
     from ..evaluation.report import Section
-    from ..inspection.raised import raised_bands
+    from ..inspection.enhancement_map import raised_bands
 
     drawn = about.pictured
     if drawn is None:

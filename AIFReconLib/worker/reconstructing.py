@@ -131,7 +131,7 @@ def imaging_of(sequence: TrackedSequence, needs_probe: bool, recipe: Recipe) -> 
 
     Raises AIFReconError when no frame can be placed, or nothing tells what is needed.
     """
-    from ..resolve import resolve_imaging
+    from ..effective_settings import resolve_imaging
 
     poses = sweep_poses(sequence)
     poses.require_usable(sequence.name)

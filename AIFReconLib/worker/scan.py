@@ -18,9 +18,9 @@ from ..geometry.volume import Volume
 from ..guidance.guidance import Guidance
 from ..live.session.agreement_watch import AgreementWatch
 from ..live.session.guidance_watch import GuidanceWatch
+from ..live.session.resumed_recording import TakenUp
 from ..live.session.session import SCOUTING
 from ..live.session.snapshots import SnapshotMaker
-from ..live.session.taken_up import TakenUp
 from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.messages import StreamMessage
 from ..live.wire.sources import QueueSource, StreamStatistics

@@ -13,7 +13,7 @@ from ..live.pairing.synchronizer import LiveFrame
 from ..live.session.statistics import ALL, LiveStatistics, Spans
 
 if TYPE_CHECKING:
-    from ..guidance.seen import GuidanceSeen
+    from ..guidance.snapshot import GuidanceSnapshot
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class Seen:
     spans: Spans = ALL
     frame: SeenFrame | None = None
     result: Reconstruction | None = None
-    guidance: GuidanceSeen | None = None
+    guidance: GuidanceSnapshot | None = None
     has_fallen: bool = False
     agreement: str = ""
     compared: int = -1

@@ -7,6 +7,7 @@ from ..bone.growing_bone import GrowingBone
 from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
+from ..effective_settings import Imaging
 from ..geometry.volume import VoxelGrid
 from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.recording import Recorder
@@ -14,7 +15,6 @@ from ..live.session.session import LiveSession
 from ..live.wire.sources import MessageSource
 from ..progress import Progress
 from ..registration.labeled_bone import LabeledBone
-from ..resolve import Imaging
 from .job import ScanJob
 
 SCOUT_MARGIN = 5.0

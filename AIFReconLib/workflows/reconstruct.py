@@ -20,7 +20,7 @@ from ..bone.recorded_predictions import RecordedPredictions
 from ..calibration.check import known_without_ct
 from ..compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
 from ..compounding.finishing.results import Results, bytes_of_results
-from ..compounding.intake import ImageKind, require_kinds
+from ..compounding.frame_placement import ImageKind, require_kinds
 from ..compounding.methods.average import AVERAGE
 from ..compounding.methods.table import method_named
 from ..compounding.needs import (
@@ -33,6 +33,15 @@ from ..compounding.needs import (
 from ..compounding.reconstructor import BESIDE_BONE, FrameCounts, Reconstructor
 from ..compounding.splat_engine import uses_shares
 from ..compounding.state import BESIDE, Reconstruction, bytes_per_voxel, part_bytes
+from ..effective_settings import (
+    BEFORE_FRAMES,
+    RECOGNIZED,
+    Imaging,
+    ReconstructorParts,
+    reconstructor_parts,
+    resolve_imaging,
+    resolve_settings,
+)
 from ..errors import GeometryError, NoUsableFramesError
 from ..geometry.transforms import pixel_spacing
 from ..geometry.volume import Volume, VoxelGrid
@@ -47,17 +56,8 @@ from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..resolve import (
-    BEFORE_FRAMES,
-    RECOGNIZED,
-    Imaging,
-    ReconstructorParts,
-    reconstructor_parts,
-    resolve_imaging,
-    resolve_settings,
-)
 from ..sweep.frames import TrackedFrame, TrackedSequence
-from ..sweep.joined import joined, shares
+from ..sweep.multi_sweep import joined, shares
 from ..sweep.poses import (
     SweepPoses,
     describe_skipped,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.guidance.probe import ProbeImages
-from AIFReconLib.resolve import Imaging
 
 IMAGES = ProbeImages.simulated()
 

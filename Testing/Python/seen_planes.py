@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from sweeps import image_pose
 
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.resolve import Imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses
 

@@ -14,6 +14,7 @@ from sweeps import rigid, sphere_bone
 from AIFReconLib.bone.echoes.search import sweep_echoes
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import BeamGeometryError, GeometryError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -24,10 +25,9 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.frames import TrackedSequence
-from AIFReconLib.sweep.joined import joined
+from AIFReconLib.sweep.multi_sweep import joined
 from AIFReconLib.sweep.poses import sweep_poses
 
 HAS_NUMBA = optional_module("AIFReconLib.compounding.compiled.numba_engine") is not None

@@ -25,6 +25,7 @@ import numpy as np
 from AIFReconLib import reconstruction
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.benchmark import busy_share, busy_warning, fan_sweep, machine, sector_probe, slab_of_bone
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
@@ -33,7 +34,6 @@ from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.message import columns
 from AIFReconLib.progress import report
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.terminal.console import ProgressBar
 

@@ -28,6 +28,7 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import EchoEstimator
 from AIFReconLib.compounding.methods.table import METHODS
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
@@ -41,7 +42,6 @@ from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 

@@ -28,6 +28,7 @@ from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS, method_named
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
+from AIFReconLib.effective_settings import Imaging, imaging_fields
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
@@ -36,7 +37,6 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.resolve import Imaging, imaging_fields
 from AIFReconLib.sweep.poses import sweep_poses
 
 REPOSITORY = Path(__file__).resolve().parents[2]

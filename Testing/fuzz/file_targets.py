@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.effective_settings import asked_imaging
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.calibration import read_calibration
 from AIFReconLib.io.foreign.openers import open_images
@@ -24,7 +25,6 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.provenance.settings_files import read_settings
 from AIFReconLib.recipe.recipe import KEPT
-from AIFReconLib.resolve import asked_imaging
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 
 from . import foreign_seeds, seeds

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import imaging_fields
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
@@ -29,6 +29,7 @@ from AIFReconLib.bone.predicted_bone import bone_from_frames
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
+from AIFReconLib.effective_settings import Imaging, resolve_imaging
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import SweepBeams, bone_truth
 from AIFReconLib.geometry.volume import Volume
@@ -39,7 +40,6 @@ from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.resolve import Imaging, resolve_imaging
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses

@@ -24,13 +24,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import BoneEstimator, EchoEstimator
 from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.effective_settings import Imaging, resolve_imaging
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.label_files import read_labels
-from AIFReconLib.resolve import Imaging, resolve_imaging
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
 from models.truth import TrueBone, worth_of

@@ -12,9 +12,9 @@ from AIFReconLib.bone.echoes.found import BoneEchoes
 from AIFReconLib.bone.predicted_bone import BoneEstimator
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.scan_line_reader import ScanLineReader
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.resolve import Imaging
 from AIFReconLib.sweep.frames import TrackedFrame, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, tracked_frames
 

@@ -27,6 +27,7 @@ import numpy as np
 from benchmark.live import plate
 
 from AIFReconLib.bone.map import BoneMap
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
@@ -38,7 +39,6 @@ from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import StreamStatistics
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import imaging_fields
 
 from . import stream
 from .accounts import Equation, equations

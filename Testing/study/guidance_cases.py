@@ -11,10 +11,10 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import GuidedBone, guided_bone
+from AIFReconLib.guidance.bone_coverage import CoverageAccumulator
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered
 from AIFReconLib.guidance.guidance import guidance_of_sweep
-from AIFReconLib.guidance.met import BoneMet
 from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import HAND, Pass, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, ScanPlan, plan_scan
@@ -120,7 +120,7 @@ class ScannedCase:
 
     def follow(self, frames: int) -> tuple[np.ndarray, list[int]]:
         """The frames of an operator who does, again and again, what `next` says, and misses; and where each move begins."""
-        met = BoneMet(geometry_of(self.bone, self.probe))
+        met = CoverageAccumulator(geometry_of(self.bone, self.probe))
         advisor = NextMove(self.bone, self.probe)
         taken: list[np.ndarray] = []
         begins: list[int] = []
@@ -170,7 +170,7 @@ class ScannedCase:
         settings = ReconstructionSettings(spacing=SPACING, hole_limit=HOLE_LIMIT)
         result = reconstruct(scan.sequence, settings, self._map)
         metrics = evaluate(result.intensity, scan.truth, result.mask)
-        met = BoneMet(geometry_of(self.bone, self.probe))
+        met = CoverageAccumulator(geometry_of(self.bone, self.probe))
         for pose in poses:
             met.insert(pose)
         border = covered(met).interspinous

@@ -23,6 +23,7 @@ from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.compiled.numba_evidence import FrameJudge
 from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.compounding.state import Reconstruction
+from AIFReconLib.effective_settings import resolve_imaging
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.visibility import BoneTruth
@@ -32,7 +33,6 @@ from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
-from AIFReconLib.resolve import resolve_imaging
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep
 from AIFReconLib.sweep.edits import select_frames

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from AIFReconLib.evaluation.lines import BLOCKED, FREE, ToldApart, told_apart
+from AIFReconLib.evaluation.lines import BLOCKED, FREE, RocResult, told_apart
 from AIFReconLib.paths.states import FREE as GIVEN_FREE
 from AIFReconLib.paths.states import ROOM, TIGHT, states_of
 from AIFReconLib.paths.surroundings import FAR
@@ -66,7 +66,7 @@ class Judged:
         """Which ones the product calls free or tight, (n,) bool."""
         return states_of(self.clearance, self.seen) >= TIGHT
 
-    def told_by(self, number: np.ndarray) -> ToldApart:
+    def told_by(self, number: np.ndarray) -> RocResult:
         """By a number that is to be greater for free lines."""
         return told_apart(number[self.free], number[self.blocked])
 
@@ -78,7 +78,7 @@ class Judged:
     def cells(self) -> list[str]:
         """What a line of the tables holds."""
         free, blocked, given = self.free, self.blocked, self.given
-        bright = ToldApart(np.nan, np.nan) if self.brightest is None else self.told_by(-self.brightest)
+        bright = RocResult(np.nan, np.nan) if self.brightest is None else self.told_by(-self.brightest)
         near = self.told_by(self.clearance)
         clear = states_of(self.clearance, self.seen) == GIVEN_FREE
         off = np.abs(np.maximum(self.clearance + self.margin, 0.0) - np.clip(self.truth, 0.0, FAR))

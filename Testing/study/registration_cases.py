@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.search import sweep_echoes
 from AIFReconLib.bone.field import BoneField
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface, centers_of_mass, distance_from_labels
@@ -20,7 +21,6 @@ from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.registration.registration import Registration, register_echoes
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import freehand_sweep, multi_angle_sweep, random_rigid, simulate_sweep, single_angle_sweep

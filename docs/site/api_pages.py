@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 ROOMS = (
-    *("reconstruction", "recipe", "errors", "message", "remedies", "progress", "arrays", "resolve"),
+    *("reconstruction", "recipe", "errors", "message", "remedies", "progress", "arrays", "effective_settings"),
     *(
         "sweep",
         "geometry",

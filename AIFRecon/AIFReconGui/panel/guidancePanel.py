@@ -121,7 +121,7 @@ class GuidancePanel(PanelPart):
             self._show(seen, live.bone)
 
     def _show(self, seen, bone) -> None:
-        """Show a `GuidanceSeen` of this node."""
+        """Show a `GuidanceSnapshot` of this node."""
         self._shown = seen
         bone = bone if bone is not None and bone.GetScene() is not None else None
         chosen = None if self._parameterNode is None else list(self._parameterNode.boneSegments)

@@ -13,7 +13,7 @@ from AIFReconLib.errors import SettingsError
 from AIFReconLib.progress import part, report
 from AIFReconLib.recipe.recipe import RULES, Recipe
 from AIFReconLib.sweep.frames import TrackedSequence
-from AIFReconLib.sweep.joined import joined
+from AIFReconLib.sweep.multi_sweep import joined
 from AIFReconLib.workflows.job import BoneSource as GivenBone
 from AIFReconLib.workflows.job import ReconstructionJob
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError, WorkerDiedError
-from AIFReconLib.guidance.seen import GuidanceSeen
+from AIFReconLib.guidance.snapshot import GuidanceSnapshot
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.message import said
@@ -44,8 +44,8 @@ class LiveReconstruction:
 
     `progress` hears of what is made before the first frame is received, every frame is recorded to the path `record`, and guidance leads to
     bone, or to `unseen` places, (n, 3) in RAS. An AIFReconError says what is missing or wrong; nothing is left running then, and the scene
-    is as before. `seen` is the last look at it, a `Seen`; `guidance` has a `GuidanceSeen` as `state`, and the node `bone` that it is about;
-    `lost` says why the process that scans has died, while another takes up where it was, and is empty else.
+    is as before. `seen` is the last look at it, a `Seen`; `guidance` has a `GuidanceSnapshot` as `state`, and the node `bone`
+    that it is about; `lost` says why the process that scans has died, while another takes up where it was, and is empty else.
 
     Reference, the frame that the stream's poses lead to, is RAS world. A scan goes to the selected output only while that is empty, else
     to a new volume: what was reconstructed before is not lost by pressing Start. But for `stop` and `followBone`, everything here returns
@@ -80,7 +80,7 @@ class LiveReconstruction:
     def guide(self, wanted: bool) -> None:
         """Tell from now on what is met, and where to look next, or do so no longer."""
         if wanted != (self.guidance is not None):
-            self.guidance = SimpleNamespace(state=GuidanceSeen(), bone=self._bone.node) if wanted else None
+            self.guidance = SimpleNamespace(state=GuidanceSnapshot(), bone=self._bone.node) if wanted else None
             self._surface = None
         if wanted != self._request.guidance:
             self._tell("guide", wanted, guidance=wanted)
@@ -140,7 +140,7 @@ class LiveReconstruction:
             self.guidance.state, self._surface = seen.guidance.after(self.guidance.state), seen.guidance.surface
         hasNoCT = self._request.sees_bone and self._request.bone.labels is None
         if self.guidance is not None and self._bone.problem is not None and not hasNoCT:
-            self.guidance.state = GuidanceSeen(problem=self._bone.problem)
+            self.guidance.state = GuidanceSnapshot(problem=self._bone.problem)
         if seen.frame is not None:
             self._toShow.append(self._showFrame)
         if seen.result is not None:

@@ -4,7 +4,7 @@ import slicer
 from slicer.i18n import tr as _
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.inspection.raised import BANDS, raised_bands
+from AIFReconLib.inspection.enhancement_map import BANDS, raised_bands
 
 from ..display import sliceDisplay
 from ..display.ownNodes import OwnNodes
@@ -16,7 +16,7 @@ TINT = (0.66, 0.22, 0.95)
 """Violet: no other thing in the views has it, and gray stays readable under it."""
 
 OPACITIES = (0.0, 0.16, 0.30, 0.42, 0.52)
-"""Of the tint, for nothing and for each band of `AIFReconLib.inspection.raised`: never so much that the echo is hidden."""
+"""Of the tint, for nothing and for each band of `AIFReconLib.inspection.enhancement_map`: never so much that the echo is hidden."""
 
 
 class EchoView:

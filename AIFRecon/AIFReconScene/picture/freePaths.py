@@ -8,7 +8,7 @@ import vtk
 from slicer.i18n import tr as _
 
 from AIFReconLib.geometry.labels import Labels
-from AIFReconLib.paths.asked import AskedPaths
+from AIFReconLib.paths.path_query import PathQuery
 from AIFReconLib.paths.states import COLORS
 from AIFReconLib.progress import part
 
@@ -68,8 +68,8 @@ class FreePaths:
         beside = (besideOf(output, MASK), besideOf(output, SCORE)) if result is None else (result.mask, result.score)
         skin = inputs.sequence() if skin is None else skin
         asked = volumeOf(output), *beside, target, skin, labels, place, inputs.recipe
-        self._found = worker.keep(AskedPaths, *asked, progress=part(progress, 0.1, 1.0))
-        shown = inWorker(AskedPaths.shown, self._found)
+        self._found = worker.keep(PathQuery, *asked, progress=part(progress, 0.1, 1.0))
+        shown = inWorker(PathQuery.shown, self._found)
         self.unseen = shown.unseen if len(shown.unseen) else None
         with slicer.util.RenderBlocker():
             self._show(output, shown)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.guidance.seen import GuidanceSeen
+from AIFReconLib.guidance.snapshot import GuidanceSnapshot
 from AIFReconLib.inspection.verdicts import Level, Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
@@ -102,7 +102,7 @@ class SweepVerdicts:
             task.cancel()
         self._sought = {}
 
-    def guide(self, parameters, progress=None, unseen=None) -> GuidanceSeen:
+    def guide(self, parameters, progress=None, unseen=None) -> GuidanceSnapshot:
         """What the chosen sweeps have met, and the next move from where the last one ended; with that, the coverage is known.
 
         It leads to bone, or to `unseen` places, (n, 3) in RAS. An AIFReconError says what cannot be used and what to do.

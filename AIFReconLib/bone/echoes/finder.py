@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from ...arrays import Floats, Integers, Mask, Numbers, Reals, Singles
-from ...resolve import Imaging
+from ...effective_settings import Imaging
 from ..scan_line_reader import ScanLineReader, running_sum
 from .found import BoneEchoes
 

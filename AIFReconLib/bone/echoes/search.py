@@ -10,6 +10,7 @@ from itertools import islice
 
 import numpy as np
 
+from ...effective_settings import resolve_imaging
 from ...errors import GeometryError
 from ...geometry.transforms import pixel_spacing
 from ...machine.threads import in_parts, usable_cores
@@ -17,9 +18,8 @@ from ...message import listed
 from ...progress import Progress, part, report
 from ...recipe.recipe import Recipe
 from ...remedies import CHECK_PROBE_AND_CLIP
-from ...resolve import resolve_imaging
 from ...sweep.frames import TrackedFrame, TrackedSequence
-from ...sweep.joined import sweeps_of
+from ...sweep.multi_sweep import sweeps_of
 from ...sweep.poses import poses_of_each, still_images_of, time_order, tracked_frames
 from .finder import LEAST_SCORE, BoneEchoFinder
 from .found import FEWEST, SweepEchoes

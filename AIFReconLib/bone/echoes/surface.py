@@ -29,7 +29,7 @@ from ...progress import Progress, part, report
 from ...recipe.recipe import Recipe
 from ...remedies import CHECK_PROBE_AND_CLIP
 from ...sweep.frames import TrackedSequence
-from ...sweep.joined import sweeps_of
+from ...sweep.multi_sweep import sweeps_of
 from ..map import BoneMap
 from .found import SweepEchoes
 from .search import sweep_echoes

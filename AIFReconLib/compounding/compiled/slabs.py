@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from ...arrays import Integers, Mask, Matrix, Numbers
-from ...machine.threads import Pace, checked_threads, in_parts
+from ...machine.threads import AdaptiveBatch, checked_threads, in_parts
 from ...progress import Progress
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..engine import Engine, Job
@@ -78,7 +78,7 @@ class SlabEngine(Engine):
 
     def __init__(self, job: Job):
         super().__init__(job)
-        self.threads, self._pace = checked_threads(job.threads), Pace()
+        self.threads, self._pace = checked_threads(job.threads), AdaptiveBatch()
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """As `Engine.insert`: frames of which the same pixels count go in together."""

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import OutputError
-from .detached import place_pair
+from .header_data_pair import place_pair
 from .workspace import flush_to_disk, workspace
 
 _REMEDIES = {

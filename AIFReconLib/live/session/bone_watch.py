@@ -15,8 +15,8 @@ from ...bone.growing_bone import GrowingBone
 from ...bone.predicted_bone import BoneEstimator, PointsOfFrames
 from ...bone.predictions import Prediction
 from ...bone.recorded_predictions import COVERS, SAME_TIME, probability_of
+from ...effective_settings import Imaging
 from ...errors import GeometryError, OperationCanceled
-from ...resolve import Imaging
 from ..pairing.synchronizer import LiveFrame
 from ..wire.messages import ImageMessage
 from .recording import Recorder

@@ -13,16 +13,16 @@ import numpy as np
 
 from ...arrays import Floats, Matrix, Numbers
 from ...bone.growing_bone import GrowingBone
+from ...effective_settings import Imaging
 from ...errors import OperationCanceled
 from ...geometry.volume import Volume, VoxelGrid
 from ...guidance.bone import GuidedBone, bone_of_echoes, guided_bone
+from ...guidance.bone_coverage import CoverageAccumulator, FrameGeometry
 from ...guidance.coverage import is_awry, unrefuted
 from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
 from ...guidance.mesh import ColoredBone
-from ...guidance.met import BoneMet, FrameGeometry
 from ...guidance.window import window
 from ...progress import Progress, report
-from ...resolve import Imaging
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
 from .watch import Watch
@@ -91,7 +91,7 @@ class GuidanceWatch(Watch):
         self._colored: ColoredBone | None = None
         self._bone: GuidedBone | None = None
         self._unseen = unseen
-        self._mets: list[BoneMet] = []
+        self._mets: list[CoverageAccumulator] = []
         self._advisor: Advisor | None = None
         self._poses: list[Matrix] = []
         self._again: list[Matrix] = []
@@ -180,10 +180,10 @@ class GuidanceWatch(Watch):
             met.insert(pose, levels)
         self._remember(pose)
 
-    def _none_met(self, bone: GuidedBone, imaging: Imaging, frame_size: tuple[int, int]) -> list[BoneMet]:
+    def _none_met(self, bone: GuidedBone, imaging: Imaging, frame_size: tuple[int, int]) -> list[CoverageAccumulator]:
         """What frames are added to: bone first, and last what moves are to lead to, which may be places that were not seen."""
         looked_at = [bone] if self._unseen is None else [bone, window(bone, self._unseen)]
-        return [BoneMet(FrameGeometry(one, frame_size, imaging.known_probe(), imaging.region)) for one in looked_at]
+        return [CoverageAccumulator(FrameGeometry(one, frame_size, imaging.known_probe(), imaging.region)) for one in looked_at]
 
     def _remember(self, pose: Matrix) -> None:
         self._poses = [*self._poses, pose][-MOST_POSES:]
@@ -197,7 +197,7 @@ class GuidanceWatch(Watch):
             self._show(guided_bone(self._labels, None, self._labels_to_reference[:3, :3].T @ looks))
             self._begin()
 
-    def _tell(self, met: BoneMet, aim: BoneMet) -> None:
+    def _tell(self, met: CoverageAccumulator, aim: CoverageAccumulator) -> None:
         now, colored = time.monotonic(), self._colored
         if now - self._told < TELL_EVERY or colored is None or not self._poses:
             return
@@ -215,7 +215,7 @@ class GuidanceWatch(Watch):
                 advice = self._advisor.to(None if self.state.advice is None else self.state.advice.move, pose)
         self.state = Guidance.of(colored, met, advice)
 
-    def _why_not(self, met: BoneMet) -> str | None:
+    def _why_not(self, met: CoverageAccumulator) -> str | None:
         grid = self._session.grid
         if grid is not self._grid or met.bone is not self._boxed:
             self._grid, self._boxed = grid, met.bone
@@ -233,17 +233,17 @@ class GuidanceWatch(Watch):
     def _end_long(self) -> None:
         self._is_preparing = False
 
-    def _prepare(self, aim: BoneMet) -> None:
+    def _prepare(self, aim: CoverageAccumulator) -> None:
         """Have candidate passes looked at."""
         self._begin_long(partial(self._look_at_passes, aim, np.array(self._poses)), lambda: aim in self._mets)
 
-    def _look_at_passes(self, aim: BoneMet, poses: Matrix, progress: Progress) -> None:
+    def _look_at_passes(self, aim: CoverageAccumulator, poses: Matrix, progress: Progress) -> None:
         advisor = Advisor(aim, poses, progress, draws=1)
         self._ask("advisor", partial(self._take_advisor, aim, advisor))
         while advisor.look_again(progress):
             pass
 
-    def _take_advisor(self, aim: BoneMet, advisor: Advisor) -> None:
+    def _take_advisor(self, aim: CoverageAccumulator, advisor: Advisor) -> None:
         if aim in self._mets:
             self._advisor = advisor
 
@@ -270,7 +270,7 @@ class GuidanceWatch(Watch):
         finally:
             self._renewed = time.monotonic()
 
-    def _take_mets(self, growing: GrowingBone, mets: list[BoneMet], advisor: Advisor, colored: ColoredBone) -> None:
+    def _take_mets(self, growing: GrowingBone, mets: list[CoverageAccumulator], advisor: Advisor, colored: ColoredBone) -> None:
         if self._growing is growing:
             self._colored, self._bone, self._mets, self._advisor = colored, mets[0].bone, mets, advisor
             self._again = self._since

@@ -17,15 +17,15 @@ from ...compounding.methods.table import method_named
 from ...compounding.needs import bone_on_grid
 from ...compounding.reconstructor import Reconstructor
 from ...compounding.state import Reconstruction
+from ...effective_settings import BEFORE_FRAMES, Imaging, ReconstructorParts
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
 from ...imaging.region import ImageRegion
 from ...progress import Progress
 from ...recipe.recipe import Recipe
-from ...resolve import BEFORE_FRAMES, Imaging, ReconstructorParts
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame
-from .statistics import Meter, Rhythm
+from .statistics import FrameCounters, Rhythm
 
 logger = logging.getLogger(__name__)
 
@@ -74,10 +74,10 @@ class Inserter:
         self.error: Exception | None = None
         self.warm, self.ready = threading.Event(), threading.Event()
         self._patient = longest_delay is None
-        self._keep_up = KeepUp(longest_delay or 1.0)
+        self._keep_up = FrameDropper(longest_delay or 1.0)
         lock = threading.RLock()
         self._changed, self._resting = threading.Condition(lock), threading.Condition(lock)
-        self._tasks: deque[Callable[[], None] | tuple[LiveFrame, Meter, bool]] = deque()
+        self._tasks: deque[Callable[[], None] | tuple[LiveFrame, FrameCounters, bool]] = deque()
         self._rhythm = Rhythm()
         self._waiting_frames = self._waiting_bytes = 0
         self._closed = False
@@ -171,7 +171,7 @@ class Inserter:
                 self._tasks.append(self._begin)
             self._changed.notify_all()
 
-    def put(self, frame: LiveFrame, meter: Meter, live: bool = True) -> None:
+    def put(self, frame: LiveFrame, meter: FrameCounters, live: bool = True) -> None:
         """Hand over a frame, usable or not.
 
         Parameters
@@ -276,7 +276,7 @@ class Inserter:
                     if not self._waiting_frames:
                         self._resting.notify_all()
 
-    def _insert(self, frame: LiveFrame, meter: Meter, live: bool) -> None:
+    def _insert(self, frame: LiveFrame, meter: FrameCounters, live: bool) -> None:
         if frame.status == "OK":
             image, _ = frame.placed()
             like = image.shape, image.dtype
@@ -320,7 +320,7 @@ def _bytes(frame: TrackedFrame) -> int:
     return 0 if frame.image is None else frame.image.nbytes
 
 
-class KeepUp:
+class FrameDropper:
     """Which frames to leave out when they come faster than they can be inserted: evenly, and no more than it takes.
 
     Decides frame by frame from how long the frames that wait already will take: above `longest_delay` s frames are left out, ever more

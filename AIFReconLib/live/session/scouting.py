@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ...arrays import Floats, Matrix, Numbers
+from ...effective_settings import Imaging
 from ...errors import NoUsableFramesError
 from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
@@ -16,12 +17,11 @@ from ...imaging.extent import grid_around_sweep
 from ...imaging.images import ImagesOnDemand
 from ...imaging.sound_speed import depth_scale
 from ...recipe.recipe import Recipe
-from ...resolve import Imaging
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.poses import SweepPoses
 from ..pairing.pose_history import LARGEST_SPEED
 from ..pairing.synchronizer import LiveFrame
-from .statistics import Meter
+from .statistics import FrameCounters
 
 SCOUTED = "seen while scouting"
 
@@ -43,14 +43,14 @@ class ScoutedFrames:
 
     def __init__(self) -> None:
         self.usable = 0
-        self._kept: list[tuple[LiveFrame, Meter]] = []
-        self._others: dict[tuple[str, Meter], array[int]] = {}
+        self._kept: list[tuple[LiveFrame, FrameCounters]] = []
+        self._others: dict[tuple[str, FrameCounters], array[int]] = {}
         self._poses: list[Matrix] = []
         self._times: list[tuple[float, float]] = []
         self.notes: tuple[str, ...] = ()
         self._left = MOST_BYTES
 
-    def add(self, frame: LiveFrame, meter: Meter) -> None:
+    def add(self, frame: LiveFrame, meter: FrameCounters) -> None:
         """Keep a frame, and what it is counted by."""
         if frame.status == "OK":
             image, image_to_reference = frame.placed()
@@ -81,7 +81,7 @@ class ScoutedFrames:
         elapsed = min(max(abs(stamped_now - stamped), received_now - received), LONGEST_REACH)
         return distance <= FARTHEST_STEP + LARGEST_SPEED * elapsed
 
-    def __iter__(self) -> Iterator[tuple[LiveFrame, Meter]]:
+    def __iter__(self) -> Iterator[tuple[LiveFrame, FrameCounters]]:
         """Every frame and what it is counted by: first those without an image, by reason, then the usable ones in order of arrival."""
         for (status, meter), numbers in self._others.items():
             for number in numbers:

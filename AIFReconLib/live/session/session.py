@@ -15,6 +15,7 @@ from ...bone.map import BoneMap
 from ...compounding.methods.table import method_named
 from ...compounding.needs import needs_beams, require_bone, require_grid_as_asked, require_map_as_asked
 from ...compounding.state import Reconstruction, bytes_per_voxel
+from ...effective_settings import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...errors import SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.sound_speed import depth_factor
@@ -22,7 +23,6 @@ from ...message import said
 from ...progress import Progress, part
 from ...provenance.record import with_origin
 from ...recipe.recipe import OF_READING, Recipe
-from ...resolve import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
@@ -31,7 +31,7 @@ from ..wire.sources import CONNECTED, ENDED, MessageSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
-from .statistics import NO_IMAGES, Heard, LiveStatistics, Meter, tracking_words
+from .statistics import NO_IMAGES, FrameCounters, LiveStatistics, StreamHealth, tracking_words
 
 logger = logging.getLogger(__name__)
 
@@ -145,7 +145,7 @@ class LiveSession:
         self._frame_limit = frame_limit
         self._predictions_device = predictions_device
         self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
-        self._meter = Meter()
+        self._meter = FrameCounters()
         names = self._synchronizer.settings
         sign = partial(
             with_origin,
@@ -164,7 +164,7 @@ class LiveSession:
         self._phase = SCOUTING if grid is None else LOOKING if self._must_look else RECONSTRUCTING
         self._scouted = ScoutedFrames()
         self._paused = self._prepared = self._started = self._closed = False
-        self._heard, self._still = Heard(), StillImages()
+        self._heard, self._still = StreamHealth(), StillImages()
         self._collect_error: Exception | None = None
         self._earlier: Iterable[tuple[LiveFrame, bool]] = ()
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
@@ -207,7 +207,7 @@ class LiveSession:
     def reset(self) -> None:
         """Empty the volume and begin to count anew, on the same grid; frames that wait are forgotten. The recording goes on."""
         with self._lock:
-            self._meter = Meter()
+            self._meter = FrameCounters()
             self._inserter.restart()
             if self._phase in (SCOUTING, LOOKING):
                 self._scouted = ScoutedFrames()
@@ -403,7 +403,7 @@ class LiveSession:
             self._meter.receive(frame.received)
             self._hand_on(frame, self._meter, live, counts and not (live and self._paused))
 
-    def _hand_on(self, frame: LiveFrame, meter: Meter, live: bool, counts: bool) -> None:
+    def _hand_on(self, frame: LiveFrame, meter: FrameCounters, live: bool, counts: bool) -> None:
         if not counts:
             meter.skip(WHILE_PAUSED)
         elif frame.number % (self.settings.skip or 1):

@@ -130,7 +130,7 @@ class Rhythm:
         return left if left > 0.0 else 0.0 if left > -between else math.inf
 
 
-class Meter:
+class FrameCounters:
     """Counts frames since the start or a reset; every method may be called from any thread."""
 
     def __init__(self) -> None:
@@ -194,7 +194,7 @@ def tracking_words(status: str, reference: str) -> str:
     return f"{listed(tools, ' or ') or name} not seen by tracker"
 
 
-class Heard:
+class StreamHealth:
     """What a stream last complained of, and when its poses came last."""
 
     def __init__(self) -> None:

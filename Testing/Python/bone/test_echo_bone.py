@@ -16,6 +16,7 @@ from AIFReconLib.bone.echoes.search import echoes_of
 from AIFReconLib.bone.echoes.surface import bone_from_sweep, surface_of
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.transforms import pixel_spacing, transform_points
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.detection import detect_imaging
@@ -24,7 +25,6 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import Imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
 from AIFReconLib.worker.reconstructing import reconstructed as worker_reconstructs

@@ -13,6 +13,7 @@ from AIFReconLib.bone.predicted_bone import EchoEstimator, PointsOfFrames, bone_
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import GeometryError, SequenceFormatError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -21,7 +22,6 @@ from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.recipe.recipe import Recipe, ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedFrame
 
 SWEEP = PlaneSweep()

@@ -11,7 +11,7 @@ import pytest
 from waiting import until
 
 pytest.importorskip("numba", reason="numba is not installed")
-from AIFReconLib.compounding.compiled.aside import compiled_aside
+from AIFReconLib.compounding.compiled.precompile import compiled_aside
 from AIFReconLib.machine import numba_compile
 from AIFReconLib.recipe.recipe import Recipe
 

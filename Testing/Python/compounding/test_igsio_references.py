@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.holes.filling import HoleFilling
-from AIFReconLib.holes.plus_ways import fill_holes_by_kind
+from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.poses import sweep_poses
 
 SPINE = "SpinePhantomFreehand.igs.mha"

@@ -14,6 +14,7 @@ from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding.finishing.parts import Costs, cut_into_parts
 from AIFReconLib.compounding.methods.table import LINEAR_METHODS, METHODS
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.filling import KINDS, HoleFilling
@@ -23,7 +24,6 @@ from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.workflows import reconstruct as workflow
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from sweeps import rigid, two_vertebrae
 
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, guidance_of_sweep
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 
 IMAGES = ProbeImages.simulated()

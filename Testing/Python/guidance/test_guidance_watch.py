@@ -15,8 +15,8 @@ from waiting import until
 from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
 from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
-from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
@@ -60,7 +60,7 @@ def show(session, watch, frames) -> None:
 
 
 def of(frames, place=None):
-    met = BoneMet(FrameGeometry(guided_bone(two_vertebrae(), place), IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
+    met = CoverageAccumulator(FrameGeometry(guided_bone(two_vertebrae(), place), IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
     for frame in frames:
         met.insert(frame.image_to_reference)
     return met

@@ -10,8 +10,8 @@ import pytest
 from sweeps import two_vertebrae
 
 from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.bone_coverage import CoverageAccumulator
 from AIFReconLib.guidance.candidates import OFF_TARGET, geometry_of
-from AIFReconLib.guidance.met import BoneMet
 from AIFReconLib.guidance.next_move import NextMove
 from AIFReconLib.guidance.passes import name_of_place
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
@@ -32,7 +32,7 @@ def advisor(probe):
 def followed(probe, advisor):
     """(words, what it said to add, what it added) of moves that were followed, from a transverse image in the middle."""
     on, bone = probe
-    met, here = BoneMet(geometry_of(bone, on)), on.pose(ProbePlacement(0.0, 0.0))
+    met, here = CoverageAccumulator(geometry_of(bone, on)), on.pose(ProbePlacement(0.0, 0.0))
     weights, moves, shown = np.where(bone.border, 1.0, OFF_TARGET) * bone.surface.areas, [], 0.0
     for _ in range(8):
         move = advisor.advise(met, here)
@@ -85,7 +85,7 @@ def test_places_are_called_as_the_segments_are_from_head_to_feet(probe, names, s
 
 def test_a_small_movement_of_the_hand_does_not_change_the_advice(probe, advisor):
     on, bone = probe
-    met = BoneMet(geometry_of(bone, on))
+    met = CoverageAccumulator(geometry_of(bone, on))
     rng = np.random.default_rng(0)
     advised = {advisor.advise(met, on.pose(ProbePlacement(*rng.normal(0, 3, 2), 0.0, *rng.normal(0, 3, 2)))).planned for _ in range(20)}
     assert len(advised) == 1
@@ -93,6 +93,6 @@ def test_a_small_movement_of_the_hand_does_not_change_the_advice(probe, advisor)
 
 def test_when_everything_was_met_squarely_nothing_is_advised(probe, advisor):
     on, bone = probe
-    met = BoneMet(geometry_of(bone, on))
+    met = CoverageAccumulator(geometry_of(bone, on))
     met.support[:] = 100.0
     assert advisor.advise(met, on.pose(ProbePlacement(0.0, 0.0))) is None

@@ -14,8 +14,8 @@ from AIFReconLib.commands.simulate import planned_path
 from AIFReconLib.evaluation.visibility import SweepBeams, look
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
+from AIFReconLib.guidance.bone_coverage import expected_visibility, support_of
 from AIFReconLib.guidance.candidates import DRAWS, Candidates
-from AIFReconLib.guidance.met import expected_visibility, support_of
 from AIFReconLib.guidance.passes import WEARABLE_TILT_DEG, Hand, freehand_passes
 from AIFReconLib.guidance.plan import WEARABLE, plan_scan
 from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, ProbeImages, ProbeOnBack, ProbePlacement, Skin

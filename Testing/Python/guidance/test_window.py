@@ -9,6 +9,7 @@ import pytest
 from sweeps import rigid, two_vertebrae
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import GeometryError, SettingsError
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
@@ -18,7 +19,6 @@ from AIFReconLib.guidance.plan import plan_scan
 from AIFReconLib.guidance.probe import ProbeImages, ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.guidance.window import APART, NOT_SEEN, unseen_of, window
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedSequence
 
 PLACE = rigid((5.0, -8.0, 12.0), (20.0, 10.0, -5.0))

@@ -15,15 +15,16 @@ from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.surface import surface_of
 from AIFReconLib.bone.growing_bone import GrowingBone
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.guidance.bone import GuidedBone, bone_of_echoes
+from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
 from AIFReconLib.guidance.candidates import geometry_of
 from AIFReconLib.guidance.coverage import covered, unrefuted
 from AIFReconLib.guidance.guidance import Advisor, guidance_of_sweep
 from AIFReconLib.guidance.mesh import ASLANT, NOT_MET, SQUARELY, TILE, ColoredBone
-from AIFReconLib.guidance.met import BoneMet, FrameGeometry
 from AIFReconLib.guidance.next_move import HERE, IMAGE, TO_LEFT, TO_RIGHT, TURN, UP, directions
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.io.sequence.writer import write_sequence
@@ -32,7 +33,6 @@ from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import plus_configuration_xml
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -122,8 +122,8 @@ def test_its_axes_are_those_of_the_first_image(bone, place):
     assert bone.aim == "posterior"
 
 
-def met_by(bone, poses) -> BoneMet:
-    met = BoneMet(geometry_of(bone, ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), bone.patient_to_reference)))
+def met_by(bone, poses) -> CoverageAccumulator:
+    met = CoverageAccumulator(geometry_of(bone, ProbeOnBack(IMAGES, Skin.through(np.array([[0.0, 0.0, 0.0]])), bone.patient_to_reference)))
     for pose in poses:
         met.insert(pose)
     return met
@@ -134,7 +134,7 @@ def test_places_that_beams_have_met_without_an_echo_are_no_bone(bone, place):
     met = met_by(bone, over_the_end)
     left = unrefuted(met)
 
-    def beyond_the_end(of: BoneMet) -> int:
+    def beyond_the_end(of: CoverageAccumulator) -> int:
         points, _ = in_shaft(of.bone, place)
         return int(((of.bone.surface.labels == 0) & (points[:, 2] > HALF_LENGTH + 1)).sum())
 
@@ -370,7 +370,7 @@ def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
         met, poses = watch._mets[0], list(watch._poses)
         if watch._again or watch._is_preparing:
             return False
-        expected = BoneMet(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
+        expected = CoverageAccumulator(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
         for pose in poses:
             expected.insert(pose)
         return bool(np.array_equal(expected.frames, met.frames))

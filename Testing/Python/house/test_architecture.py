@@ -26,7 +26,7 @@ ROOMS = (
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     *("guidance", "paths"),
     *("evaluation", "simulation", "inspection", "provenance", "compounding"),
-    *("calibration", "registration", "bone", "resolve"),
+    *("calibration", "registration", "bone", "effective_settings"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "recipe", "geometry", "machine"),
     *("compounding/methods", "progress", "errors", "message", "remedies", "arrays"),
@@ -197,7 +197,7 @@ def test_a_file_imports_only_packages_that_belong_into_its_room():
 
 def test_at_the_root_of_the_library_lie_only_what_all_rooms_share_and_the_way_in():
     assert {file.stem for file in LIBRARY.glob("*.py")} == {
-        *("__init__", "__main__", "reconstruction", "resolve"),
+        *("__init__", "__main__", "reconstruction", "effective_settings"),
         *("progress", "errors", "message", "remedies", "arrays"),
     }
 

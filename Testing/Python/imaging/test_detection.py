@@ -9,12 +9,12 @@ import pytest
 import SimpleITK as sitk
 from scipy import ndimage
 
+from AIFReconLib.effective_settings import resolve_imaging
 from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.imaging.beams import LINEAR, SECTOR
 from AIFReconLib.imaging.detection import DetectedImaging, detect_imaging
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import resolve_imaging
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 

@@ -10,11 +10,11 @@ from geometry_strategies import numbers
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from AIFReconLib.effective_settings import asked_imaging
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, extreme_pixels
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import asked_imaging
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 

@@ -21,7 +21,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.edits import rename, select_frames
 from AIFReconLib.sweep.frames import FrameRecord, RecordsOnDemand, TrackedSequence
-from AIFReconLib.sweep.joined import joined
+from AIFReconLib.sweep.multi_sweep import joined
 
 FRAMES, ROWS, COLUMNS = 300, 120, 160
 GRID = VoxelGrid.from_spacing((0, 0, 0), (32, 24, 30), 1.0)

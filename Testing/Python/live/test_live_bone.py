@@ -19,6 +19,7 @@ from AIFReconLib.bone.predicted_bone import PointsOfFrames, bone_from_frames
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.bone.recorded_predictions import RecordedPredictions
 from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.gray_levels import STANDARD
@@ -29,7 +30,6 @@ from AIFReconLib.live.session.session import MOST_PREDICTIONS, LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.frames import TrackedFrame
 
 LOOKED = imaging_fields(IMAGING.region, IMAGING.probe)

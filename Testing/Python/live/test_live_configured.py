@@ -11,6 +11,7 @@ from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
 from sweeps import oblique_frames
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
@@ -20,7 +21,6 @@ from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import Imaging
 
 FRAMES = 10
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)

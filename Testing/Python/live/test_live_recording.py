@@ -24,7 +24,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session import recording
 from AIFReconLib.live.session.recording import Recorder
-from AIFReconLib.live.session.taken_up import TakenUp
+from AIFReconLib.live.session.resumed_recording import TakenUp
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses

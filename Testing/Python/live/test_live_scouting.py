@@ -7,15 +7,15 @@ import pytest
 from live_messages import image, transform
 from sweeps import image_pose
 
+from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.statistics import Meter
+from AIFReconLib.live.session.statistics import FrameCounters
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.resolve import Imaging
 
 PIXELS = np.full((30, 40), 100, np.uint8)
 WHOLE = ImageRegion(ClipRectangle((0.0, 0.0), (39.0, 29.0)))
@@ -26,7 +26,7 @@ def box(places: list[float], times: list[float] | None = None) -> tuple[VoxelGri
     scouted = ScoutedFrames()
     for number, z in enumerate(places):
         time = number / 20 if times is None else times[number]
-        scouted.add(LiveFrame(PIXELS, image_pose(translation=(0.0, 0.0, z)), time, number=number, received=number / 20), Meter())
+        scouted.add(LiveFrame(PIXELS, image_pose(translation=(0.0, 0.0, z)), time, number=number, received=number / 20), FrameCounters())
     return scouted.grid(Imaging(WHOLE, None), ReconstructionSettings(spacing=1.0), 16), scouted
 
 

@@ -19,6 +19,7 @@ from sweeps import sphere_bone
 from AIFReconLib.compounding.methods.table import METHODS, method_named
 from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.reconstructor import Reconstructor
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.errors import BeamGeometryError, LiveMessageError, NoUsableFramesError, SettingsError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.volume import VoxelGrid
@@ -29,11 +30,11 @@ from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from AIFReconLib.live.replay.server import ReplayServer
-from AIFReconLib.live.session.insertion import KeepUp
+from AIFReconLib.live.session.insertion import FrameDropper
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import FRAMES_LOOKED_AT, LiveSession
-from AIFReconLib.live.session.statistics import Heard, Meter, tracking_words
+from AIFReconLib.live.session.statistics import FrameCounters, StreamHealth, tracking_words
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Framer
@@ -42,7 +43,6 @@ from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import imaging_fields
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
@@ -294,7 +294,7 @@ def test_a_ct_that_was_placed_anew_weights_the_next_volume_and_not_the_one_that_
 
 def test_frames_that_cannot_be_used_wait_for_a_box_without_filling_the_memory():
     """An hour with the probe out of view is 100 000 of them."""
-    scouted, meter = ScoutedFrames(), Meter()
+    scouted, meter = ScoutedFrames(), FrameCounters()
     tracemalloc.start()
     for number in range(20_000):
         record = FrameRecord(transforms={TransformName("Probe", "Tracker"): TransformSample(np.eye(4), TransformStatus.OUT_OF_VIEW)})
@@ -461,7 +461,7 @@ def test_the_tracking_state_names_the_tool(status, words):
     ],
 )
 def test_what_comes_no_more_is_told_with_how_long_ago_it_came(imaged, posed, stopped):
-    heard = Heard()
+    heard = StreamHealth()
     if posed is not None:
         heard.note(TransformMessage("ProbeToTracker", 1.0, np.eye(4), TransformStatus.OK, received=posed))
     assert heard.stopped(100.0, imaged) == stopped
@@ -537,7 +537,7 @@ def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
 
 def simulate(load, frames=4000, interval=1 / 30):
     """Which frames are admitted when inserting one takes `load` times the interval between two."""
-    keep_up, backlog, admitted = KeepUp(0.5), 0.0, []
+    keep_up, backlog, admitted = FrameDropper(0.5), 0.0, []
     for _ in range(frames):
         admitted.append(keep_up.admit(backlog))
         backlog = max(backlog + admitted[-1] * load * interval - interval, 0.0)

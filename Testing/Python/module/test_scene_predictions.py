@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from seen_planes import IMAGING, PlaneSweep, as_sequence
 
+from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.resolve import imaging_fields
 
 slicer = pytest.importorskip("slicer", reason="slicer-core is not installed")
 

@@ -19,9 +19,9 @@ from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, invert, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.volume.models import read_model
-from AIFReconLib.paths.asked import AskedPaths
 from AIFReconLib.paths.free_paths import FreePaths, free_paths
-from AIFReconLib.paths.shown import markups, paths_figure, write_skin_map
+from AIFReconLib.paths.path_export import markups, paths_figure, write_skin_map
+from AIFReconLib.paths.path_query import PathQuery
 from AIFReconLib.paths.states import BLOCKED, FREE, NOT_SEEN, TIGHT, states_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedSequence
@@ -110,7 +110,7 @@ def test_clearance_is_the_distance_to_bone_less_the_margin(found):
 
 
 def test_a_program_with_windows_is_shown_the_same_and_loads_no_scipy(found, volume, skin):
-    asked = AskedPaths(volume, None, None, TARGET, skin, None, None, ReconstructionSettings())
+    asked = PathQuery(volume, None, None, TARGET, skin, None, None, ReconstructionSettings())
     shown = asked.shown()
     assert [line.clearance for line in shown.lines] == [window.clearance for window in found.windows]
     assert [line.state for line in shown.lines[:2]] == [FREE, FREE]
@@ -120,7 +120,7 @@ def test_a_program_with_windows_is_shown_the_same_and_loads_no_scipy(found, volu
     line = asked.along(reference(0, 0, 20), reference(0, 40, 20))
     assert (line.clearance, line.seen) == found.along(line.entry, line.end)
     assert (line.state, line.depth) == (BLOCKED, pytest.approx(40.0))
-    code = "import sys, AIFReconLib.paths.asked; sys.exit('scipy' in sys.modules)"
+    code = "import sys, AIFReconLib.paths.path_query; sys.exit('scipy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -11,6 +11,7 @@ import pytest
 from files import tracked_sequence
 
 from AIFReconLib import __version__
+from AIFReconLib.effective_settings import asked_imaging, imaging_fields
 from AIFReconLib.errors import SettingsFileError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -19,7 +20,6 @@ from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.provenance.settings_files import read_settings, write_settings
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import asked_imaging, imaging_fields
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 BAD = {

@@ -11,13 +11,13 @@ from sweeps import rigid
 from waiting import until
 
 from AIFReconLib.bone.field import BoneField
+from AIFReconLib.effective_settings import resolve_imaging
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session.agreement_watch import AgreementWatch
 from AIFReconLib.registration.live import LiveAgreement
 from AIFReconLib.registration.registration import register_echoes
-from AIFReconLib.resolve import resolve_imaging
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import multi_angle_sweep, plus_configuration_xml, simulate_sweep

@@ -27,7 +27,7 @@ from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Reci
 from .remedies import NAME_THE_PROBE
 from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .sweep.frames import TrackedSequence
-from .sweep.joined import names_of
+from .sweep.multi_sweep import names_of
 from .sweep.poses import SweepPoses
 
 Value = TypeVar("Value")

@@ -9,7 +9,7 @@ import pytest
 
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.holes.filling import FILLED, MEASURED, HoleFilling
-from AIFReconLib.holes.plus_ways import fill_holes_by_kind
+from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
 from AIFReconLib.machine.threads import optional_module
 
 SHAPE = (6, 7, 8)

@@ -12,16 +12,16 @@ from files import IMAGE_TO_PROBE, tracked_sequence
 from sweeps import sphere_bone
 
 from AIFReconLib.commands.parser import main
+from AIFReconLib.effective_settings import reconstructor_parts, resolve_settings
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.holes.filling import HoleFilling
-from AIFReconLib.holes.plus_ways import fill_holes_by_kind
+from AIFReconLib.holes.igsio_hole_filling import fill_holes_by_kind
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.resolve import reconstructor_parts, resolve_settings
 from AIFReconLib.sweep.configuration import PlusConfiguration
 
 CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.inspection.raised import BANDS, raised_bands, raised_share
+from AIFReconLib.inspection.enhancement_map import BANDS, raised_bands, raised_share
 
 
 def volume(levels, dtype=np.uint8, spacing=1.0):

@@ -28,7 +28,7 @@ class Share:
     below_60_deg: float
     below_45_deg: float
     """0 to 1. Met with a best angle of incidence below this."""
-    expected_visibility: float  #: 0 to 1. Share that `weighted` is expected to show; see `BoneMet.expected`.
+    expected_visibility: float  #: 0 to 1. Share that `weighted` is expected to show; see `CoverageAccumulator.expected`.
 
     def to_dict(self) -> dict[str, float | None]:
         """All numbers by name, rounded to what they can mean; None where a share is of nothing."""
@@ -64,7 +64,7 @@ class AdvisedMove:
 
 
 @dataclass(frozen=True, eq=False)
-class GuidanceSeen:
+class GuidanceSnapshot:
     """What is known at one moment; see `Guidance.seen`."""
 
     problem: str | None = None  #: Why nothing can be told
@@ -78,7 +78,7 @@ class GuidanceSeen:
     is_advised: bool = False  #: Whether candidate passes were looked at
     move: AdvisedMove | None = None  #: None with `is_advised`: no further move would add much
 
-    def after(self, before: GuidanceSeen | None) -> GuidanceSeen:
+    def after(self, before: GuidanceSnapshot | None) -> GuidanceSnapshot:
         """The same with the mesh of the one before, where that was not sent again."""
         if self.mesh is not None or before is None or before.surface != self.surface:
             return self

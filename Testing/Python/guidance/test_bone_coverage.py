@@ -11,7 +11,18 @@ from sweeps import image_pose, rigid, two_vertebrae
 
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.guidance.bone import guided_bone
-from AIFReconLib.guidance.met import ANGLES_DEG, DARK, MET, MOST, SHADOWED, SUPPORT, BoneMet, FrameGeometry, expected_visibility, support_of
+from AIFReconLib.guidance.bone_coverage import (
+    ANGLES_DEG,
+    DARK,
+    MET,
+    MOST,
+    SHADOWED,
+    SUPPORT,
+    CoverageAccumulator,
+    FrameGeometry,
+    expected_visibility,
+    support_of,
+)
 from AIFReconLib.imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from AIFReconLib.imaging.region import Fan, ImageRegion
 
@@ -78,7 +89,7 @@ def brute_force(bone, pose, kind, thickness=3.0):
 @pytest.mark.parametrize("kind", KINDS)
 def test_frames_meet_what_a_brute_force_search_finds(bone, kind):
     geometry = FrameGeometry(bone, SIZE, *KINDS[kind])
-    met, best, frames, shadowed, support = BoneMet(geometry), {}, {}, {}, {}
+    met, best, frames, shadowed, support = CoverageAccumulator(geometry), {}, {}, {}, {}
     for pose in poses():
         for number, (cosine, dark) in brute_force(bone, pose, kind).items():
             if dark:
@@ -124,7 +135,10 @@ def test_half_an_image_without_contact_leaves_the_other_half_met(bone):
 def test_moving_bone_and_frames_together_changes_nothing(bone):
     motion = rigid((20.0, -35.0, 50.0), (11.0, -7.0, 30.0))
     moved = guided_bone(two_vertebrae(), motion)
-    first, second = BoneMet(FrameGeometry(bone, SIZE, *KINDS["sector"])), BoneMet(FrameGeometry(moved, SIZE, *KINDS["sector"]))
+    first, second = (
+        CoverageAccumulator(FrameGeometry(bone, SIZE, *KINDS["sector"])),
+        CoverageAccumulator(FrameGeometry(moved, SIZE, *KINDS["sector"])),
+    )
     for pose in poses(4, seed=3):
         first.insert(pose)
         second.insert(motion @ pose)

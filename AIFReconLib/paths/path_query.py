@@ -50,7 +50,7 @@ class ShownPaths:
     unseen: Floats  #: (n, 3). As `FreePaths.unseen`: where guidance can lead the next scan.
 
 
-class AskedPaths:
+class PathQuery:
     """Free paths in a volume; the arguments are those of `free_paths`."""
 
     def __init__(
@@ -73,7 +73,7 @@ class AskedPaths:
 
     def shown(self) -> ShownPaths:
         """What is shown of them."""
-        from .shown import skin_triangles
+        from .path_export import skin_triangles
 
         found = self._found
         lines = tuple(MetLine(one.entry, one.end, one.clearance, one.seen) for one in found.windows)

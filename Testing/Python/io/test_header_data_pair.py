@@ -9,7 +9,7 @@ import pytest
 
 from AIFReconLib.errors import OutputError
 from AIFReconLib.io.disk.atomic import atomic_outputs
-from AIFReconLib.io.disk.detached import named_data_file
+from AIFReconLib.io.disk.header_data_pair import named_data_file
 
 STEPS = 8
 """More renames, links and removals than a replacement takes."""

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..effective_settings import asked_imaging, imaging_fields
 from ..errors import AIFReconError, SettingsError, SettingsFileError
 from ..imaging.region import ImageRegion
 from ..recipe.recipe import KEPT, RULES, Recipe
 from ..recipe.rules import expected
-from ..resolve import asked_imaging, imaging_fields
 from ..sweep.configuration import NO_CONFIGURATION
 
 OF_FAN = {name for name in KEPT if name.startswith("fan_")}

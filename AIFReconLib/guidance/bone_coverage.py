@@ -156,7 +156,7 @@ def _cells(image: Bytes, wide: int, high: int) -> Singles:
     return summed
 
 
-class BoneMet:
+class CoverageAccumulator:
     """What was met of each point until now.
 
     Attributes
@@ -186,10 +186,10 @@ class BoneMet:
         """The chance that `weighted` shows each point, (n,), 0 to 1."""
         return expected_visibility(self.support)
 
-    def only(self, points: Integers) -> BoneMet:
+    def only(self, points: Integers) -> CoverageAccumulator:
         """What was met of some of the points, by their numbers."""
         beams = self.geometry.beams
-        some = BoneMet(FrameGeometry(self.bone.only(points), beams.frame_size, beams.probe, beams.region, beams.thickness))
+        some = CoverageAccumulator(FrameGeometry(self.bone.only(points), beams.frame_size, beams.probe, beams.region, beams.thickness))
         for name in ("best_cosine", "support", "frames", "shadowed", "dark"):
             setattr(some, name, getattr(self, name)[points])
         return some
