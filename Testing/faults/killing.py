@@ -25,7 +25,7 @@ from .commands import Command, quietly
 from .ledger import Entry, Ledger
 from .writers import RECORDED, RECORDINGS, Writer, recorded_frames
 
-RENAMING = ("disk/atomic.py", "disk/detached.py", "disk/workspace.py", "session/recording.py", "tempfile.py", "shutil.py")
+RENAMING = ("disk/atomic.py", "disk/header_data_pair.py", "disk/workspace.py", "session/recording.py", "tempfile.py", "shutil.py")
 """Where a line counts: what makes, renames and removes files. All writes share it, so over all of them each line is met several times."""
 
 MOMENTS = 1.1

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import random
+import re
 import signal
 import tempfile
 import threading
@@ -156,8 +158,13 @@ def kill_worker(entry: Entry, run: Callable[[Worker, Path], Callable[[], str]], 
 
 
 def named_memory() -> list[str]:
-    """Python's shared memory that has a name, anybody's. Browsers' names are others."""
-    return sorted(path.name for path in Path("/dev/shm").glob("psm_*"))
+    """Python's shared memory that has a name and that no other process uses. Browsers' names are others."""
+    used = set()
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        if maps.parent.name != str(os.getpid()):
+            with contextlib.suppress(OSError):
+                used.update(re.findall("psm_[0-9a-f]+", maps.read_text("utf-8")))
+    return sorted(path.name for path in Path("/dev/shm").glob("psm_*") if path.name not in used)
 
 
 def is_gone(process: int) -> bool:

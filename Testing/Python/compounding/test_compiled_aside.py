@@ -18,13 +18,13 @@ from AIFReconLib.recipe.recipe import Recipe
 JOB = """
 import numpy as np
 from AIFReconLib import LabeledBone, ProbeGeometry, Recipe, TrackedSequence, Volume, VoxelGrid, reconstruct
-from AIFReconLib.compounding.compiled import aside, numba_evidence
+from AIFReconLib.compounding.compiled import numba_evidence, precompile
 from AIFReconLib.holes import numba_nearest
 
 if __name__ == "__main__":
     kind = np.dtype({kind!r})
     if {beforehand}:
-        with aside.compiled_aside(Recipe(), kind) as process:
+        with precompile.compiled_aside(Recipe(), kind) as process:
             process.wait()
     {before}
     rng = np.random.default_rng(3)
@@ -79,7 +79,7 @@ def test_images_of_real_numbers_find_theirs(tmp_path):
 
 
 def test_a_job_is_the_same_where_what_compiles_aside_is_ended(tmp_path, told):
-    killed = "start = aside.start_python; aside.start_python = lambda *a, **k: (p := start(*a, **k))[0].kill() or p"
+    killed = "start = precompile.start_python; precompile.start_python = lambda *a, **k: (p := start(*a, **k))[0].kill() or p"
     ended = told_by_job(tmp_path, "uint8", before=killed)
     assert ended[:3] == told[:3]
     assert ended[3:] == ["1", "1"]

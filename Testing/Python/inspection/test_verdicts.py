@@ -114,4 +114,4 @@ def test_a_calibration_is_as_good_as_the_check_says(agrees, level):
 def test_a_calibration_that_is_off_is_told_with_all_that_was_found_and_what_to_do():
     verdict = calibration_verdict(CalibrationCheck(False, Sentence("points lie off.", CALIBRATE), ("Images are late.",)))
     assert verdict.finding == "points lie off."
-    assert advised(verdict.advice) == f"Images are late. {CALIBRATE}"
+    assert advised(verdict.advice) == "Images are late. See calibrate, or repeat the calibration."
