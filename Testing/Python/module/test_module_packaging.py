@@ -22,7 +22,8 @@ WIDGETS = {widget.get("name"): widget for widget in UI.iter("widget")}
 PASSIVE = {"QLabel", "qMRMLWidget", "ctkCollapsibleButton", "QWidget", "QFrame", "QTabWidget", "ctkCollapsibleGroupBox", "QProgressBar"}
 WITHIN_A_RECONSTRUCTION = (
     "imaging/beams", "bone/map", "imaging/detection", "imaging/extent", "machine/memory", "sweep/poses", "reconstruction",
-    "effective_settings", "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",
+    "imaging/region", "geometry/transform_graph", "geometry/volume", "compounding/reconstructor", "io/plus/configuration",
+    "effective_settings",
 )  # fmt: skip
 HEAVY = {"scipy", "SimpleITK", "matplotlib", "numba", "pyigtl"}
 LABELS = {re.sub("_(.)", lambda found: found[1].upper(), name): rule["label"] for name, rule in RULES.items() if rule["label"]}
