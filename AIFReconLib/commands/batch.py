@@ -15,7 +15,7 @@ from ..batch.memory import shared_out
 from ..batch.page import write_page
 from ..batch.place import require_place
 from ..batch.records import DONE, FAILED, LOST
-from ..batch.results import flat_rows, write_tables
+from ..batch.results import results_table, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
 from ..terminal.console import ProgressBar, show
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise FileFormatError(
             f"{arguments.table}: {table.problems[0]} {len(table.all_problems)} problem(s) in all: aifrecon batch --dry-run lists them."
         )
-    for package in ("distributed", "pyarrow", *(() if arguments.scheduler else ("cryptography",))):
+    for package in ("jinja2", "pandas", "psutil", "pyarrow"):
         require(package)
     cohort = Cohort(list(table.cases), arguments.table.absolute().parent, arguments.output.absolute())
     cohort.prepare(arguments.retry_failed)
@@ -99,8 +99,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(cohort: Cohort, arguments: argparse.Namespace) -> list[Path]:
-    rows = flat_rows(cohort.cases, cohort.records)
-    return [*write_tables(cohort.output, rows), write_page(cohort.output, arguments.table.stem, rows)]
+    table = results_table(cohort.cases, cohort.records)
+    return [*write_tables(cohort.output, table), write_page(cohort.output, arguments.table.stem, table)]
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -127,9 +127,7 @@ def _compute(cohort: Cohort, arguments: argparse.Namespace) -> None:
     if arguments.scheduler:
         workers = cluster_at(arguments.scheduler, cohort.output)
     else:
-        shares = shared_out(cohort.to_do, arguments.workers, arguments.memory)
-        say(str(shares))
-        workers = local_workers(shares.workers, shares.threads, shares.memory)
+        workers = local_workers(shared_out(cohort.to_do, arguments.workers, arguments.memory))
     with ProgressBar() as progress:
         cohort.compute(workers, say, progress)
 
