@@ -13,11 +13,10 @@ import time
 import traceback
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
 from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
@@ -60,47 +59,31 @@ UNTOLD = (BeamGeometryError, GeometryError)
 """Errors of what cannot be told of a sweep or a volume, which are notes beside the rest."""
 
 
-@dataclass(frozen=True, eq=False)
-class CaseTask:
-    """What a worker is given.
+def carry_out(case: Case, output: Path, memory: int | None = None) -> Record:
+    """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
 
     Parameters
     ----------
     case : Case
-    table_folder, output : Path
-        Folders of the table, and of all results.
+    output : Path
+        Folder of all results.
     memory : int or None
-        Bytes that the worker may take. None: what is free.
-    version : str
-        Of the program that sends it.
-    """
-
-    case: Case
-    table_folder: Path
-    output: Path
-    memory: int | None = None
-    version: str = __version__
-
-
-def carry_out(task: CaseTask) -> Record:
-    """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
+        Bytes that this process may take. None: what is free.
 
     Notes
     -----
     A function of a worker: it may be ended in any place, and begun again by another.
     """
     started = time.perf_counter()
-    record = Record(task.case.name, LOST, made_of(task.case, task.table_folder))
+    record = Record(case.name, LOST, made_of(case))
     try:
-        if task.version != __version__:
-            raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {task.version}. Install the same on both.")
-        record = _computed(task, record)
+        record = _computed(case, output, memory, record)
     except Exception as error:
         state, message = _what_went_wrong(error)
         record = replace(record, state=state, message=message)
     record = replace(record, seconds=round(time.perf_counter() - started, 3))
     try:
-        write_record(task.output, record)
+        write_record(output, record)
     except OutputError as error:
         record = replace(record, state=LOST, message=in_columns(error))
     return record
@@ -119,18 +102,17 @@ def _what_went_wrong(error: Exception) -> tuple[str, str]:
     return FAILED, f"A mistake in AIFRecon, please report it: {type(error).__name__}: {error}\n{told}"
 
 
-def _computed(task: CaseTask, record: Record) -> Record:
+def _computed(case: Case, output: Path, memory: int | None, record: Record) -> Record:
     """The record of what is done, whose files now lie in the folder of the case."""
-    output, name = task.output, task.case.name
-    with output_errors(output / name), workspace(output) as room:
-        folder = room / name
+    with output_errors(output / case.name), workspace(output) as room:
+        folder = room / case.name
         folder.mkdir()
-        results = _Work(task, folder).results()
+        results = _Work(case, folder, memory).results()
         outputs: Facts = {path.name: stamp(path) for path in sorted(folder.iterdir())}
         # Said before they are there: who ends the program now leaves results that the next run may replace
         write_record(output, replace(record, outputs=outputs))
-        known = read_record(output, name)
-        _replace_folder(folder, output / name, room / "before", () if known is None else known.outputs)
+        known = read_record(output, case.name)
+        _replace_folder(folder, output / case.name, room / "before", () if known is None else known.outputs)
     return replace(record, state=DONE, results=results, outputs=outputs)
 
 
@@ -160,10 +142,9 @@ def _noted(notes: list[str], *errors: type[AIFReconError]) -> Iterator[None]:
 class _Work:
     """What the steps of a case share."""
 
-    def __init__(self, task: CaseTask, folder: Path):
-        self._name, self._methods, self._memory, self._folder = task.case.name, task.case.methods, task.memory, folder
-        self._refused = task.output / RECORDS / f"{task.case.name}{ALTERNATIVES}"
-        self._arguments = task.case.arguments
+    def __init__(self, case: Case, folder: Path, memory: int | None):
+        self._name, self._methods, self._memory, self._folder = case.name, case.methods, memory, folder
+        self._arguments = case.arguments
         each = of_each(self._arguments, self._arguments.sequences)
         self._sequence_files = [path for one in each for path in sequence_inputs(one)]
         self._parts = [sequence_from(one) for one in each]
@@ -202,8 +183,9 @@ class _Work:
         )
         self._report["registration"] = as_report(found)
         if not (found.accepted or arguments.accept or arguments.level is not None):
-            write_text(self._refused, json.dumps(self._report, indent=1) + "\n")
-            raise RegistrationRefused(f"No transform is written. {found.said} The report is {self._refused}.", said(found.said))
+            path = self._folder.parents[1] / RECORDS / f"{self._name}{ALTERNATIVES}"
+            write_text(path, json.dumps(self._report, indent=1) + "\n")
+            raise RegistrationRefused(f"No transform is written. {found.said} The report is {path}.", said(found.said))
         write_transform(found.transform, self._folder / TRANSFORM)
         self._ct_to_reference = found.transform
         place: dict[str, object] = {"bone_transform": self._folder / TRANSFORM}

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 from ..errors import OutputError
@@ -13,7 +14,7 @@ from ..io.disk.atomic import output_errors
 from ..io.disk.workspace import remove_left_behind
 from ..message import listed
 from ..progress import Progress, report
-from .case import CaseTask, carry_out
+from .case import carry_out
 from .engine import Workers, completed
 from .records import DONE, FAILED, LOST, RECORDS, Record, is_current, made_of, read_record, write_record
 from .table import Case
@@ -27,7 +28,7 @@ class Cohort:
     ----------
     cases : list of Case
         In the order of the table.
-    table_folder, output : Path
+    output : Path
     records : dict of str to Record
         By the name of the case; grows while cases are computed.
     to_do : list of Case
@@ -35,7 +36,6 @@ class Cohort:
     """
 
     cases: list[Case]
-    table_folder: Path
     output: Path
     records: dict[str, Record] = field(default_factory=dict)
     to_do: list[Case] = field(default_factory=list)
@@ -56,7 +56,7 @@ class Cohort:
             if case.problems:
                 # Said again by every run, for it is seen without computing
                 sentence = listed([f"{each.column}: {each.sentence}" if each.column else each.sentence for each in case.problems], " ")
-                self.records[case.name] = Record(case.name, FAILED, made_of(case, self.table_folder), sentence)
+                self.records[case.name] = Record(case.name, FAILED, made_of(case), sentence)
             elif not self._take(case, (DONE,) if retry_failed else (DONE, FAILED)):
                 self.to_do.append(case)
 
@@ -76,11 +76,11 @@ class Cohort:
         try:
             with workers as (executor, memory, words):
                 say(words)
-                tasks = {case.name: CaseTask(case, self.table_folder, self.output, memory) for case in self.to_do}
                 report(progress, *self._so_far(started, 0))
-                for done, (name, future) in enumerate(completed(executor, carry_out, tasks), start=1):
+                work = partial(carry_out, output=self.output, memory=memory)
+                for done, (case, future) in enumerate(completed(executor, work, self.to_do), start=1):
                     error = future.exception()
-                    self.records[name] = future.result() if error is None else self._lost(tasks[name].case, error)
+                    self.records[case.name] = future.result() if error is None else self._lost(case, error)
                     report(progress, *self._so_far(started, done))
         finally:
             for case in self.to_do:
@@ -93,7 +93,7 @@ class Cohort:
     def _take(self, case: Case, states: tuple[str, ...]) -> bool:
         """Whether a case is known to be in one of these states, and nothing of it has changed since."""
         record = read_record(self.output, case.name)
-        if record is None or record.state not in states or not is_current(record, made_of(case, self.table_folder), self.output):
+        if record is None or record.state not in states or not is_current(record, case, self.output):
             return False
         self.records[case.name] = record
         return True
@@ -104,7 +104,7 @@ class Cohort:
             f"It was not finished: its process was ended twice, from outside or for more memory than it may take ({error}). Run the "
             "same again, with more --memory or fewer --workers."
         )
-        record = Record(case.name, LOST, made_of(case, self.table_folder), sentence)
+        record = Record(case.name, LOST, made_of(case), sentence)
         # A disk that does not take it has the next run try again all the same
         with suppress(OutputError):
             write_record(self.output, record)

@@ -31,52 +31,44 @@ NOT_A_COLUMN = ("save_settings",)
 """Options of a single reconstruction: the volumes of every case keep their settings."""
 
 
-class CellParser(OneLineParser):
-    """The options of a case; an error is raised and not printed."""
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong with a cell, without the name of the option: the column is known."""
-        words = message.partition(": ")[2] if message.startswith("argument ") else message
-        raise SettingsError(f"{words.rstrip('.')}.")
-
-
-def case_parser() -> CellParser:
-    """The options of a case as a parser."""
-    parser = CellParser(prog=CASE, add_help=False)
-    parser.add_argument(f"--{SWEEPS}", type=Path, action="append", default=[], help="one or more recordings")
-    parser.add_argument("--register", action="store_true", help="find where the CT belongs on the sweep, from bone_transform if given")
-    add_placing_options(parser)
-    add_setting(parser, METHOD)
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    add_reconstruction_options(parser)
-    add_settings_options(parser)
-    add_beam_option(parser)
-    parser.add_argument("--bone", type=Path, help="true segmentation to measure against, in the frame of bone_labels, which stand in")
-    parser.add_argument("--preview", action="store_false", help="no: draw no picture of the volume")
-    return parser
-
-
-class Columns:
-    """What a cell may say, by the name of its column.
+class Columns(OneLineParser):
+    """What a cell may say, by the name of its column: the options of a case, whose errors are raised and not printed.
 
     Attributes
     ----------
     defaults : Namespace
         Of a case whose row says nothing.
     names : tuple of str
-    rivals : list of tuple of str
-        Columns of which a row may fill one.
     """
 
     def __init__(self) -> None:
-        self._parser = case_parser()
-        self.defaults_from, self._parser.defaults_from = self._parser.defaults_from, None
-        self._actions = {action.dest: action for action in self._parser._actions if action.dest not in NOT_A_COLUMN}
-        self.defaults = self._parser.parse_args([])
-        self.names = (CASE, *self._actions)
-        self.rivals = [tuple(action.dest for action in group._group_actions) for group in self._parser._mutually_exclusive_groups]
+        super().__init__(prog=CASE, add_help=False)
+        self.add_argument(f"--{SWEEPS}", type=Path, action="append", default=[], help="one or more recordings")
+        self.add_argument("--register", action="store_true", help="find where the CT belongs on the sweep, from bone_transform if given")
+        add_placing_options(self)
+        add_setting(self, METHOD)
+        add_tracking_options(self, several=True)
+        add_sequence_options(self)
+        add_reconstruction_options(self)
+        add_settings_options(self)
+        # Of the settings of a row that is read whole, not of each cell
+        self.kept_settings, self.defaults_from = self.defaults_from, None
+        add_beam_option(self)
+        self.add_argument("--bone", type=Path, help="true segmentation to measure against, in the frame of bone_labels, which stand in")
+        self.add_argument("--preview", action="store_false", help="no: draw no picture of the volume")
+        self._of_column = {action.dest: action for action in self._actions if action.dest not in NOT_A_COLUMN}
+        self.names = (CASE, *self._of_column)
+        self.defaults = self.parse_args([])
         self._parsed = cache(self._parse)
+
+    def rivals(self) -> list[list[str]]:
+        """Columns of which a row may fill one."""
+        return [[action.dest for action in group._group_actions] for group in self._mutually_exclusive_groups]
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong with a cell, without the name of the option: the column is known."""
+        words = message.partition(": ")[2] if message.startswith("argument ") else message
+        raise SettingsError(f"{words.rstrip('.')}.")
 
     def read(self, column: str, text: str, folder: Path) -> object:
         """What a cell says.
@@ -90,7 +82,7 @@ class Columns:
             Which paths are relative to.
         """
         several = tuple(each.strip() for each in text.split(SEPARATOR) if each.strip())
-        action = self._actions[column]
+        action = self._of_column[column]
         if column in SIDE_OUTPUTS or action.nargs == 0:
             return _yes_or_no(text)
         if column == METHOD:
@@ -115,7 +107,7 @@ class Columns:
         return self._parsed(METHOD, (f"--{METHOD}={name}",))
 
     def _parse(self, column: str, words: tuple[str, ...]) -> object:
-        return getattr(self._parser.parse_args(words), column)
+        return getattr(self.parse_args(words), column)
 
 
 def _beside(folder: Path, value: object) -> object:

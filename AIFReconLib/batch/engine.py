@@ -12,7 +12,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
@@ -162,8 +162,8 @@ def _about(folder: str, dask_worker: Any) -> tuple[str, bool, int | None]:
     return __version__, Path(folder).is_dir(), dask_worker.memory_manager.memory_limit
 
 
-def completed(executor: Executor, work: Callable[[Given], Made], given: Mapping[str, Given]) -> Iterator[tuple[str, Future[Made]]]:
-    """Each piece of work as it is done, by its name; those whose process was ended come last, each tried once more, alone.
+def completed(executor: Executor, work: Callable[[Given], Made], given: Iterable[Given]) -> Iterator[tuple[Given, Future[Made]]]:
+    """What each was given and what comes of it, as it is done; where a process was ended, last and after one more try, alone.
 
     What nobody waits for any more is canceled.
 
@@ -172,10 +172,10 @@ def completed(executor: Executor, work: Callable[[Given], Made], given: Mapping[
     executor : Executor
     work : callable
         A function of a module that the workers have.
-    given : mapping of str to object
-        What it is called with, by a name each.
+    given : iterable
+        What it is called with.
     """
-    futures = {executor.submit(work, one): name for name, one in given.items()}
+    futures = {executor.submit(work, one): one for one in given}
     lost = []
     try:
         for future in as_completed(futures):
@@ -183,10 +183,10 @@ def completed(executor: Executor, work: Callable[[Given], Made], given: Mapping[
                 yield futures[future], future
             else:
                 lost.append(futures[future])
-        for name in lost:
-            futures[again := executor.submit(work, given[name])] = name
+        for one in lost:
+            futures[again := executor.submit(work, one)] = one
             again.exception()
-            yield name, again
+            yield one, again
     finally:
         for future in futures:
             future.cancel()

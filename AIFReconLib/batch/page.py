@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..evaluation.quantities import HEADINGS, QUANTITIES
 from ..evaluation.report import STYLE
-from ..io.disk.atomic import write_text
 from .engine import require
 from .records import DONE, FAILED, LOST
 
@@ -67,19 +66,10 @@ OF_CASE = ("sweep_", "registration_")
 TEMPLATE = Path(__file__).with_name("page.html")
 
 
-def write_page(output: Path, title: str, table: DataFrame) -> Path:
-    """Write the page into the folder of all results, of a table as `results_table` returns it; the answer is its path.
-
-    Raises OutputError when it cannot be written.
-    """
-    write_text(output / PAGE, page(title, table))
-    return output / PAGE
-
-
 def page(title: str, table: DataFrame) -> str:
-    """The page as text. Whatever the table says is escaped."""
+    """The page of a table as `results_table` returns it, as text; whatever that says is escaped."""
     environment = require("jinja2").Environment(autoescape=True, trim_blocks=True)
-    environment.filters |= {"as": _shown, "sortable": _sortable, "upper_first": _sentence}
+    environment.filters["as"] = _shown
     of_cases = table.drop_duplicates("case")
     states = {state: int((of_cases["state"] == state).sum()) for state in (DONE, FAILED, LOST)}
     numbers = [_described(name) for name in NUMBERS if name in table and table[name].notna().any()]
@@ -124,11 +114,3 @@ def _plot(table: DataFrame, name: str) -> dict[str, Any]:
 
 def _shown(value: object, form: str) -> str:
     return format(value, form).replace("-", "\N{MINUS SIGN}") if isinstance(value, int | float) else "\N{EN DASH}"
-
-
-def _sortable(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, int | float) else ""
-
-
-def _sentence(heading: str) -> str:
-    return heading[:1].upper() + heading[1:]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
@@ -61,14 +60,13 @@ class Record:
     outputs: Facts = field(default_factory=dict)
 
 
-def made_of(case: Case, folder: Path) -> Facts:
-    """What the results of a case depend on; inputs are named from `folder`, that of the table, so that both may move together."""
-    files = [*case.inputs, *method_files(case)]
-    return {"version": __version__, "settings": case.given, "inputs": {_named(path, folder): stamp(path) for path in files}}
-
-
-def _named(path: Path, folder: Path) -> str:
-    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
+def made_of(case: Case) -> Facts:
+    """What the results of a case depend on; inputs are named from the folder of the table, so that both may move together."""
+    inputs = {}
+    for path in [*case.inputs, *method_files(case)]:
+        named = path.relative_to(case.folder) if path.is_relative_to(case.folder) else path
+        inputs[named.as_posix()] = stamp(path)
+    return {"version": __version__, "settings": case.given, "inputs": inputs}
 
 
 def stamp(path: Path) -> list[int] | None:
@@ -101,7 +99,7 @@ def write_record(output: Path, record: Record) -> None:
     write_text(record_path(output, record.case), json.dumps(asdict(record), indent=1) + "\n")
 
 
-def is_current(record: Record, made: Mapping[str, object], output: Path) -> bool:
+def is_current(record: Record, case: Case, output: Path) -> bool:
     """Whether a record is of what is there: the same inputs, settings and version, and, of what is done, the same files."""
     files = record.outputs.items() if record.state == DONE else ()
-    return record.made_of == made and all(stamp(output / record.case / name) == kept for name, kept in files)
+    return record.made_of == made_of(case) and all(stamp(output / record.case / name) == kept for name, kept in files)

@@ -31,7 +31,6 @@ from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns
 
 MOST_BYTES = 2**28
-MOST_COLUMNS = 500
 LONGEST_NAME = 100
 
 _NAME = re.compile(rf"\w[\w .+-]{{0,{LONGEST_NAME - 1}}}")
@@ -62,6 +61,8 @@ class Case:
     name : str
         Of the folder of its results.
     row : int
+    folder : Path
+        Of the table.
     arguments : Namespace
         The options that the row fills, and the defaults of the others; paths are whole.
     methods : tuple of str or None
@@ -76,6 +77,7 @@ class Case:
 
     name: str
     row: int
+    folder: Path
     arguments: argparse.Namespace
     methods: tuple[str | None, ...]
     given: dict[str, str]
@@ -117,8 +119,6 @@ def read_cases(path: str | Path) -> Cases:
     columns = Columns()
     rows = _rows(path)
     head = [cell.strip().lower().replace("-", "_") for cell in next(rows, (0, []))[1]]
-    if len(head) > MOST_COLUMNS:
-        raise FileFormatError(f"{path}: it has {len(head)} columns, and cases have fewer options. Give their table.")
     problems = [*_of_head(head, columns)]
     reading = _Reading(path.parent, columns, head)
     cases = []
@@ -212,19 +212,19 @@ class _Reading:
         arguments = argparse.Namespace(**{**vars(self._columns.defaults), **values, "sequences": values.get(SWEEPS, [])})
         if readable:
             # What a file of settings says is known only now
-            if "settings" in values and self._columns.defaults_from is not None and self._looked_at(arguments.settings) is None:
+            if "settings" in values and self._columns.kept_settings is not None and self._looked_at(arguments.settings) is None:
                 with _told(problems, row, "settings"):
-                    kept = self._columns.defaults_from(arguments)
+                    kept = self._columns.kept_settings(arguments)
                     arguments = argparse.Namespace(**{**vars(arguments), **kept, **values})
             self._contradict(problems, row, arguments, methods, values)
         inputs = tuple(dict.fromkeys([*files, *detached]))
-        return Case(given.get(CASE, ""), row, arguments, tuple(methods), given, inputs, tuple(problems))
+        return Case(given.get(CASE, ""), row, self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
 
     def _contradict(
         self, problems: list[Problem], row: int, arguments: argparse.Namespace, methods: Iterable[str | None], values: Mapping[str, object]
     ) -> None:
         """Add what does not go together."""
-        for rivals in self._columns.rivals:
+        for rivals in self._columns.rivals():
             both = [name for name in rivals if values.get(name)]
             if len(both) > 1:
                 problems.append(Problem(row, both[1], f"{both[0]} is given too. Give one of them."))

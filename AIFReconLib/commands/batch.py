@@ -12,12 +12,13 @@ from ..batch.cohort import Cohort, duration
 from ..batch.columns import Columns
 from ..batch.engine import cluster_at, local_workers, require
 from ..batch.memory import shared_out
-from ..batch.page import write_page
+from ..batch.page import PAGE, page
 from ..batch.place import require_place
 from ..batch.records import DONE, FAILED, LOST
 from ..batch.results import results_table, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
+from ..io.disk.atomic import write_text
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import Commands
 from ..terminal.recipe_options import load_method_here
@@ -82,7 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     for package in ("jinja2", "pandas", "psutil", "pyarrow"):
         require(package)
-    cohort = Cohort(list(table.cases), arguments.table.absolute().parent, arguments.output.absolute())
+    cohort = Cohort(list(table.cases), arguments.output.absolute())
     cohort.prepare(arguments.retry_failed)
     try:
         if cohort.to_do:
@@ -100,7 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _write(cohort: Cohort, arguments: argparse.Namespace) -> list[Path]:
     table = results_table(cohort.cases, cohort.records)
-    return [*write_tables(cohort.output, table), write_page(cohort.output, arguments.table.stem, table)]
+    write_text(cohort.output / PAGE, page(arguments.table.stem, table))
+    return [*write_tables(cohort.output, table), cohort.output / PAGE]
 
 
 def _check(arguments: argparse.Namespace) -> None:
