@@ -12,7 +12,7 @@ from pathlib import Path
 from ..errors import OutputError
 from ..io.disk.atomic import output_errors
 from ..io.disk.workspace import remove_left_behind
-from ..message import listed
+from ..message import listed, shorten
 from ..progress import Progress, report
 from .case import carry_out
 from .engine import Workers, completed
@@ -78,9 +78,8 @@ class Cohort:
                 say(words)
                 report(progress, *self._so_far(started, 0))
                 work = partial(carry_out, output=self.output, memory=memory)
-                for done, (case, future) in enumerate(completed(executor, work, self.to_do), start=1):
-                    error = future.exception()
-                    self.records[case.name] = future.result() if error is None else self._lost(case, error)
+                for done, (case, made) in enumerate(completed(executor, work, self.to_do), start=1):
+                    self.records[case.name] = self._lost(case, made) if isinstance(made, Exception) else made
                     report(progress, *self._so_far(started, done))
         finally:
             for case in self.to_do:
@@ -98,11 +97,11 @@ class Cohort:
         self.records[case.name] = record
         return True
 
-    def _lost(self, case: Case, error: BaseException) -> Record:
+    def _lost(self, case: Case, error: Exception) -> Record:
         """The record of a case whose process did not survive it."""
         sentence = (
-            f"It was not finished: its process was ended twice, from outside or for more memory than it may take ({error}). Run the "
-            "same again, with more --memory or fewer --workers."
+            "It was not finished: its process was ended twice, from outside or for more memory than it may take, or its scheduler is gone "
+            f"({shorten(f'{type(error).__name__}: {error}')}). Run the same again, with more --memory or fewer --workers."
         )
         record = Record(case.name, LOST, made_of(case), sentence)
         # A disk that does not take it has the next run try again all the same

@@ -13,7 +13,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
@@ -162,7 +162,7 @@ def _about(folder: str, dask_worker: Any) -> tuple[str, bool, int | None]:
     return __version__, Path(folder).is_dir(), dask_worker.memory_manager.memory_limit
 
 
-def completed(executor: Executor, work: Callable[[Given], Made], given: Iterable[Given]) -> Iterator[tuple[Given, Future[Made]]]:
+def completed(executor: Executor, work: Callable[[Given], Made], given: Iterable[Given]) -> Iterator[tuple[Given, Made | Exception]]:
     """What each was given and what comes of it, as it is done; where a process was ended, last and after one more try, alone.
 
     What nobody waits for any more is canceled.
@@ -179,14 +179,24 @@ def completed(executor: Executor, work: Callable[[Given], Made], given: Iterable
     lost = []
     try:
         for future in as_completed(futures):
-            if future.exception() is None:
-                yield futures[future], future
-            else:
+            made = _outcome(future)
+            # Canceled is what a scheduler leaves that is gone: it takes no more work
+            if isinstance(made, Exception) and not isinstance(made, CancelledError):
                 lost.append(futures[future])
+            else:
+                yield futures[future], made
         for one in lost:
-            futures[again := executor.submit(work, one)] = one
-            again.exception()
-            yield one, again
+            again = executor.submit(work, one)
+            futures[again] = one
+            outcome = _outcome(again)
+            yield one, outcome
     finally:
         for future in futures:
             future.cancel()
+
+
+def _outcome(future: Future[Made]) -> Made | Exception:
+    try:
+        return future.result()
+    except Exception as error:
+        return error

@@ -60,7 +60,6 @@ class Case:
     ----------
     name : str
         Of the folder of its results.
-    row : int
     folder : Path
         Of the table.
     arguments : Namespace
@@ -76,7 +75,6 @@ class Case:
     """
 
     name: str
-    row: int
     folder: Path
     arguments: argparse.Namespace
     methods: tuple[str | None, ...]
@@ -218,7 +216,7 @@ class _Reading:
                     arguments = argparse.Namespace(**{**vars(arguments), **kept, **values})
             self._contradict(problems, row, arguments, methods, values)
         inputs = tuple(dict.fromkeys([*files, *detached]))
-        return Case(given.get(CASE, ""), row, self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
+        return Case(given.get(CASE, ""), self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
 
     def _contradict(
         self, problems: list[Problem], row: int, arguments: argparse.Namespace, methods: Iterable[str | None], values: Mapping[str, object]

@@ -106,8 +106,8 @@ def test_all_processes_together_get_no_more_than_the_memory_that_is_given(table)
 # ---- the page
 
 
-def table_of(count, title="P", **result):
-    cases = [Case(f"{title}{n}", n, Path(), argparse.Namespace(), ("average",), {}, (), ()) for n in range(count)]
+def table_of(count, **result):
+    cases = [Case(f"P{n}", Path(), argparse.Namespace(), ("average",), {}, (), ()) for n in range(count)]
     records = {
         case.name: Record(case.name, DONE, {}, results=[{"method": "average", **result, "frames": n}]) for n, case in enumerate(cases)
     }
@@ -124,7 +124,7 @@ def test_a_distribution_shows_every_case_and_the_median():
 
 
 def test_names_and_reasons_cannot_write_into_the_page():
-    case = Case("<i>", 2, Path(), argparse.Namespace(), ("<u>",), {}, (), ())
+    case = Case("<i>", Path(), argparse.Namespace(), ("<u>",), {}, (), ())
     text = page("<em>", results_table([case], {"<i>": Record("<i>", FAILED, {}, "<script>x</script>")}))
     assert [word for word in ("<em>", "<i>", "<u>", "<script>x") if word in text] == []
 
