@@ -1,4 +1,4 @@
-"""All cases of a table, computed by workers: what is done already is left alone, what cannot be computed is said and costs nothing else."""
+"""All cases of a table: what is done is left alone, what cannot be computed is said and costs nothing else."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Cohort:
         return sum(record.state == state for record in self.records.values())
 
     def prepare(self, retry_failed: bool) -> None:
-        """Look what is there, and what is to be done; with `retry_failed` also what has failed and is unchanged since.
+        """Look what is there, and what is to be done; with `retry_failed` also what has failed.
 
         Raises OutputError when the folder cannot be written to.
         """

@@ -1,8 +1,8 @@
-"""Work on many processes: an executor of concurrent.futures, on this computer or of a Dask cluster that is there.
+"""Work on many processes: an executor of concurrent.futures, of this computer or of a Dask cluster.
 
 Notes
 -----
-Work whose process is ended is tried once more when all other work is done, alone: so nothing else is to blame, and nothing else is lost.
+Work whose process is ended is tried once more when all other work is done, alone: then nothing else is to blame.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExec
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from importlib.util import find_spec
-from multiprocessing import active_children, get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process, resource_tracker
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeAlias, TypeVar
@@ -56,7 +56,9 @@ def require(name: str) -> ModuleType:
 
 
 class LocalExecutor(ThreadPoolExecutor):
-    """So many processes of this computer at a time, a new one for each piece of work: one that is ended takes no other work with it.
+    """So many processes of this computer at a time, a new one for each piece of work.
+
+    One that is ended takes no other work with it.
 
     Parameters
     ----------
@@ -72,11 +74,11 @@ class LocalExecutor(ThreadPoolExecutor):
     """
 
     def __init__(self, count: int, threads: int = 1, memory: int | None = None):
-        super().__init__(count)
+        super().__init__(count, initializer=_leave_interrupts)
         self._shares = threads, memory
 
     def submit(self, work: Callable[..., Made], /, *given: Any, **named: Any) -> Future[Made]:
-        """Have a function of a module called in a process of its own; BrokenExecutor comes of it when that is ended."""
+        """Have a function of a module called in its own process; BrokenExecutor where that is ended."""
         return super().submit(self._in_a_process, work, *given, **named)
 
     def _in_a_process(self, work: Callable[..., Made], *given: Any, **named: Any) -> Made:
@@ -90,8 +92,16 @@ class LocalExecutor(ThreadPoolExecutor):
         return super().__exit__(*error)
 
 
+def _leave_interrupts() -> None:
+    """Ctrl-C is for the main thread, not for this one nor for the processes that it starts."""
+    if hasattr(signal, "pthread_sigmask"):
+        # Starting it would undo what follows
+        resource_tracker.ensure_running()
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+
+
 def _begin(threads: int, memory: int | None) -> None:
-    """What a process does first. Ctrl-C is for the one that started it."""
+    """What a process does first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.update(dict.fromkeys(THREADS, str(threads)))
     threading.Thread(target=_watch, args=(memory,), daemon=True).start()
@@ -121,8 +131,8 @@ def local_workers(shares: Shares) -> Iterator[Workers]:
 def cluster_at(address: str, folder: Path) -> Iterator[Workers]:
     """The executor of the cluster whose scheduler is at this address.
 
-    Raises SettingsError when there is no scheduler or no worker, or a worker has another version or does not see the folder; OutputError
-    when dask is not installed.
+    Raises SettingsError when there is no scheduler or no worker, or a worker has another version or does not
+    see the folder; OutputError when dask is not installed.
 
     Parameters
     ----------
@@ -158,14 +168,14 @@ def cluster_at(address: str, folder: Path) -> Iterator[Workers]:
 
 
 def _about(folder: str, dask_worker: Any) -> tuple[str, bool, int | None]:
-    """What a worker is asked before it gets work: its version, whether it sees the folder, and bytes that it may take."""
+    """What a worker is asked first: its version, whether it sees the folder, bytes that it may take."""
     return __version__, Path(folder).is_dir(), dask_worker.memory_manager.memory_limit
 
 
 def completed(executor: Executor, work: Callable[[Given], Made], given: Iterable[Given]) -> Iterator[tuple[Given, Made | Exception]]:
-    """What each was given and what comes of it, as it is done; where a process was ended, last and after one more try, alone.
+    """What each was given and what comes of it, as it is done.
 
-    What nobody waits for any more is canceled.
+    Where a process was ended, that is last, after one more try, alone. What nobody waits for is canceled.
 
     Parameters
     ----------

@@ -97,7 +97,7 @@ def _described(name: str) -> dict[str, str]:
 
 
 def _plot(table: DataFrame, name: str) -> dict[str, Any]:
-    """Where the marks of a number lie along its axis, method by method, or once for each case where methods share it."""
+    """Where the marks of a number lie along its axis: of each method, or of all where methods share it."""
     shared = name.startswith(OF_CASE)
     grouped = {"all methods": table.drop_duplicates("case")} if shared else dict(iter(table.groupby("method", sort=False)))
     values = {method: require("pandas").to_numeric(each[name], errors="coerce").dropna() for method, each in grouped.items()}

@@ -1,4 +1,4 @@
-"""The results of all cases as one flat table, a row per case and method: CSV for people, Parquet for programs."""
+"""The results of all cases as one table, a row per case and method: CSV for people, Parquet for programs."""
 
 from __future__ import annotations
 

@@ -37,10 +37,12 @@ def test_a_run_ends_with_tables_and_a_page_and_ctrl_c_with_whole_cases(table, tm
     with table.open("a") as file:
         file.writelines(f"Q{n},sweep.igs.mha,PlusDeviceSet.xml,1,no\n" for n in range(400))
     command = [sys.executable, "-m", "AIFReconLib", "batch", table, "--output", results, "--workers", "1"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, start_new_session=True, **pipes) as process:
         while process.poll() is None and len(list(results.glob("[PQ]*/average.nrrd"))) < 2:
             time.sleep(0.05)
-        process.send_signal(signal.SIGINT) if os.name == "posix" else process.terminate()
+        # To all of its processes, as a terminal does
+        os.killpg(process.pid, signal.SIGINT) if os.name == "posix" else process.terminate()
         out, err = process.communicate()
     if os.name == "posix":
         assert process.returncode == 130, err
