@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from .. import __version__
 from ..compounding.methods.table import is_own_method
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
@@ -59,7 +60,7 @@ UNTOLD = (BeamGeometryError, GeometryError)
 """Errors of what cannot be told of a sweep or a volume, which are notes beside the rest."""
 
 
-def carry_out(case: Case, output: Path, memory: int | None = None) -> Record:
+def carry_out(case: Case, output: Path, memory: int | None = None, version: str = __version__) -> Record:
     """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
 
     Parameters
@@ -69,6 +70,8 @@ def carry_out(case: Case, output: Path, memory: int | None = None) -> Record:
         Folder of all results.
     memory : int or None
         Bytes that this process may take. None: what is free.
+    version : str
+        Of the program that asks for it: workers may join while others are at work.
 
     Notes
     -----
@@ -77,6 +80,8 @@ def carry_out(case: Case, output: Path, memory: int | None = None) -> Record:
     started = time.perf_counter()
     record = Record(case.name, LOST, made_of(case))
     try:
+        if version != __version__:
+            raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {version}. Install the same on both.")
         record = _computed(case, output, memory, record)
     except Exception as error:
         state, message = _what_went_wrong(error)
