@@ -41,7 +41,7 @@ if __name__ == "__main__":
     recipe = Recipe(method="weighted", probe="linear", hole_limit=2.0, clip_px=(0, 0, 70, 90), bone_sigma_mm=2.0)
     made = reconstruct(TrackedSequence.from_arrays(images, poses), recipe, LabeledBone(Volume(labels, grid.ijk_to_reference)), grid)
     voxels = made.intensity.array
-    missed = [sum(kernel.stats.cache_misses.values()) for kernel in (numba_evidence.judge, numba_nearest.fill_plane)]
+    missed = [sum(kernel.stats.cache_misses.values()) for kernel in (numba_evidence.judge, numba_nearest.fill)]
     print(made.frames_inserted, voxels.any(), hash(voxels.tobytes()), *missed)
 """
 
