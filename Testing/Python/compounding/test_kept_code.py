@@ -1,4 +1,4 @@
-"""What is compiled aside is the code that a job asks for; without it the job is the same."""
+"""Compiled code is kept for the next job, whatever becomes of the one that compiles it."""
 
 from __future__ import annotations
 
@@ -6,27 +6,19 @@ import os
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 from waiting import until
 
 pytest.importorskip("numba", reason="numba is not installed")
-from AIFReconLib.compounding.compiled.precompile import compiled_aside
-from AIFReconLib.machine import numba_compile
-from AIFReconLib.recipe.recipe import Recipe
 
 JOB = """
 import numpy as np
 from AIFReconLib import LabeledBone, ProbeGeometry, Recipe, TrackedSequence, Volume, VoxelGrid, reconstruct
-from AIFReconLib.compounding.compiled import numba_evidence, precompile
+from AIFReconLib.compounding.compiled import numba_evidence
 from AIFReconLib.holes import numba_nearest
 
 if __name__ == "__main__":
     kind = np.dtype({kind!r})
-    if {beforehand}:
-        with precompile.compiled_aside(Recipe(), kind) as process:
-            process.wait()
-    {before}
     rng = np.random.default_rng(3)
     images = rng.integers(0, 200, (6, 90, 70)).astype(kind)
     images[:, 40:46] = 250
@@ -46,9 +38,9 @@ if __name__ == "__main__":
 """
 
 
-def started_job(folder, kind, beforehand=False, before="pass") -> subprocess.Popen:
+def started_job(folder, kind) -> subprocess.Popen:
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder), "PYTHONHASHSEED": "0", "NUMBA_NUM_THREADS": "2"}
-    program = JOB.format(kind=kind, beforehand=beforehand, before=before)
+    program = JOB.format(kind=kind)
     return subprocess.Popen([sys.executable, "-c", program], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
@@ -65,24 +57,13 @@ def told_by_job(*asked, **options) -> list[str]:
 @pytest.fixture(scope="module")
 def told(tmp_path_factory) -> list[str]:
     """What a job tells that finds all of the code."""
-    return told_by_job(tmp_path_factory.mktemp("kept"), "uint8", beforehand=True)
+    folder = tmp_path_factory.mktemp("kept")
+    return [told_by_job(folder, "uint8") for _ in range(2)][1]
 
 
-def test_a_job_finds_what_was_compiled_aside(told):
-    frames, voxels, _, *missed = told
-    assert (frames, voxels) == ("6", "True")
-    assert missed == ["0", "0"]
-
-
-def test_images_of_real_numbers_find_theirs(tmp_path):
-    assert told_by_job(tmp_path, "float32", beforehand=True)[3:] == ["0", "0"]
-
-
-def test_a_job_is_the_same_where_what_compiles_aside_is_ended(tmp_path, told):
-    killed = "start = precompile.start_python; precompile.start_python = lambda *a, **k: (p := start(*a, **k))[0].kill() or p"
-    ended = told_by_job(tmp_path, "uint8", before=killed)
-    assert ended[:3] == told[:3]
-    assert ended[3:] == ["1", "1"]
+def test_a_job_finds_what_another_compiled(tmp_path, told):
+    assert told_by_job(tmp_path, "uint8")[3:] == ["1", "1"]
+    assert told_by_job(tmp_path, "uint8") == told
 
 
 def test_two_jobs_at_once_that_find_nothing_kept_are_right(tmp_path, told):
@@ -98,32 +79,3 @@ def test_after_a_job_that_was_killed_while_it_compiled_the_next_is_whole(tmp_pat
     job.communicate()
     assert job.returncode < 0  # it was at work
     assert told_by_job(tmp_path, "uint8")[:3] == told[:3]
-
-
-def started(monkeypatch, recipe, *, kept=False, cores="2"):
-    """The process that is started for a job, ended again; None where there is none."""
-    monkeypatch.setenv("NUMBA_NUM_THREADS", cores)
-    monkeypatch.setattr(numba_compile, "is_kept", lambda kernel: kept)
-    with compiled_aside(recipe, np.dtype(np.uint8)) as process:
-        assert process is None or process.poll() is None
-    return process
-
-
-def test_what_compiles_is_ended_with_the_job(monkeypatch):
-    process = started(monkeypatch, Recipe())
-    assert process is not None
-    assert process.poll() is not None
-
-
-@pytest.mark.parametrize(
-    ("recipe", "surroundings"),
-    [
-        (Recipe(), {"kept": True}),
-        (Recipe(), {"cores": "1"}),
-        (Recipe(method="aif"), {}),
-        (Recipe(engine="numpy"), {}),
-    ],
-    ids=["kept", "one core", "other kernels", "no kernels"],
-)
-def test_nothing_is_started_where_it_would_be_in_vain(monkeypatch, recipe, surroundings):
-    assert started(monkeypatch, recipe, **surroundings) is None
