@@ -99,7 +99,7 @@ def judge(
         for line in range(count):
             read[sample, line] = pixels[number_of_sample[sample, line]]
     # Sums along the lines, whole numbers, with one more line on either side
-    sums, last = np.zeros(count + 2, np.int32), samples - 1
+    sums, scaled, last = np.zeros(count + 2, np.int32), np.empty(count + 2, np.float32), samples - 1
     for tap in range(taps):
         at = max(last - tap + taps // 2, 0)
         for line in range(count):
@@ -108,25 +108,30 @@ def judge(
     for sample in range(last, -1, -1):
         sums[0], sums[count + 1] = sums[1], sums[count]
         here, there = bright[sample], arrived[sample]
-        for line in range(count):
-            one, two, three = np.float32(sums[line]), np.float32(sums[line + 1]), np.float32(sums[line + 2])
-            here[line] = ((one * per_tap + two * per_tap) + three * per_tap) * per_line
+        for line in range(scaled.size):
+            scaled[line] = np.float32(sums[line]) * per_tap
+        for line in range(here.size):
+            here[line] = ((scaled[line] + scaled[line + 1]) + scaled[line + 2]) * per_line
         enters, leaves = read[max(sample - taps // 2 - 1, 0)], read[min(sample + taps // 2, last)]
-        for line in range(count):
+        for line in range(enters.size):
             sums[line + 1] += np.int32(enters[line]) - np.int32(leaves[line])
-        for line in range(count):
-            most[line] = here[line] if here[line] > most[line] else most[line]
-        for line in range(count):
+        # All is read before it is asked: so compilers make vectors of it
+        for line in range(most.size):
+            one, other = here[line], most[line]
+            most[line] = one if one > other else other
+        for line in range(there.size):
             reached = most[line] * per_reached
             reached = reached if reached < ONE else ONE
             there[line] = reached * reached + least
         if sample % pace == 0:
             share, behind_here = behind[sample // pace], later[sample // pace]
-            for line in range(count):
-                mean = level[line] * share[line]
-                largest[line] = mean if mean > largest[line] else largest[line]
+            for line in range(largest.size):
+                mean, before = level[line] * share[line], largest[line]
+                largest[line] = mean if mean > before else before
+            for line in range(level.size):
                 level[line] = level[line] * kept + new * here[line]
-            behind_here[:] = largest
+            for line in range(behind_here.size):
+                behind_here[line] = largest[line]
     possible = np.empty(count, np.bool_)
     best, strength, place = np.zeros(count, np.float32), np.zeros(count, np.float32), np.zeros(count, np.int64)
     for turn in range(len(behind) - depth // pace):
