@@ -19,6 +19,7 @@ from ..registration.agreement import Agreement
 from ..registration.comparison import check
 from ..registration.registration import LEAST_CLOSENESS
 from ..registration.search import anywhere, search
+from ..remedies import ADD_TIME_OFFSET
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
@@ -254,7 +255,7 @@ def findings(found: Calibration) -> list[str]:
         if held:
             lines.append(f"{name}: {value:+.2f} {unit}, give or take {deviation:.2f}")
     if found.held[-1] and abs(found.values[-1]) > 2 * found.deviation[-1]:
-        lines.append(f"the delay is not part of a calibration: mend recordings with a time offset of {found.values[-1]:.3f} s")
+        lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.values[-1]:.3f}"))
     if found.advice:
         lines.append(found.advice)
     return lines

@@ -21,6 +21,7 @@ from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.refine import welsch
+from ..remedies import ADD_TIME_OFFSET
 from ..sweep.frames import TrackedSequence
 from .calibration import FEWEST_ANGLES, ONE_ANGLE, advice_for, doubt_of_halves, doubt_of_size
 from .certainty import Halves, halves
@@ -258,7 +259,7 @@ def crossing_findings(found: CrossedCalibration) -> list[str]:
     advice = advice_for(_names(ASKED & ~found.held))
     lines += [] if advice is None else [advice]
     if abs(found.correction.delay) > 0.005:
-        lines.append(f"the delay is not part of a calibration: mend recordings with a time offset of {found.correction.delay:.3f} s")
+        lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.correction.delay:.3f}"))
     return lines
 
 
