@@ -63,50 +63,9 @@ MOST_DRAWN = 1e100
 OF_CASE = ("sweep_", "registration_")
 """How the names of numbers begin that all methods of a case share."""
 
-OWN_STYLE = """
-body { max-width: 90rem; }
-:root { --mark: #2f6f9f; --bad: #a3261d; --wait: #8a5a00; }
-@media screen and (prefers-color-scheme: dark) { :root { --mark: #7fb6dc; --bad: #ff9b90; --wait: #e6b860; } }
-.counts { display: flex; flex-wrap: wrap; gap: 0.25rem 2rem; margin: 1rem 0 0; padding: 0; list-style: none; }
-.counts b { font-size: 1.5rem; font-weight: 600; font-variant-numeric: tabular-nums; margin-right: 0.35rem; }
-.failed { color: var(--bad); } .not-finished { color: var(--wait); }
-.failures { list-style: none; margin: 0.5rem 0 0; padding: 0; border-top: 1px solid var(--line); }
-.failures li { display: grid; grid-template-columns: 9rem 7rem 1fr; gap: 0 1rem; padding: 0.4rem 0; border-bottom: 1px solid var(--line); }
-.failures b { font-weight: 600; overflow-wrap: anywhere; } .failures p { margin: 0; overflow-wrap: anywhere; white-space: pre-line; }
-.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 1.25rem 2.5rem; margin-top: 0.75rem; }
-.plots h3 { margin: 0; } .plots figure { margin: 0; border-top: 1px solid var(--line); padding-top: 0.5rem; }
-svg { display: block; width: 100%; } svg text { font-size: 11px; fill: var(--ink); }
-svg .axis { fill: var(--soft); } svg .number, svg .end { text-anchor: end; font-variant-numeric: tabular-nums; }
-svg .cases { fill: var(--mark); fill-opacity: 0.55; } svg .spread { stroke: var(--mark); stroke-width: 2; }
-svg .median { stroke: var(--ink); stroke-width: 2; }
-.cases-table { width: 100%; } .cases-table td, .cases-table th { vertical-align: middle; }
-.cases-table td:nth-child(-n+4), .cases-table th:nth-child(-n+4) { text-align: left; }
-.cases-table thead th { overflow-wrap: normal; }
-.cases-table th button { all: unset; cursor: pointer; font: inherit; }
-.cases-table th button:focus-visible { outline: 2px solid var(--mark); }
-.cases-table th[aria-sort] button::after { content: " \\2191"; color: var(--mark); }
-.cases-table th[aria-sort="descending"] button::after { content: " \\2193"; }
-.cases-table img { min-width: 0; width: 9rem; height: 4.5rem; object-fit: cover; object-position: 50% 22%; border-radius: 3px; }
-.cases-table tbody th { font-weight: 600; overflow-wrap: anywhere; min-width: 5rem; }
-.cases-table tbody tr:nth-child(n+40) { content-visibility: auto; }
-@media screen and (max-width: 40rem) {
-  .cases-table img { width: 6rem; height: 3rem; } .counts b { font-size: 1.2rem; }
-  .failures li { grid-template-columns: 1fr auto; } .failures p { grid-column: 1 / -1; margin-top: 0.2rem; }
-}
-"""
+OWN_STYLE = Path(__file__).with_name("page.css").read_text("utf-8")
 
-SCRIPT = """
-for (const button of document.querySelectorAll(".cases-table th button")) button.onclick = () => {
-  const head = button.parentElement, body = head.closest("table").tBodies[0], column = head.cellIndex;
-  const down = head.getAttribute("aria-sort") === "ascending";
-  for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
-  head.setAttribute("aria-sort", down ? "descending" : "ascending");
-  const key = row => { const d = row.cells[column].dataset; return "n" in d ? (d.n === "" ? NaN : +d.n) : row.cells[column].textContent; };
-  const order = (a, b) => a === b ? 0 : a !== a ? (b !== b ? 0 : 1) : b !== b ? -1
-    : (typeof a === "number" ? a - b : a.localeCompare(b, undefined, { numeric: true })) * (down ? -1 : 1);
-  body.append(...[...body.rows].map(row => [key(row), row]).sort((a, b) => order(a[0], b[0])).map(pair => pair[1]));
-};
-"""
+SCRIPT = Path(__file__).with_name("page.js").read_text("utf-8")
 
 
 def write_page(output: Path, title: str, rows: list[Row]) -> Path:
