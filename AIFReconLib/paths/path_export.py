@@ -126,7 +126,7 @@ def paths_figure(path: Path, volume: Volume, found: FreePaths) -> None:
     slices[2].plot(0.0, 0.0, "+", color=INK, markersize=14)
     slices[2].set_aspect("equal")
     slices[2].set_xlabel("mm on the skin", color=INK)
-    slices[2].legend(frameon=False, labelcolor=INK, fontsize=9)
+    figure.legend(*slices[2].get_legend_handles_labels(), loc="outside lower right", ncols=len(STATES), frameon=False, labelcolor=INK)
     for ax in slices:
         ax.set_facecolor(BACKGROUND)
         ax.tick_params(colors=INK)
