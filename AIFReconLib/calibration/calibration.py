@@ -209,7 +209,8 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     if not after.enough or after.closeness > LEAST_CLOSENESS:
         return Sentence(
             f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}",
-            ("Check that both are of one bone, or see {calibrate} with {check}, which looks for mirrored images and the like."),
+            "Check that both are of one bone; leave out the CT first, and start from what that finds; or see {calibrate} "
+            "with {check}, which looks for mirrored images and the like.",
         )
     rival = next((one for one in others if one.cost < best.cost + AS_GOOD and _apart(best, one, echoes) > ELSEWHERE), None)
     if rival is not None:
