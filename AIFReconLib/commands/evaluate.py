@@ -96,7 +96,10 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Read, measure, print, write."""
-    if all(path.suffix.lower() == ".csv" for path in arguments.volumes):
+    are_tables = {path.suffix.lower() == ".csv" for path in arguments.volumes}
+    if len(are_tables) > 1 or (True in are_tables and (arguments.report or labels_inputs(arguments) or arguments.sweep)):
+        raise SettingsError("Tables (.csv) hold numbers of many cases. Give them without volumes, --bone, --ct, --sweep and --report.")
+    if True in are_tables:
         _over_cases(arguments)
         return
     of_sweep = [*arguments.sweep, *(arguments.config or [])]

@@ -402,4 +402,6 @@ def _explained(name: str) -> str:
 
 
 if Recipe.__doc__:  # not where Python leaves docstrings out
-    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(map(_explained, sorted(RULES, key=OF_READING.__contains__)))
+    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(
+        map(_explained, sorted(RULES, key=lambda name: (name in OF_READING, name not in ("method", "spacing"))))
+    )

@@ -182,6 +182,11 @@ def test_tables_of_many_cases_give_means_and_paired_differences(tmp_path, capsys
     assert "over 3 cases" in (tmp_path / "m.txt").read_text("utf-8")
 
 
+@pytest.mark.parametrize("more", [["shell.nrrd"], ["--report", "x.html"]])
+def test_what_does_not_go_with_tables_is_refused(tmp_path, capsys, more):
+    assert "hold numbers of many cases" in refusal(["evaluate", *of_cases(tmp_path, 2), *more], capsys)
+
+
 def test_tables_of_one_case_are_refused(tmp_path, capsys):
     assert "hold one case" in refusal(["evaluate", *of_cases(tmp_path, 1)], capsys)
 
