@@ -402,6 +402,5 @@ def _explained(name: str) -> str:
 
 
 if Recipe.__doc__:  # not where Python leaves docstrings out
-    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(
-        map(_explained, sorted(RULES, key=lambda name: (name in OF_READING, name not in ("method", "spacing"))))
-    )
+    _ORDER = sorted(RULES, key=lambda name: (name in OF_READING, name not in ("method", "spacing")))
+    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(map(_explained, _ORDER))
