@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .calibration.calibration import calibrate as calibrate
     from .calibration.check import check_calibration as check_calibration
     from .calibration.crossing import calibrate_by_crossing as calibrate_by_crossing
+    from .compounding.methods.table import MethodName as MethodName
     from .compounding.own.method import Method as Method
     from .compounding.own.method import register_method as register_method
     from .compounding.reconstructor import Reconstructor as Reconstructor
@@ -76,6 +77,7 @@ _PUBLIC = {
     "LabeledBone": "registration.labeled_bone",
     "LiveSession": "live.session.session",
     "Method": "compounding.own.method",
+    "MethodName": "compounding.methods.table",
     "OpenIGTLinkClient": "live.wire.client",
     "ProbeGeometry": "imaging.beams",
     "Recipe": "recipe.recipe",
