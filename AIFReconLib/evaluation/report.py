@@ -21,7 +21,8 @@ from .visibility import GRAZING_DEG
 
 DASH = "\N{EN DASH}"
 
-STYLE = Path(__file__).with_name("report.css").read_text("utf-8")
+STYLE = Path(__file__).with_name("page.css").read_text("utf-8")
+"""Of every page that we write."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,8 @@ def report_html(report: Report) -> str:
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
 <title>{title}</title>
-<style>{STYLE}</style>
+<style>
+{STYLE}</style>
 </head>
 <body>
 <header>
