@@ -40,7 +40,7 @@ def scaling(factor=1.0, shift=0.0, shape=(1, 1, None, None), channels=1) -> onnx
 
 
 def echo_score(rows: int, columns: int, spacing: tuple[float, float]) -> onnx.ModelProto:
-    """The score of `BoneEchoFinder` on whole images of a linear probe, from its definition; not of 8 mm below the skin, at the sides and at the end.
+    """The score of `BoneEchoFinder` on whole images of a linear probe, from its definition; 0 near skin, sides and end.
 
     The Gaussians are scipy's response to one bright sample; the image goes in as gray levels.
     """

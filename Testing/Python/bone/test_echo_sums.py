@@ -99,7 +99,7 @@ def between_by_loops(dark: list[tuple], passed: list[tuple], place) -> tuple[flo
         return at(passed, where) / max(at(passed, where) + at(dark, where), 1e-9)
 
     slope = np.array([share(place + step) - share(place - step) for step in np.eye(3)]) / 2
-    steep = max(np.linalg.norm(slope), 1e-6)
+    steep = max(float(np.linalg.norm(slope)), 1e-6)
     known = min(at(dark, place), at(passed, place)) > 0.2
     return exp(-0.5 * ((0.5 - share(place)) / steep / 0.8) ** 2) if known else 0.0, -slope / steep
 
@@ -134,7 +134,7 @@ def test_the_surface_is_that_of_loops_over_echoes():
         between, across = between_by_loops(dark, passed, place)
         borders += between > probability
         assert found.probability.array[at] == pytest.approx(max(between, probability), abs=1e-5)
-        np.testing.assert_allclose(found.slopes[:, *at], across if between > probability else normal, atol=1e-5)
+        np.testing.assert_allclose(found.slopes[(slice(None), *at)], across if between > probability else normal, atol=1e-5)
     assert 0 < borders < 40
 
 
