@@ -29,8 +29,6 @@ from ..terminal.sequence_options import add_sweep_options, of_each, sequence_fro
 
 EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
-  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --surface met.vtp --report coverage.json
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
 
 Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
@@ -53,6 +51,7 @@ def add_to(commands: Commands) -> None:
     result.add_argument("-o", "--output", "--report", dest="report", type=Path, metavar="FILE.json", help="also write the table as JSON")
     add_beam_option(result)
     add_sweep_options(parser)
+    parser.show_first("bone_labels", "ct", "bone_transform", "config", "surface", "report", "quiet")
     parser.set_defaults(run=run)
 
 

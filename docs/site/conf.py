@@ -78,6 +78,7 @@ TABLES = {
             "own-data",
             "without-ct",
             "cohorts",
+            "for-a-paper",
             "troubleshooting",
         ),
         (
