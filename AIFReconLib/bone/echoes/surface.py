@@ -250,11 +250,11 @@ class EchoSurface:
             slopes[(slice(None), *at)] = normals.T
 
         in_parts(lay, -(-near.size // AT_ONCE), threads, part(progress, 0.7, 1.0), "Laying echoes together")
-        between, beyond, across = _between(*crossed)
-        without_echo = between > probability
-        probability = np.maximum(probability, between)
-        inside[without_echo] = beyond[without_echo]
-        slopes[:, without_echo] = across[:, without_echo]
+        border, between, beyond, across = _between(*crossed)
+        larger = between > probability.reshape(-1)[border]
+        border = border[larger]
+        probability.reshape(-1)[border], inside.reshape(-1)[border] = between[larger], beyond[larger]
+        slopes.reshape(3, -1)[:, border] = across[:, larger]
         report(progress, 1.0, "Laid echoes together")
         around = VoxelGrid.from_spacing(SPACING * start, shape[::-1], SPACING).ijk_to_reference
         surface, behind = (Volume(values, around)[part_of] for values in (probability, inside))
@@ -289,14 +289,17 @@ def _planes(places: Floats, moments: Floats) -> tuple[Floats, Floats]:
     return ((places - mean) * normals).sum(axis=1), normals
 
 
-def _between(shadow: Singles, passed: Singles) -> tuple[Singles, Mask, Singles]:
-    """The border of what was passed and what was shadowed, [k, j, i]: probability, what lies behind it, and its normals (3, k, j, i)."""
-    share = passed / np.maximum(passed + shadow, np.float32(1e-9))
-    slopes = np.stack([-along / np.float32(SPACING) for along in np.gradient(share)[::-1]])
-    steep = np.maximum(np.sqrt((slopes**2).sum(axis=0)), np.float32(1e-6))
-    heights = (np.float32(0.5) - share) / steep
+def _between(shadow: Singles, passed: Singles) -> tuple[Integers, Singles, Mask, Singles]:
+    """The border of what was passed and what was shadowed, [k, j, i]: flat voxels (n,) around it, probability, what lies behind it, and
+    its normals (3, n)."""
     known = np.minimum(shadow, passed) > LEAST_CROSSED
-    return np.where(known, np.exp(-0.5 * (heights / np.float32(THICKNESS)) ** 2), np.float32(0.0)), heights > 0, slopes / steep
+    known[[0, -1]] = known[:, [0, -1]] = known[:, :, [0, -1]] = False
+    at, share = np.flatnonzero(known), (passed / np.maximum(passed + shadow, np.float32(1e-9))).reshape(-1)
+    beside = (1, known.shape[2], known.shape[1] * known.shape[2])
+    slopes = np.stack([share[at - step] - share[at + step] for step in beside]) / np.float32(2 * SPACING)
+    steep = np.maximum(np.sqrt((slopes**2).sum(axis=0)), np.float32(1e-6))
+    heights = (np.float32(0.5) - share[at]) / steep
+    return at, np.exp(-0.5 * (heights / np.float32(THICKNESS)) ** 2), heights > 0, slopes / steep
 
 
 def _away(voxels: Integers, shape: tuple[int, ...]) -> Singles:
