@@ -87,6 +87,12 @@ class ReadingSettings(Branch):
         label="Every N-th frame:",
         preset=True,
     )
+    motion: str | None = setting(
+        None,
+        f"take out of the poses how the patient moved, as the bone echoes show it; off: not (default: {AUTOMATIC} for weighted, else off)",
+        choices=(AUTOMATIC, "off"),
+        label="Motion of the patient:",
+    )
 
 
 @dataclass(frozen=True)
