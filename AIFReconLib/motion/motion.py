@@ -49,8 +49,8 @@ TOLD, PLAINLY = 1.0, 1.0
 PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 """s that a breath may last, and the share of the motion that breathing must explain to be named."""
 
-LOOSE = 0.7
-"""mm to which the echoes of a pass must hold it along a direction, which is named else."""
+LOOSE, HALF = 0.7, 0.5
+"""mm to which the echoes of a pass must hold it along a direction, else it stays there; and the share of an axis that is named for it."""
 
 AXES = ("left-right", "front-back", "head-feet")
 
@@ -118,7 +118,7 @@ class PatientMotion:
             return (words,) if self.before > PLAINLY else ()
         lines = [self._moved()]
         if self.loose:
-            lines.append(f"Along {listed(self.loose)} the echoes hold no motion, which is left as it was.")
+            lines.append(f"Along {listed(self.loose)} the echoes do not hold it; there nothing is moved.")
         return (*lines, f"Mended: echoes lie {self.after:.1f} mm apart, before {self.before:.1f}.")
 
     def _moved(self) -> str:
@@ -143,14 +143,17 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: PlacedField | None = No
     still = PatientMotion(rest, before, before, False, echoes=echoes)
     if not moves(asked, passes, bone):
         return still
-    half, _ = solved(echoes[tried], rest, bone, progress=part(progress, 0.0, 0.6))
+    half, information = solved(echoes[tried], rest, bone, progress=part(progress, 0.0, 0.5))
+    if (loose := _loose(half, information)).any():
+        half, _ = solved(echoes[tried], rest, bone, loose, progress=part(progress, 0.5, 0.7))
     half = _in_the_middle(half, echoes, bone)
     after = apart(asked, half, bone)
     if after > GAIN * before or PatientMotion(half, before, after, False).size < LEAST:
         return still if bone is None else motion_of(echoes, passes, None, part(progress, 0.6, 1.0))
-    curve, information = solved(echoes, half, bone, FINE, part(progress, 0.6, 1.0))
+    curve, _ = solved(echoes, half, bone, loose, FINE, part(progress, 0.7, 1.0))
     curve = _in_the_middle(curve, echoes, bone)
-    return PatientMotion(curve, before, after, True, _loose(curve, information), curve.moved(echoes))
+    names = tuple(name for name, free in zip(AXES, np.median(loose, axis=0).diagonal(), strict=True) if free > HALF)
+    return PatientMotion(curve, before, after, True, names, curve.moved(echoes))
 
 
 def apart(echoes: SweepEchoes, curve: MotionCurve, bone: PlacedField | None = None) -> float:
@@ -173,16 +176,17 @@ def _in_the_middle(curve: MotionCurve, echoes: SweepEchoes, bone: PlacedField | 
     return replace(curve, shifts=curve.shifts - by)
 
 
-def _loose(curve: MotionCurve, information: Matrix) -> tuple[str, ...]:
-    """Directions along which the echoes of half of the passes hold nothing."""
-    begin = 3 * len(curve.turns)
-    blocks = information[begin:, begin:].reshape(len(curve.shifts), 3, len(curve.shifts), 3).transpose(0, 2, 1, 3)
-    held = []
+def _loose(curve: MotionCurve, information: Matrix) -> Matrix:
+    """Onto the directions along which the echoes of each pass do not hold it, (passes, 3, 3)."""
+    count, begin = len(curve.shifts), 3 * len(curve.turns)
+    blocks = information[begin:, begin:].reshape(count, 3, count, 3).transpose(0, 2, 1, 3)
+    loose = np.zeros((len(curve.turns), 3, 3))
     for number in range(len(curve.turns)):
         mine = curve.owners == number
-        held.append(blocks[np.ix_(mine, mine)].sum(axis=(0, 1)))
-    axis = np.median(np.array([np.sqrt(np.diag(np.linalg.pinv(one + 1e-3 * np.eye(3)))) for one in held]), axis=0)
-    return tuple(name for name, deviation in zip(AXES, axis, strict=True) if deviation > LOOSE)
+        held, axes = np.linalg.eigh(blocks[np.ix_(mine, mine)].sum(axis=(0, 1)))
+        free = axes[:, held < 1 / LOOSE**2]
+        loose[number] = free @ free.T
+    return loose
 
 
 def find_motion(

@@ -20,6 +20,9 @@ KNOT, MOST_KNOTS = 0.5, 400
 SIZE, TURN_DEG = 4.0, 2.0
 """What is expected of a motion, standard deviations: mm at a knot, degrees of a pass."""
 
+HELD = 0.03
+"""mm that a shift may have along a direction in which nothing moves."""
+
 NOISE, TOGETHER = 0.5, 15.0
 """mm by which an echo lies off its surface, and how many echoes err together."""
 
@@ -200,17 +203,21 @@ def solved(
     echoes: SweepEchoes,
     curve: MotionCurve,
     bone: PlacedField | None = None,
+    still: Floats | None = None,
     stages: tuple[tuple[bool, float, float, float], ...] = COARSE + FINE,
     progress: Progress | None = None,
 ) -> tuple[MotionCurve, Matrix]:
-    """The motion of these echoes, beginning with another, and what is known of its parameters (n, n)."""
+    """The motion of these echoes, beginning with another, and what they tell of its parameters (n, n).
+
+    `still` leads onto the directions along which each pass does not move, (passes, 3, 3); the `stages` are those of `COARSE` and `FINE`.
+    """
     owners = curve.passes.numbers[echoes.frames]
     normals = own_normals(echoes.points, owners) if stages[0][0] else np.zeros_like(echoes.points)
     information = np.zeros(0)
     for done, (pairwise, reach, scale, step) in enumerate(stages):
         report(progress, done / len(stages), "Taking the patient's motion out")
         chosen = np.unique(np.linspace(0, len(echoes) - 1, OF_PAIRS if pairwise else MOST_ECHOES).astype(np.int64))
-        prior = _expected(curve, step)
+        prior = _expected(curve, step, still)
         placed = curve.moved(echoes)
         if pairwise:
             turned = np.einsum("nij,nj->ni", curve.turns[owners], normals)
@@ -240,7 +247,7 @@ def _vector(curve: MotionCurve) -> Floats:
     return vector
 
 
-def _expected(curve: MotionCurve, step: float) -> Matrix:
+def _expected(curve: MotionCurve, step: float, still: Floats | None) -> Matrix:
     """What is known of a motion beforehand, as the inverse of a covariance."""
     passes, knots = len(curve.turns), len(curve.shifts)
     prior = np.zeros((3 * (passes + knots),) * 2)
@@ -251,6 +258,8 @@ def _expected(curve: MotionCurve, step: float) -> Matrix:
         of_knots[n : n + 2, n : n + 2] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / step**2
     prior[: 3 * passes, : 3 * passes] = np.eye(3 * passes) / turn**2
     prior[3 * passes :, 3 * passes :] = np.kron(of_knots, np.eye(3))
+    if still is not None:
+        prior[3 * passes :, 3 * passes :] += scipy.linalg.block_diag(*still[curve.owners]) / HELD**2
     return prior
 
 
