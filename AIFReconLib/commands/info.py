@@ -21,6 +21,8 @@ from ..inspection.diagnosis import diagnose
 from ..inspection.sweep_drawing import draw_sweep
 from ..io.disk.atomic import write_text
 from ..message import columns
+from ..motion.motion import find_motion
+from ..motion.solve import BoneInPlace
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
@@ -101,6 +103,9 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
     if labels is not None and places:
         bone += calibration_lines([sequence], labels, placed, recipe)[0]
+    known = None if labels is None or not places else LabeledBone(labels, placed, sequence, recipe)
+    motion = find_motion(sequence, None if known is None else BoneInPlace(known.field, known.place), recipe)
+    moved = [] if motion is None else list(motion.lines)
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
@@ -113,10 +118,11 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         "memory_bytes": planned.memory,
         "hole_limit_mm": planned.hole_limit,
         "bone": bone,
+        "motion": moved,
         "first": first,
         "command": command,
     }
-    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone]
+    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone, *moved]
     if first:
         lines += ["", "First place the CT on the sweep:", f"  {first[0]}"]
     return "\n".join([*lines, "", "Then:" if first else "To do so:", f"  {command}"]), as_dict

@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Floats, Mask, Matrix
+from ..arrays import Floats, Integers, Mask, Matrix
 from ..bone.echoes.found import SweepEchoes
 from ..bone.echoes.search import sweep_echoes
 from ..errors import AIFReconError, OperationCanceled
@@ -29,13 +29,17 @@ from ..sweep.frames import FrameRecord, TrackedSequence, records_from
 from ..sweep.multi_sweep import joined, sweeps_of
 from ..sweep.poses import chain_ends, poses_of_each
 from .passes import Passes, passes_of
-from .solve import FINE, MotionCurve, PlacedField, planes_of, solved
+from .solve import FINE, MOST_ECHOES, BoneInPlace, MotionCurve, planes_of, solved
 
 MOST_FRAMES = 600
 """Frames of all sweeps together whose echoes are looked at."""
 
-STILL, STILL_ON_BONE = 0.42, 0.35
-"""mm between the echoes of different passes, and from a CT's bone, in the median, up to which nobody looks for motion."""
+STILL, STILL_ON_BONE = 0.48, 0.35
+"""mm that a pass lies off the others, and off a CT's bone, in the median, up to which nobody looks for motion. At rest
+they are 0.37 to 0.39 with half of the frames, and 0.2 to 0.25."""
+
+FAR, SEEN_TWICE, SHARE = 6.0, 0.2, 0.03
+"""mm to the farthest neighbor, the share of echoes that two passes must show, and that of a pass to count."""
 
 GAIN, LEAST = 0.85, 0.5
 """Part of their distance that echoes may keep which had no say, and mm (root mean square) that a motion must have, to be applied."""
@@ -60,7 +64,7 @@ class PatientMotion:
     """How a patient moved against the reference during a scan, as its bone echoes tell."""
 
     curve: MotionCurve
-    before: float  #: mm. Median distance between echoes of different passes, of frames that had no say.
+    before: float  #: mm. How far the worst pass lies off the others, by frames that had no say; see `apart`.
     after: float  #: mm. The same with the motion taken out.
     applied: bool  #: Whether it is to be taken out
     loose: tuple[str, ...] = ()  #: Directions that the echoes do not hold, left at rest
@@ -134,7 +138,7 @@ class PatientMotion:
         return f"The patient moved by up to {np.nanmax(np.linalg.norm(self.shifts, axis=1)):.1f} mm."
 
 
-def motion_of(echoes: SweepEchoes, passes: Passes, bone: PlacedField | None = None, progress: Progress | None = None) -> PatientMotion:
+def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = None, progress: Progress | None = None) -> PatientMotion:
     """The motion that echoes show, judged on every other frame."""
     report(progress, 0.0, "Looking for motion of the patient")
     tried: Mask = np.isin(echoes.frames, np.unique(echoes.frames)[::2])
@@ -156,19 +160,33 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: PlacedField | None = No
     return PatientMotion(curve, before, after, True, names, curve.moved(echoes))
 
 
-def apart(echoes: SweepEchoes, curve: MotionCurve, bone: PlacedField | None = None) -> float:
-    """mm. Median distance of echoes to the surface that other passes show; to the CT's bone, where no two passes show the same."""
-    points = curve.moved(echoes).points
-    chosen = np.unique(np.linspace(0, len(points) - 1, 3000).astype(np.int64))
-    planes = planes_of(points, curve.passes.numbers[echoes.frames], chosen, 6.0)
-    if len(planes.rows) > 0.2 * len(chosen):
-        return float(np.median(np.abs(planes.off(points))))
-    if bone is None:
-        return float("nan")
-    return float(np.median(np.minimum(np.abs(bone.sample(points)[0]), 10.0)))
+def apart(echoes: SweepEchoes, curve: MotionCurve, bone: BoneInPlace | None = None) -> float:
+    """mm. Median distance of a pass's echoes to the surface that the others show, of the pass where it is largest.
+
+    Where no two passes show the same bone it is the distance to the CT's bone; NaN without one.
+    """
+    points, owners = curve.moved(echoes).points, curve.passes.numbers[echoes.frames]
+    chosen = np.unique(np.linspace(0, len(points) - 1, MOST_ECHOES).astype(np.int64))
+    planes = planes_of(points, owners, chosen, FAR)
+    if len(planes.rows) > SEEN_TWICE * len(chosen):
+        return _worst(np.abs(planes.off(points)), owners[planes.rows])
+    return np.nan if bone is None else off_the_bone(echoes, curve, bone)
 
 
-def _in_the_middle(curve: MotionCurve, echoes: SweepEchoes, bone: PlacedField | None) -> MotionCurve:
+def off_the_bone(echoes: SweepEchoes, curve: MotionCurve, bone: BoneInPlace) -> float:
+    """mm. Median distance of a pass's echoes to the CT's bone, of the pass where it is largest."""
+    off = np.abs(bone.sample(curve.moved(echoes).points)[0])
+    near = off < FAR
+    return _worst(off[near], curve.passes.numbers[echoes.frames[near]])
+
+
+def _worst(off: Floats, owners: Integers) -> float:
+    """The largest median over the owners, but for those who own next to nothing."""
+    counts = np.bincount(owners)
+    return max((float(np.median(off[owners == n])) for n in np.flatnonzero(counts > SHARE * len(off))), default=np.nan)
+
+
+def _in_the_middle(curve: MotionCurve, echoes: SweepEchoes, bone: BoneInPlace | None) -> MotionCurve:
     """The motion without what all frames have in common, but for the little that lays them on a CT."""
     by = (curve.moved(echoes).points - echoes.points).mean(axis=0)
     if bone is not None and np.linalg.norm(by) <= COMMON:
@@ -191,7 +209,7 @@ def _loose(curve: MotionCurve, information: Matrix) -> Matrix:
 
 def find_motion(
     sequences: TrackedSequence | Iterable[TrackedSequence],
-    bone: PlacedField | None = None,
+    bone: BoneInPlace | None = None,
     recipe: Recipe | None = None,
     progress: Progress | None = None,
     known: SweepEchoes | None = None,
@@ -200,7 +218,7 @@ def find_motion(
 
     Parameters
     ----------
-    bone : PlacedField or None
+    bone : BoneInPlace or None
         A CT's bone where it lies.
     known : SweepEchoes or None
         Echoes of some frames, by which it is told that nothing moved.
@@ -225,11 +243,10 @@ def passes_in(sweeps: list[TrackedSequence], recipe: Recipe | None = None) -> Pa
     return passes_of(sweeps, poses_of_each(sweeps, recipe.image_to_reference, recipe.reference))
 
 
-def moves(echoes: SweepEchoes, passes: Passes, bone: PlacedField | None = None) -> bool:
+def moves(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = None) -> bool:
     """Whether it is worth looking for motion."""
     rest = MotionCurve.none(passes, echoes)
-    between, onto = apart(echoes, rest), apart(echoes, rest, bone) if bone is not None else np.nan
-    return between > STILL if np.isfinite(between) else onto > STILL_ON_BONE
+    return apart(echoes, rest) > STILL if bone is None else off_the_bone(echoes, rest, bone) > STILL_ON_BONE
 
 
 def taken_out(sequence: TrackedSequence, motion: PatientMotion, recipe: Recipe | None = None) -> TrackedSequence:

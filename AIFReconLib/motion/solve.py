@@ -186,7 +186,7 @@ def own_normals(points: Floats, owners: Integers) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class PlacedField:
+class BoneInPlace:
     """A CT's bone where it lies."""
 
     bone: BoneField
@@ -202,7 +202,7 @@ class PlacedField:
 def solved(
     echoes: SweepEchoes,
     curve: MotionCurve,
-    bone: PlacedField | None = None,
+    bone: BoneInPlace | None = None,
     still: Floats | None = None,
     stages: tuple[tuple[bool, float, float, float], ...] = COARSE + FINE,
     progress: Progress | None = None,

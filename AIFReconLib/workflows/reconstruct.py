@@ -53,7 +53,7 @@ from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..machine.read_ahead import read_ahead
 from ..machine.threads import usable_cores
 from ..motion.motion import PatientMotion, find_motion, taken_out, with_notes
-from ..motion.solve import PlacedField
+from ..motion.solve import BoneInPlace
 from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import AUTOMATIC, Recipe
@@ -198,7 +198,7 @@ def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> 
     bone = known = None
     if isinstance(labeled, LabeledBone):
         job, comparison = replace(job, bone=labeled), labeled.comparison(progress)
-        bone, known = PlacedField(labeled.field, labeled.place), None if comparison is None else comparison.echoes
+        bone, known = BoneInPlace(labeled.field, labeled.place), None if comparison is None else comparison.echoes
     motion = find_motion(sequence, bone, recipe, progress, known)
     if motion is None or not motion.applied:
         return job, motion
