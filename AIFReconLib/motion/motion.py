@@ -44,6 +44,10 @@ FAR, SEEN_TWICE, SHARE = 6.0, 0.2, 0.03
 GAIN, LEAST = 0.85, 0.5
 """Part of their distance that echoes may keep which had no say, and mm (root mean square) that a motion must have, to be applied."""
 
+CLOSE, CLOSE_TO_BONE = 1.1, 0.5
+"""mm that the worst pass may lie off the others afterwards, and off the CT's bone: 0.4 to 0.6 and 0.2 to 0.3 where a motion is right. Where
+passes have few frames nothing comes so close, and without a CT nothing is done."""
+
 COMMON = 5.0
 """mm that all frames together may be moved onto a CT. Beyond, it is the CT that is off."""
 
@@ -152,7 +156,10 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
         half, _ = solved(echoes[tried], rest, bone, loose, progress=part(progress, 0.5, 0.7))
     half = _in_the_middle(half, echoes, bone)
     after = apart(asked, half, bone)
-    if after > GAIN * before or PatientMotion(half, before, after, False).size < LEAST:
+    borne_out = after <= min(GAIN * before, CLOSE if bone is None else np.inf) and (
+        bone is None or off_the_bone(asked, half, bone) <= min(GAIN * off_the_bone(asked, rest, bone), CLOSE_TO_BONE)
+    )
+    if not borne_out or PatientMotion(half, before, after, False).size < LEAST:
         return still if bone is None else motion_of(echoes, passes, None, part(progress, 0.6, 1.0))
     curve, _ = solved(echoes, half, bone, loose, FINE, part(progress, 0.7, 1.0))
     curve = _in_the_middle(curve, echoes, bone)

@@ -15,7 +15,7 @@ from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..message import Judged, Sentence
-from ..motion.motion import PatientMotion, motion_of, passes_in
+from ..motion.motion import PatientMotion, find_motion
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import START_NEARER
@@ -123,8 +123,8 @@ def register(
     sweeps, motion = sweeps_of(sequences, recipe), None
     echoes = sweep_echoes(sweeps, recipe, progress=part(progress, 0.0, 0.4))
     if recipe is None or recipe.motion != "off":
-        motion = motion_of(echoes, passes_in(sweeps, recipe), progress=part(progress, 0.4, 0.5))
-        echoes = motion.curve.moved(echoes) if motion.applied else echoes
+        motion = find_motion(sweeps, None, recipe, part(progress, 0.4, 0.5), echoes)
+        echoes = echoes if motion is None or not motion.applied else motion.curve.moved(echoes)
     found = register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
     return replace(found, motion=motion)
 

@@ -17,7 +17,7 @@ from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.scan import TrackingErrors
 from AIFReconLib.sweep.poses import sweep_poses
 
-FRAMES = 108
+FRAMES = 297
 
 
 @pytest.fixture(scope="module")

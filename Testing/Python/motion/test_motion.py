@@ -181,3 +181,19 @@ def test_a_curve_moves_echoes_as_its_matrices_do_and_turns_about_the_middle_of_a
     expected = transform_points(rigid((0, 0, 10)), echoes.points[first] - rest.centers[0]) + rest.centers[0]
     assert turned.moved(echoes).points[first] == pytest.approx(expected)
     assert np.array_equal(turned.moved(echoes).points[~first], echoes.points[~first])
+
+
+# ---- the simulated patient
+
+
+def test_a_simulated_patient_breathes_shifts_and_steps_as_asked():
+    times = np.concatenate([np.arange(40) / RATE + 4.0 * n for n in range(5)])
+    breathing = patient_motion(times, TrackingErrors(breathing=2.0))[:, :3, 3]
+    assert np.linalg.norm(breathing, axis=1).max() == pytest.approx(2.0, abs=0.1)
+    assert np.linalg.svd(breathing)[1][1] == pytest.approx(0.0, abs=1e-6)
+    shifted = patient_motion(times, TrackingErrors(shifting=1.5))
+    assert len(np.unique(shifted.round(9), axis=0)) == 5
+    stepped = patient_motion(times, TrackingErrors(step=6.0))[:, :3, 3]
+    assert np.linalg.norm(stepped[[0, -1]], axis=1) == pytest.approx([0.0, 6.0])
+    assert np.flatnonzero(np.diff(stepped[:, 0])) == pytest.approx([99])
+    assert np.array_equal(patient_motion(times, TrackingErrors()), np.tile(np.eye(4), (200, 1, 1)))
