@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from contextlib import nullcontext
 from dataclasses import replace
 
 from .bone.map import BoneMap
-from .compounding.compiled.precompile import compiled_aside
 from .compounding.frame_placement import require_kinds
 from .compounding.state import BESIDE, Reconstruction
 from .geometry.volume import Volume, VoxelGrid
@@ -68,9 +66,7 @@ def reconstruct(
     require_kinds(recipe=recipe, grid=grid)
     recipe = recipe or Recipe()
     job = ReconstructionJob(joined(sequence, recipe), recipe, bone, grid, beside, memory)
-    has_labels = isinstance(bone, LabeledBone | Volume)
-    with compiled_aside(recipe, job.sequence.images.dtype) if has_labels else nullcontext():
-        output = reconstruct_job(job, progress)
+    output = reconstruct_job(job, progress)
     if output.labeled is None:
         return output.result
     warn_of_disagreement(output.labeled.comparison())

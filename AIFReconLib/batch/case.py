@@ -11,8 +11,9 @@ import json
 import os
 import time
 import traceback
-from collections.abc import Collection
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,7 @@ from ..evaluation.preview import preview
 from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
-from ..guidance.coverage import Coverage, coverage
+from ..guidance.coverage import coverage
 from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.workspace import workspace
 from ..io.transform.files import write_transform
@@ -34,7 +35,7 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import write_volume
 from ..io.volume.label_files import read_labels
 from ..message import listed, said
-from ..registration.registration import Registration, as_report, register
+from ..registration.registration import as_report, register
 from ..registration.segments import placed_labels
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
@@ -46,69 +47,45 @@ from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..workflows.job import ReconstructionJob
 from ..workflows.reconstruct import execute, planned, tracking_of
-from .engine import own_memory
+from .engine import held_memory
 from .memory import OVER_PLAN
 from .place import require_results
-from .records import ALTERNATIVES, DONE, FAILED, LOST, RECORDS, RUNNING, Facts, Record, Row, made_of, read_record, stamp, write_record
+from .records import ALTERNATIVES, DONE, FAILED, LOST, RECORDS, Facts, Record, Row, made_of, read_record, stamp, write_record
 from .table import Case, with_method
 
 TRANSFORM, LABELS, REPORT = "CTToReference.tfm", "labels-as-scanned.nrrd", "report.json"
 
 
-@dataclass(frozen=True, eq=False)
-class CaseTask:
-    """What a worker is given.
+UNTOLD = (BeamGeometryError, GeometryError)
+"""Errors of what cannot be told of a sweep or a volume, which are notes beside the rest."""
+
+
+def carry_out(case: Case, output: Path, memory: int | None = None, version: str = __version__) -> Record:
+    """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
 
     Parameters
     ----------
     case : Case
-    table_folder, output : Path
-        Folders of the table, and of all results.
-    run : str
-        Name of this run of the command.
+    output : Path
+        Folder of all results.
+    memory : int or None
+        Bytes that this process may take. None: what is free.
     version : str
-        Of the program that sends it.
-    """
-
-    case: Case
-    table_folder: Path
-    output: Path
-    run: str
-    version: str = __version__
-
-
-def carry_out(task: CaseTask) -> Record:
-    """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
+        Of the program that asks for it: workers may join while others are at work.
 
     Notes
     -----
     A function of a worker: it may be ended in any place, and begun again by another.
     """
     started = time.perf_counter()
-    case, output = task.case, task.output
-    before = read_record(output, case.name)
-    attempts = before.attempts + 1 if before is not None and before.run == task.run else 1
-    record = Record(case.name, RUNNING, made_of(case, task.table_folder), run=task.run, attempts=attempts)
+    record = Record(case.name, LOST, made_of(case))
     try:
-        if task.version != __version__:
-            raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {task.version}. Install the same on both.")
-        write_record(output, record)
-        record = _computed(case, output, record)
-    except (OutputError, MemoryError) as error:
-        record = replace(
-            record,
-            state=LOST,
-            message=in_columns(error) if str(error) else "There was not enough memory. Give --memory more, or fewer --workers.",
-        )
-    except AIFReconError as error:
-        record = replace(record, state=FAILED, message=in_columns(error))
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        record = replace(record, state=LOST, message=f"{where}{error.strerror or error}. Check that the file exists and may be used.")
+        if version != __version__:
+            raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {version}. Install the same on both.")
+        record = _computed(case, output, memory, record)
     except Exception as error:
-        # A mistake of ours in one case must not cost the others; what is needed to find it is kept
-        told = traceback.format_exc(limit=-3)
-        record = replace(record, state=FAILED, message=f"A mistake in AIFRecon, please report it: {type(error).__name__}: {error}\n{told}")
+        state, message = _what_went_wrong(error)
+        record = replace(record, state=state, message=message)
     record = replace(record, seconds=round(time.perf_counter() - started, 3))
     try:
         write_record(output, record)
@@ -117,12 +94,25 @@ def carry_out(task: CaseTask) -> Record:
     return record
 
 
-def _computed(case: Case, output: Path, record: Record) -> Record:
+def _what_went_wrong(error: Exception) -> tuple[str, str]:
+    """The state of a case that has ended so, and a message."""
+    if isinstance(error, OutputError | MemoryError):
+        return LOST, in_columns(error) or "There was not enough memory. Give --memory more, or fewer --workers."
+    if isinstance(error, AIFReconError):
+        return FAILED, in_columns(error)
+    if isinstance(error, OSError):
+        return LOST, f"{error.filename or 'A file'}: {error.strerror or error}. Check that the file exists and may be used."
+    # A mistake of ours in one case must not cost the others; what is needed to find it is kept
+    told = "".join(traceback.format_exception(error, limit=-3))
+    return FAILED, f"A mistake in AIFRecon, please report it: {type(error).__name__}: {error}\n{told}"
+
+
+def _computed(case: Case, output: Path, memory: int | None, record: Record) -> Record:
     """The record of what is done, whose files now lie in the folder of the case."""
     with output_errors(output / case.name), workspace(output) as room:
         folder = room / case.name
         folder.mkdir()
-        results = _Work(case, folder).results()
+        results = _Work(case, folder, memory).results()
         outputs: Facts = {path.name: stamp(path) for path in sorted(folder.iterdir())}
         # Said before they are there: who ends the program now leaves results that the next run may replace
         write_record(output, replace(record, outputs=outputs))
@@ -145,11 +135,20 @@ def _replace_folder(new: Path, target: Path, aside: Path, known: Collection[str]
         raise
 
 
+@contextmanager
+def _noted(notes: list[str], *errors: type[AIFReconError]) -> Iterator[None]:
+    """Within, such an error is a note, and what follows is left out."""
+    try:
+        yield
+    except errors as problem:
+        notes.append(in_columns(problem))
+
+
 class _Work:
     """What the steps of a case share."""
 
-    def __init__(self, case: Case, folder: Path):
-        self._case, self._folder = case, folder
+    def __init__(self, case: Case, folder: Path, memory: int | None):
+        self._name, self._methods, self._memory, self._folder = case.name, case.methods, memory, folder
         self._arguments = case.arguments
         each = of_each(self._arguments, self._arguments.sequences)
         self._sequence_files = [path for one in each for path in sequence_inputs(one)]
@@ -161,45 +160,37 @@ class _Work:
         self._numbers: Row = {}
         self._notes: list[str] = []
         self._given = labels_from(self._arguments)
-        self._job = ReconstructionJob(self._sequence, self._recipe)
 
     def results(self) -> list[Row]:
         """Do all of it."""
         if self._arguments.register:
             self._register()
-        labels = self._labels()
+        labels = None if self._given is None else self._given.placed_by(place_from(self._arguments))
         if labels is not None:
             self._cover(labels)
         truth = self._truth(labels)
-        if self._given is not None:
-            self._notes += map(in_columns, self._given.notes)
+        self._notes += map(in_columns, () if self._given is None else self._given.notes)
         bone = bone_source_from(self._arguments, labels=self._given)
-        self._job = ReconstructionJob(self._sequence, self._recipe, bone, grid_from(self._arguments))
+        job = ReconstructionJob(self._sequence, self._recipe, bone, grid_from(self._arguments))
         ct = read_ct(self._arguments.ct).placed_by(self._ct_to_reference) if self._arguments.ct else None
-        rows = [self._of_method(method, truth, labels, ct) for method in self._case.methods]
+        rows = []
+        for method in self._methods:
+            row, job = self._of_method(method, job, truth, labels, ct)
+            rows.append(row)
         write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
         return rows
 
     def _register(self) -> None:
+        """Find the CT's place, and go on as if it had been given: by files, so that the numbers are those of the files."""
         arguments, labels = self._arguments, required_labels(self._arguments) if self._given is None else self._given
         found = register(
             self._parts, labels, self._ct_to_reference, per_segment=arguments.per_segment, level=arguments.level or 0, recipe=self._recipe
         )
         self._report["registration"] = as_report(found)
         if not (found.accepted or arguments.accept or arguments.level is not None):
-            path = self._folder.parents[1] / RECORDS / f"{self._case.name}{ALTERNATIVES}"
+            path = self._folder.parents[1] / RECORDS / f"{self._name}{ALTERNATIVES}"
             write_text(path, json.dumps(self._report, indent=1) + "\n")
             raise RegistrationRefused(f"No transform is written. {found.said} The report is {path}.", said(found.said))
-        self._arguments = self._placed(found, labels)
-        agreement = found.agreement
-        self._numbers["registration_agreement"] = float(agreement.share)
-        self._numbers["registration_median_distance_mm"] = float(agreement.median_distance)
-        self._numbers["registration_moved_mm"] = None if found.moved is None else float(found.moved)
-        if found.uncertain:
-            self._notes.append(f"Not held by this sweep: {listed(found.uncertain, '; ')}.")
-
-    def _placed(self, found: Registration, labels: Volume) -> argparse.Namespace:
-        """The options with the place that was found, as if it had been given: by files, so that the numbers are those of the files."""
         write_transform(found.transform, self._folder / TRANSFORM)
         self._ct_to_reference = found.transform
         place: dict[str, object] = {"bone_transform": self._folder / TRANSFORM}
@@ -208,66 +199,56 @@ class _Work:
             write_volume(moved, self._folder / LABELS)
             self._given = Labels(moved.array, moved.ijk_to_reference, {}, self._given.names if self._given else {})
             place = {"bone_labels": [self._folder / LABELS], "labels": None, "bone_transform": None}
-        return argparse.Namespace(**{**vars(self._arguments), **place})
-
-    def _labels(self) -> Volume | None:
-        """The labels where they lie in Reference."""
-        return None if self._given is None else self._given.placed_by(place_from(self._arguments))
+        self._arguments = argparse.Namespace(**{**vars(arguments), **place})
+        self._numbers |= {
+            "registration_agreement": float(found.agreement.share),
+            "registration_median_distance_mm": float(found.agreement.median_distance),
+            "registration_moved_mm": None if found.moved is None else float(found.moved),
+        }
+        if found.uncertain:
+            self._notes.append(f"Not held by this sweep: {listed(found.uncertain, '; ')}.")
 
     def _cover(self, labels: Volume) -> None:
-        try:
-            found: Coverage = coverage(self._parts, labels, recipe=self._recipe, thickness=self._arguments.beam_thickness)
-        except (BeamGeometryError, GeometryError) as problem:
-            self._notes.append(in_columns(problem))
-            return
-        self._report["coverage"] = found.to_dict()
-        for name, share in (("sweep", found.all), ("sweep_interspinous", found.interspinous)):
-            self._numbers |= {f"{name}_{key}": value for key, value in share.to_dict().items()}
+        with _noted(self._notes, *UNTOLD):
+            found = coverage(self._parts, labels, recipe=self._recipe, thickness=self._arguments.beam_thickness)
+            self._report["coverage"] = found.to_dict()
+            for name, share in (("sweep", found.all), ("sweep_interspinous", found.interspinous)):
+                self._numbers |= {f"{name}_{key}": value for key, value in share.to_dict().items()}
 
     def _truth(self, labels: Volume | None) -> BoneTruth | None:
         """What volumes are measured against."""
         arguments = self._arguments
         true = read_labels(arguments.bone).placed_by(self._ct_to_reference) if arguments.bone else labels
-        if true is None:
-            return None
-        try:
-            return bone_truth(true, SweepBeams.of_sequence(self._parts, self._recipe, arguments.beam_thickness))
-        except (BeamGeometryError, GeometryError) as problem:
-            self._notes.append(in_columns(problem))
-            return None
+        if true is not None:
+            with _noted(self._notes, *UNTOLD):
+                return bone_truth(true, SweepBeams.of_sequence(self._parts, self._recipe, arguments.beam_thickness))
+        return None
 
     def _of_method(
-        self,
-        method: str | None,
-        truth: BoneTruth | None,
-        labels: Volume | None,
-        ct: Volume | None,
-    ) -> Row:
-        """Reconstruct, write, measure and draw; the answer is the row."""
+        self, method: str | None, job: ReconstructionJob, truth: BoneTruth | None, labels: Volume | None, ct: Volume | None
+    ) -> tuple[Row, ReconstructionJob]:
+        """Reconstruct, write, measure and draw; the answer is the row, and the job with the bone that was found, once for all methods."""
         arguments = with_method(self._arguments, method)
         if method is not None and is_own_method(method):
             load_method_here(method)
         beside = [name for name in BESIDE if getattr(arguments, name)]
-        share = own_memory()
-        memory = None if share is None else max(int(share / OVER_PLAN), 1)
-        decided = planned(replace(self._job, recipe=recipe_from(arguments), beside=beside))
-        # Looked for once for all methods
-        self._job = replace(self._job, bone=decided.source)
+        memory = None if self._memory is None else max(int((self._memory - held_memory()) / OVER_PLAN), 1)
+        decided = planned(replace(job, recipe=recipe_from(arguments), beside=beside))
+        job = replace(job, bone=decided.source)
         result = execute(decided, beside, memory).result
         files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]
         result = with_provenance(result, arguments, files)
         width = result.bone.get("bone_sigma_mm")
         stem = result.method.replace(":", "-")
-        volume = self._folder / f"{stem}.nrrd"
-        result.intensity.write(volume)
+        result.intensity.write(self._folder / f"{stem}.nrrd")
         for name in SIDE_OUTPUTS:
             if getattr(arguments, name):
                 getattr(result, name).write(self._folder / f"{stem}-{name}.nrrd")
         said_by_it = list(map(in_columns, result.said))
-        tracking = [{"sequence": name, **one.to_dict()} for name, one in tracking_of(self._job, result).items()]
+        tracking = [{"sequence": name, **one.to_dict()} for name, one in tracking_of(job, result).items()]
         self._report[result.method] = {"tracking": tracking, "notes": said_by_it}
         notes = [*self._notes, *said_by_it]
-        return {
+        row: Row = {
             "method": result.method,
             "frames": result.frames_inserted,
             "frames_skipped": sum(map(len, result.skipped.values())),
@@ -275,35 +256,28 @@ class _Work:
             "size": " x ".join(map(str, result.grid.size)),
             "hole_limit_mm": float(result.hole_limit),
             "bone_sigma_mm": width if isinstance(width, float) else None,
-            "volume": f"{self._case.name}/{volume.name}",
+            "volume": f"{self._name}/{stem}.nrrd",
             "preview": self._drawn(stem, result, labels, ct, notes),
             **self._numbers,
             **self._measured(result, truth, notes),
-            "notes": " ".join(dict.fromkeys(map(str, notes))),
         }
+        return {**row, "notes": " ".join(dict.fromkeys(map(str, notes)))}, job
 
-    def _measured(self, result: Reconstruction, truth: BoneTruth | None, notes: list[str]) -> dict[str, float | None]:
-        if truth is None:
-            return {}
-        try:
-            metrics = evaluate(result.intensity, truth, result.mask)
-        except GeometryError as problem:
-            notes.append(in_columns(problem))
-            return {}
-        if metrics.bone.area == 0:
-            notes.append("No bone surface that the sweep reaches lies where it was measured.")
-            return {}
-        return {name: None if value != value else float(value) for name, value in metrics.to_dict().items()}
+    def _measured(self, result: Reconstruction, truth: BoneTruth | None, notes: list[str]) -> Row:
+        if truth is not None:
+            with _noted(notes, GeometryError):
+                metrics = evaluate(result.intensity, truth, result.mask)
+                if metrics.bone.area:
+                    return {name: None if value != value else float(value) for name, value in metrics.to_dict().items()}
+                notes.append("No bone surface that the sweep reaches lies where it was measured.")
+        return {}
 
     def _drawn(self, stem: str, result: Reconstruction, labels: Volume | None, ct: Volume | None, notes: list[str]) -> str:
         """The picture's path; empty where none is wanted, or can be drawn."""
-        if not self._arguments.preview:
-            return ""
-        try:
-            require_matplotlib()
-        except OutputError as missing:
-            notes.append(in_columns(missing))
-            return ""
-        title = f"{self._case.name}: {result.method}, {result.frames_inserted} frames"
-        preview(result.intensity, result.mask, labels, ct, title, result.score).write(self._folder / f"{stem}.png")
-        return f"{self._case.name}/{stem}.png"
+        if self._arguments.preview:
+            with _noted(notes, OutputError):
+                require_matplotlib()
+                title = f"{self._name}: {result.method}, {result.frames_inserted} frames"
+                preview(result.intensity, result.mask, labels, ct, title, result.score).write(self._folder / f"{stem}.png")
+                return f"{self._name}/{stem}.png"
+        return ""

@@ -1,26 +1,24 @@
-"""All cases of a table, computed by workers: what is done already is left alone, what cannot be computed is said and costs nothing else."""
+"""All cases of a table: what is done is left alone, what cannot be computed is said and costs nothing else."""
 
 from __future__ import annotations
 
 import time
-import uuid
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from .. import __version__
+from ..errors import OutputError
 from ..io.disk.atomic import output_errors
 from ..io.disk.workspace import remove_left_behind
-from ..message import listed
+from ..message import listed, shorten
 from ..progress import Progress, report
-from .case import CaseTask, carry_out
-from .engine import TRIES, Lost, completed, dashboard
-from .records import DONE, FAILED, LOST, RECORDS, Record, is_current, made_of, read_record, try_to_keep
+from .case import carry_out
+from .engine import Workers, completed
+from .records import DONE, FAILED, LOST, RECORDS, Record, is_current, made_of, read_record, write_record
 from .table import Case
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 
 @dataclass
@@ -31,7 +29,7 @@ class Cohort:
     ----------
     cases : list of Case
         In the order of the table.
-    table_folder, output : Path
+    output : Path
     records : dict of str to Record
         By the name of the case; grows while cases are computed.
     to_do : list of Case
@@ -39,7 +37,6 @@ class Cohort:
     """
 
     cases: list[Case]
-    table_folder: Path
     output: Path
     records: dict[str, Record] = field(default_factory=dict)
     to_do: list[Case] = field(default_factory=list)
@@ -49,7 +46,7 @@ class Cohort:
         return sum(record.state == state for record in self.records.values())
 
     def prepare(self, retry_failed: bool) -> None:
-        """Look what is there, and what is to be done; with `retry_failed` also what has failed and is unchanged since.
+        """Look what is there, and what is to be done; with `retry_failed` also what has failed.
 
         Raises OutputError when the folder cannot be written to.
         """
@@ -57,20 +54,14 @@ class Cohort:
             (self.output / RECORDS).mkdir(parents=True, exist_ok=True)
         self.records, self.to_do = {}, []
         for case in self.cases:
-            made = made_of(case, self.table_folder)
             if case.problems:
                 # Said again by every run, for it is seen without computing
                 sentence = listed([f"{each.column}: {each.sentence}" if each.column else each.sentence for each in case.problems], " ")
-                self.records[case.name] = Record(case.name, FAILED, made, sentence)
-                continue
-            record = read_record(self.output, case.name)
-            final = (DONE,) if retry_failed else (DONE, FAILED)
-            if record is not None and record.state in final and is_current(record, made, self.output):
-                self.records[case.name] = record
-            else:
+                self.records[case.name] = Record(case.name, FAILED, made_of(case), sentence)
+            elif not self._take(case, (DONE,) if retry_failed else (DONE, FAILED)):
                 self.to_do.append(case)
 
-    def compute(self, workers: AbstractContextManager[Client], say: Callable[[str], None], progress: Progress | None = None) -> None:
+    def compute(self, workers: AbstractContextManager[Workers], say: Callable[[str], None], progress: Progress | None = None) -> None:
         """Compute what is to be done.
 
         Parameters
@@ -82,40 +73,42 @@ class Cohort:
         progress : Progress or None
             Told after every case.
         """
-        run = uuid.uuid4().hex
-        tasks = {case.name: CaseTask(case, self.table_folder, self.output, run) for case in self.to_do}
-        unknown: list[Record] = []
         started = time.monotonic()
         try:
-            with workers as client:
-                say(dashboard(client))
+            with workers as (executor, memory, words):
+                say(words)
                 report(progress, *self._so_far(started, 0))
-                for done, (name, made) in enumerate(completed(client, carry_out, tasks), start=1):
-                    record = self._lost(tasks[name], made) if isinstance(made, Lost) else made
-                    if isinstance(made, Lost):
-                        unknown.append(record)
-                    self.records[name] = record
+                work = partial(carry_out, output=self.output, memory=memory, version=__version__)
+                for done, (case, made) in enumerate(completed(executor, work, self.to_do), start=1):
+                    self.records[case.name] = self._lost(case, made) if isinstance(made, Exception) else made
                     report(progress, *self._so_far(started, done))
         finally:
-            try_to_keep(self.output, unknown)
-            self._take_unheard(tasks)
+            for case in self.to_do:
+                # Done when nobody listened any more
+                if case.name not in self.records:
+                    self._take(case, (DONE,))
             # Workers that were ended have left the folder in which they wrote
             remove_left_behind(self.output)
 
-    def _take_unheard(self, tasks: dict[str, CaseTask]) -> None:
-        """Cases that were done when nobody listened any more."""
-        for name, task in tasks.items():
-            record = None if name in self.records else read_record(self.output, name)
-            if record is not None and record.run == task.run and record.state == DONE:
-                self.records[name] = record
+    def _take(self, case: Case, states: tuple[str, ...]) -> bool:
+        """Whether a case is known to be in one of these states, and nothing of it has changed since."""
+        record = read_record(self.output, case.name)
+        if record is None or record.state not in states or not is_current(record, case, self.output):
+            return False
+        self.records[case.name] = record
+        return True
 
-    def _lost(self, task: CaseTask, lost: Lost) -> Record:
+    def _lost(self, case: Case, error: Exception) -> Record:
         """The record of a case whose process did not survive it."""
         sentence = (
-            f"It was not finished: {lost.reason}, from outside or for more memory than it may take. Run the same again, with more "
-            "--memory or fewer --workers."
+            "It was not finished: its process was ended twice, from outside or for more memory than it may take, or its scheduler is gone "
+            f"({shorten(f'{type(error).__name__}: {error}')}). Run the same again, with more --memory or fewer --workers."
         )
-        return Record(task.case.name, LOST, made_of(task.case, self.table_folder), sentence, task.run, TRIES)
+        record = Record(case.name, LOST, made_of(case), sentence)
+        # A disk that does not take it has the next run try again all the same
+        with suppress(OutputError):
+            write_record(self.output, record)
+        return record
 
     def _so_far(self, started: float, done: int) -> tuple[float, str]:
         """How far the work is, from 0 to 1 and in words."""
@@ -132,6 +125,4 @@ def duration(seconds: float) -> str:
     if seconds < 90:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
-    if minutes < 90:
-        return f"{minutes} min"
-    return f"{minutes // 60} h {minutes % 60:02d} min"
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60:02d} min"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from ..errors import AIFReconError, FileFormatError, SettingsError
@@ -22,7 +23,7 @@ PROCESS = 450_000_000
 """Bytes of a worker with all libraries, pictures drawn; measured."""
 
 OURS = 300_000_000
-"""Bytes of the process that the user talks to, in which Dask's scheduler runs."""
+"""Bytes of the process that the user talks to."""
 
 PER_LABEL = 24
 """Bytes per voxel of the labels: bone map, distances and what they are made of."""
@@ -54,13 +55,10 @@ class Shares:
     needed: int
 
     def __str__(self) -> str:
-        each = f"{self.threads} thread(s)"
-        if self.memory is not None:
-            each = f"{each} and {self.memory / 1e9:.1f} GB"
-        said = f"{self.workers} process(es) with {each} each"
-        if self.memory is None or self.needed <= self.memory:
-            return said
-        return f"{said}; the largest case, of {self.needed / 1e9:.1f} GB, is worked in parts"
+        memory = "" if self.memory is None else f" and {self.memory / 1e9:.1f} GB"
+        large = f"; the largest case, of {self.needed / 1e9:.1f} GB, is worked in parts"
+        said = f"{self.workers} process(es) with {self.threads} thread(s){memory} each"
+        return said if self.memory is None or self.needed <= self.memory else said + large
 
 
 def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:
@@ -83,17 +81,14 @@ def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | 
             f"{memory / 1e9:.2f}. Give more."
         )
     largest = sorted(cases, key=_weight, reverse=True)[:LOOKED_AT]
-    cores, needed = usable_cores(), PROCESS + max((_of_case(case) for case in largest), default=0)
+    cores, needed = usable_cores(), PROCESS + max(map(_of_case, largest), default=0)
     if memory is None and (free := available_memory()) is not None:
         memory = max(int(SAFETY * free), OURS + PROCESS)
-    if memory is None:
-        count = workers or min(cores, len(cases))
-        return Shares(count, max(cores // count, 1), None, needed)
-    left = memory - OURS
+    left = math.inf if memory is None else memory - OURS
     # Asked for or not, more processes than can be there at all are none
-    count = min(workers, left // PROCESS) if workers else min(cores, left // needed, len(cases))
-    count = max(count, 1)
-    return Shares(count, max(cores // count, 1), left // count, needed)
+    fitting = [workers, left // PROCESS] if workers else [cores, len(cases), left // needed]
+    count = max(int(min(fitting)), 1)
+    return Shares(count, max(cores // count, 1), None if memory is None else int(left // count), needed)
 
 
 def _weight(case: Case) -> float:
@@ -107,14 +102,10 @@ def _of_case(case: Case) -> int:
     """Bytes of the volume and of the bone; 0 of a case that cannot be opened, as its worker will say."""
     arguments = with_method(case.arguments, case.methods[0])
     has_bone = bool(names_labels(arguments) or arguments.bone_probability or seen_source(arguments))
-    try:
+    with suppress(AIFReconError, OSError):
         sequences = [sequence_from(one) for one in of_each(arguments, arguments.sequences)]
         planned = plan(sequences, recipe_from(arguments), has_bone=has_bone).memory
-        largest = 0
-        for path in labels_inputs(arguments):
-            if path.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES):
-                largest = max(largest, math.prod(read_metafile(path, FileFormatError).size))
-        planned += PER_LABEL * largest
-    except (AIFReconError, OSError):
-        return 0
-    return int(OVER_PLAN * planned)
+        headers = [path for path in labels_inputs(arguments) if path.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES)]
+        largest = max((math.prod(read_metafile(path, FileFormatError).size) for path in headers), default=0)
+        return int(OVER_PLAN * (planned + PER_LABEL * largest))
+    return 0

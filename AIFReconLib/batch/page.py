@@ -5,18 +5,18 @@ It needs nothing from elsewhere; pictures are the files beside it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from datetime import datetime
-from html import escape
 from pathlib import Path
-from urllib.parse import quote
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..evaluation.quantities import HEADINGS, QUANTITIES
 from ..evaluation.report import STYLE
-from ..io.disk.atomic import write_text
-from .distributions import strip_plot
-from .records import DONE, FAILED, LOST, Row
+from .engine import require
+from .records import DONE, FAILED, LOST
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 PAGE = "index.html"
 
@@ -55,183 +55,62 @@ DEFINITIONS = {
 FEWEST_DRAWN = 3
 """Cases from which a distribution is drawn: a dot or two are read from the table."""
 
-DRAWN = tuple(name for name in NUMBERS if name not in ("frames", "seconds"))
+NOT_DRAWN = ("frames", "seconds")
 
-MOST_DRAWN = 1e100
-"""What is not below it, or no number, has no place on an axis."""
+WIDTH, SIDE = 320.0, 3.0
+"""Of the drawing of a distribution, and left and right of its outermost marks, in its own units."""
 
 OF_CASE = ("sweep_", "registration_")
 """How the names of numbers begin that all methods of a case share."""
 
-OWN_STYLE = """
-body { max-width: 90rem; }
-:root { --mark: #2f6f9f; --bad: #a3261d; --wait: #8a5a00; }
-@media screen and (prefers-color-scheme: dark) { :root { --mark: #7fb6dc; --bad: #ff9b90; --wait: #e6b860; } }
-.counts { display: flex; flex-wrap: wrap; gap: 0.25rem 2rem; margin: 1rem 0 0; padding: 0; list-style: none; }
-.counts b { font-size: 1.5rem; font-weight: 600; font-variant-numeric: tabular-nums; margin-right: 0.35rem; }
-.failed { color: var(--bad); } .not-finished { color: var(--wait); }
-.failures { list-style: none; margin: 0.5rem 0 0; padding: 0; border-top: 1px solid var(--line); }
-.failures li { display: grid; grid-template-columns: 9rem 7rem 1fr; gap: 0 1rem; padding: 0.4rem 0; border-bottom: 1px solid var(--line); }
-.failures b { font-weight: 600; overflow-wrap: anywhere; } .failures p { margin: 0; overflow-wrap: anywhere; white-space: pre-line; }
-.plots { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 1.25rem 2.5rem; margin-top: 0.75rem; }
-.plots h3 { margin: 0; } .plots figure { margin: 0; border-top: 1px solid var(--line); padding-top: 0.5rem; }
-svg { display: block; width: 100%; } svg text { font-size: 11px; fill: var(--ink); }
-svg .axis { fill: var(--soft); } svg .number, svg .end { text-anchor: end; font-variant-numeric: tabular-nums; }
-svg .cases { fill: var(--mark); fill-opacity: 0.55; } svg .spread { stroke: var(--mark); stroke-width: 2; }
-svg .median { stroke: var(--ink); stroke-width: 2; }
-.cases-table { width: 100%; } .cases-table td, .cases-table th { vertical-align: middle; }
-.cases-table td:nth-child(-n+4), .cases-table th:nth-child(-n+4) { text-align: left; }
-.cases-table thead th { overflow-wrap: normal; }
-.cases-table th button { all: unset; cursor: pointer; font: inherit; }
-.cases-table th button:focus-visible { outline: 2px solid var(--mark); }
-.cases-table th[aria-sort] button::after { content: " \\2191"; color: var(--mark); }
-.cases-table th[aria-sort="descending"] button::after { content: " \\2193"; }
-.cases-table img { min-width: 0; width: 9rem; height: 4.5rem; object-fit: cover; object-position: 50% 22%; border-radius: 3px; }
-.cases-table tbody th { font-weight: 600; overflow-wrap: anywhere; min-width: 5rem; }
-.cases-table tbody tr:nth-child(n+40) { content-visibility: auto; }
-@media screen and (max-width: 40rem) {
-  .cases-table img { width: 6rem; height: 3rem; } .counts b { font-size: 1.2rem; }
-  .failures li { grid-template-columns: 1fr auto; } .failures p { grid-column: 1 / -1; margin-top: 0.2rem; }
-}
-"""
-
-SCRIPT = """
-for (const button of document.querySelectorAll(".cases-table th button")) button.onclick = () => {
-  const head = button.parentElement, body = head.closest("table").tBodies[0], column = head.cellIndex;
-  const down = head.getAttribute("aria-sort") === "ascending";
-  for (const other of head.parentElement.cells) other.removeAttribute("aria-sort");
-  head.setAttribute("aria-sort", down ? "descending" : "ascending");
-  const key = row => { const d = row.cells[column].dataset; return "n" in d ? (d.n === "" ? NaN : +d.n) : row.cells[column].textContent; };
-  const order = (a, b) => a === b ? 0 : a !== a ? (b !== b ? 0 : 1) : b !== b ? -1
-    : (typeof a === "number" ? a - b : a.localeCompare(b, undefined, { numeric: true })) * (down ? -1 : 1);
-  body.append(...[...body.rows].map(row => [key(row), row]).sort((a, b) => order(a[0], b[0])).map(pair => pair[1]));
-};
-"""
+TEMPLATE = Path(__file__).with_name("page.html")
 
 
-def write_page(output: Path, title: str, rows: list[Row]) -> Path:
-    """Write the page into the folder of all results, of rows as `flat_rows` returns them; the answer is its path.
-
-    Raises OutputError when it cannot be written.
-    """
-    write_text(output / PAGE, page(title, rows))
-    return output / PAGE
-
-
-def page(title: str, rows: list[Row]) -> str:
-    """The page as text."""
-    shown = [name for name in NUMBERS if any(row.get(name) is not None for row in rows)]
-    parts = [
-        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(title)}</title><style>{STYLE}{OWN_STYLE}</style></head><body>",
-        f"<header><h1>{escape(title)}</h1>{_counts(rows)}</header>",
-        *_failures(rows),
-        *_plots(rows, [name for name in DRAWN if name in shown]),
-        *_table(rows, shown),
-        *_definitions(shown),
-        f'<p class="notes">AIFRecon {__version__}, {datetime.now():%Y-%m-%d %H:%M}. All numbers, settings and notes: '
-        '<a href="results.csv">results.csv</a>, <a href="results.parquet">results.parquet</a>.</p>',
-        f"<script>{SCRIPT}</script></body></html>",
-    ]
-    return "\n".join(parts) + "\n"
+def page(title: str, table: DataFrame) -> str:
+    """The page of a table as `results_table` returns it, as text; whatever that says is escaped."""
+    environment = require("jinja2").Environment(autoescape=True, trim_blocks=True)
+    environment.filters["as"] = _shown
+    of_cases = table.drop_duplicates("case")
+    states = {state: int((of_cases["state"] == state).sum()) for state in (DONE, FAILED, LOST)}
+    numbers = [_described(name) for name in NUMBERS if name in table and table[name].notna().any()]
+    plots = [(number, _plot(table, number["name"])) for number in numbers if number["name"] not in NOT_DRAWN]
+    text: str = environment.from_string(TEMPLATE.read_text("utf-8")).render(
+        title=title,
+        style=STYLE,
+        counts={state: count for state, count in states.items() if count or state == DONE},
+        failures=of_cases[of_cases["message"] != ""].to_dict("records"),
+        drawn=[(number, plot) for number, plot in plots if plot["rows"]],
+        rows=table.astype(object).where(table.notna(), None).to_dict("records"),
+        numbers=numbers,
+        version=__version__,
+        date=f"{datetime.now():%Y-%m-%d %H:%M}",
+    )
+    return text
 
 
-def _counts(rows: list[Row]) -> str:
-    states = {row["case"]: _text(row, "state") for row in rows}
-    counts = [(state, sum(each == state for each in states.values())) for state in (DONE, FAILED, LOST)]
-    items = (f'<li class="{_css(state)}"><b>{count}</b>{state}</li>' for state, count in counts if count or state == DONE)
-    return f'<ul class="counts">{"".join(items)}</ul>'
+def _described(name: str) -> dict[str, str]:
+    """What a number of the page is."""
+    heading, form = NUMBERS[name]
+    part = next((f", {words}" for begin, words in MEANS.items() if name.startswith(begin)), "")
+    definition = DEFINITIONS.get(name) or QUANTITIES[name].definition
+    return {"name": name, "heading": heading, "form": form, "part": part, "definition": definition}
 
 
-def _css(state: str) -> str:
-    return state.replace(" ", "-")
+def _plot(table: DataFrame, name: str) -> dict[str, Any]:
+    """Where the marks of a number lie along its axis: of each method, or of all where methods share it."""
+    shared = name.startswith(OF_CASE)
+    grouped = {"all methods": table.drop_duplicates("case")} if shared else dict(iter(table.groupby("method", sort=False)))
+    values = {method: require("pandas").to_numeric(each[name], errors="coerce").dropna() for method, each in grouped.items()}
+    values = {method: each for method, each in values.items() if len(each) >= FEWEST_DRAWN}
+    low = min((each.min() for each in values.values()), default=0.0)
+    high = max((each.max() for each in values.values()), default=0.0)
+    low, high = (low, high) if low < high else (low - 1.0, high + 1.0)
+    rows = []
+    for method, each in values.items():
+        along = (SIDE + (WIDTH - 2 * SIDE) * (each - low) / (high - low)).round(1)
+        rows.append({"method": method, "median": each.median(), "cases": list(along), "spread": list(along.quantile([0.25, 0.5, 0.75]))})
+    return {"rows": rows, "low": low, "high": high}
 
 
-def _failures(rows: list[Row]) -> Iterable[str]:
-    said = {_text(row, "case"): (_text(row, "state"), _text(row, "message")) for row in rows if row["message"]}
-    if not said:
-        return
-    yield '<section><h2>What went wrong</h2><ul class="failures">'
-    for case, (state, message) in said.items():
-        yield f'<li><b>{case}</b><span class="{_css(state)}">{state}</span><p>{message}</p></li>'
-    yield "</ul></section>"
-
-
-def _plots(rows: list[Row], names: list[str]) -> Iterable[str]:
-    drawn = {name: values for name in names if (values := _enough(_values(rows, name)))}
-    if not drawn:
-        return
-    yield '<section><h2>Distributions</h2><p class="notes">A dot is a case; below, the quartiles, and the median with its number.</p>'
-    yield '<div class="plots">'
-    for name, values in drawn.items():
-        heading, form = NUMBERS[name]
-        yield f"<figure><h3>{escape(_sentence(heading))}</h3>{strip_plot(values, form)}</figure>"
-    yield "</div></section>"
-
-
-def _enough(values: dict[str, list[float]]) -> dict[str, list[float]]:
-    """Those methods of which there are cases enough to draw."""
-    return {method: each for method, each in values.items() if len(each) >= FEWEST_DRAWN}
-
-
-def _definitions(shown: list[str]) -> Iterable[str]:
-    """What each number of the page is, a line each."""
-    if not shown:
-        return
-    yield '<section><h2>What the numbers are</h2><ul class="notes">'
-    for name in shown:
-        part = next((words for begin, words in MEANS.items() if name.startswith(begin)), "")
-        said = DEFINITIONS.get(name) or QUANTITIES[name].definition
-        yield f"<li><strong>{escape(_sentence(NUMBERS[name][0]))}</strong>{', ' + part if part else ''}. {escape(said)}</li>"
-    yield "</ul></section>"
-
-
-def _values(rows: list[Row], name: str) -> dict[str, list[float]]:
-    """A number by method, or once for each case where methods share it."""
-    values: dict[str, dict[str, float]] = {}
-    for row in rows:
-        number = row.get(name)
-        if isinstance(number, int | float) and abs(number) < MOST_DRAWN:
-            method = "all methods" if name.startswith(OF_CASE) else str(row.get("method") or "")
-            values.setdefault(method, {})[_text(row, "case")] = number
-    return {method: list(of_cases.values()) for method, of_cases in values.items()}
-
-
-def _text(row: Row, name: str) -> str:
-    """What a row says, as the page may show it; the only way from a row's words to the page."""
-    return escape(str(row.get(name) or ""))
-
-
-def _sentence(heading: str) -> str:
-    return heading[:1].upper() + heading[1:]
-
-
-def _table(rows: list[Row], shown: list[str]) -> Iterable[str]:
-    heads = ["case", "", "method", "state", *(str(NUMBERS[name][0]) for name in shown)]
-    cells = "".join(f'<th scope="col"><button type="button">{escape(head)}</button></th>' if head else "<td></td>" for head in heads)
-    yield '<section><h2>Cases</h2><div class="wide"><table class="cases-table"><thead>'
-    yield f"<tr>{cells}</tr></thead><tbody>"
-    for row in rows:
-        numbers = "".join(_number(row.get(name), NUMBERS[name][1]) for name in shown)
-        case, method, state = (_text(row, name) for name in ("case", "method", "state"))
-        yield (
-            f'<tr><th scope="row">{case}</th><td>{_picture(row)}</td><td>{method}</td><td class="{_css(state)}">{state}</td>{numbers}</tr>'
-        )
-    yield "</tbody></table></div></section>"
-
-
-def _number(value: float | str | None, form: str) -> str:
-    if not isinstance(value, int | float):
-        return '<td data-n="">\N{EN DASH}</td>'
-    shown = format(value, form).replace("-", "\N{MINUS SIGN}")
-    return f'<td data-n="{value:.6g}">{shown}</td>'
-
-
-def _picture(row: Row) -> str:
-    if not row.get("preview"):
-        return ""
-    # A file beside the page; two slashes in front would name another computer
-    path = quote(str(row["preview"]).lstrip("/"))
-    what = f"{_text(row, 'case')}, {_text(row, 'method')}"
-    return f'<a href="{path}" title="{_text(row, "volume")}"><img loading="lazy" src="{path}" alt="{what}"></a>'
+def _shown(value: object, form: str) -> str:
+    return format(value, form).replace("-", "\N{MINUS SIGN}") if isinstance(value, int | float) else "\N{EN DASH}"

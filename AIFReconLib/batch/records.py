@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TypeAlias
 
 from .. import __version__
-from ..errors import FileFormatError, OutputError
+from ..errors import FileFormatError
 from ..io.disk.atomic import write_text
 from ..io.disk.regular_files import file_stamp
 from ..io.disk.small_files import read_bytes
@@ -29,7 +28,7 @@ ALTERNATIVES = ".json.registration"
 
 MOST_BYTES = 2**24
 
-DONE, FAILED, LOST, RUNNING = "done", "failed", "not finished", "running"
+DONE, FAILED, LOST = "done", "failed", "not finished"
 """`FAILED`: for what is in its files or settings; `LOST`: for what is not, as a full disk, and so tried again by every run."""
 
 
@@ -45,10 +44,6 @@ class Record:
         Version, settings and inputs, by which it is known again.
     message : str
         What went wrong, in words.
-    run : str
-        Which run of the command began it last.
-    attempts : int
-        How often that run has begun it.
     seconds : float
     results : list of dict
         A flat table of what was measured, a row per method.
@@ -60,21 +55,18 @@ class Record:
     state: str
     made_of: Facts
     message: str = ""
-    run: str = ""
-    attempts: int = 0
     seconds: float = 0.0
     results: list[Row] = field(default_factory=list)
     outputs: Facts = field(default_factory=dict)
 
 
-def made_of(case: Case, folder: Path) -> Facts:
-    """What the results of a case depend on; inputs are named from `folder`, that of the table, so that both may move together."""
-    files = [*case.inputs, *method_files(case)]
-    return {"version": __version__, "settings": case.given, "inputs": {_named(path, folder): stamp(path) for path in files}}
-
-
-def _named(path: Path, folder: Path) -> str:
-    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
+def made_of(case: Case) -> Facts:
+    """What the results of a case depend on; inputs are named from the folder of the table, so that both may move together."""
+    inputs = {}
+    for path in [*case.inputs, *method_files(case)]:
+        named = path.relative_to(case.folder) if path.is_relative_to(case.folder) else path
+        inputs[named.as_posix()] = stamp(path)
+    return {"version": __version__, "settings": case.given, "inputs": inputs}
 
 
 def stamp(path: Path) -> list[int] | None:
@@ -91,27 +83,9 @@ def record_path(output: Path, name: str) -> Path:
 def read_record(output: Path, name: str) -> Record | None:
     """The record of a case; None where there is none that can be used."""
     try:
-        record = Record(**json.loads(read_bytes(record_path(output, name), MOST_BYTES, FileFormatError)))
+        return Record(**json.loads(read_bytes(record_path(output, name), MOST_BYTES, FileFormatError)))
     except (FileFormatError, ValueError, TypeError, RecursionError):
         return None
-    return record if _holds_together(record) else None
-
-
-def _holds_together(record: Record) -> bool:
-    """Whether all in a record is of its kind: it comes from a file, and ends in tables and on a page."""
-    return (
-        record.state in (DONE, FAILED, LOST, RUNNING)
-        and isinstance(record.message, str)
-        and all(map(_is_number, (record.attempts, record.seconds)))
-        and isinstance(record.outputs, dict)
-        and isinstance(record.results, list)
-        and all(isinstance(row, dict) for row in record.results)
-        and all(each is None or isinstance(each, str) or _is_number(each) for row in record.results for each in row.values())
-    )
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, float) or (isinstance(value, int) and abs(value) < 2**53)
 
 
 def write_record(output: Path, record: Record) -> None:
@@ -125,17 +99,7 @@ def write_record(output: Path, record: Record) -> None:
     write_text(record_path(output, record.case), json.dumps(asdict(record), indent=1) + "\n")
 
 
-def try_to_keep(output: Path, records: Iterable[Record]) -> None:
-    """Keep records as far as the disk takes them; those that it does not are tried again by the next run."""
-    for record in records:
-        try:
-            write_record(output, record)
-        except OutputError:
-            return
-
-
-def is_current(record: Record | None, made: Mapping[str, object], output: Path) -> bool:
+def is_current(record: Record, case: Case, output: Path) -> bool:
     """Whether a record is of what is there: the same inputs, settings and version, and, of what is done, the same files."""
-    if record is None or record.made_of != made:
-        return False
-    return record.state != DONE or all(stamp(output / record.case / name) == kept for name, kept in record.outputs.items())
+    files = record.outputs.items() if record.state == DONE else ()
+    return record.made_of == made_of(case) and all(stamp(output / record.case / name) == kept for name, kept in files)

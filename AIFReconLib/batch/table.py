@@ -9,19 +9,20 @@ import io
 import math
 import re
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from ..compounding.methods.table import is_own_method
 from ..compounding.needs import require_bone
-from ..errors import AIFReconError, FileFormatError, SettingsError
+from ..errors import AIFReconError, FileFormatError
 from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import said
-from ..recipe.recipe import RULES
 from ..terminal.options import names_labels
 from ..terminal.recipe_options import recipe_from
 from ..terminal.reconstruction_options import check_bone_options, seen_source
@@ -30,7 +31,6 @@ from ..terminal.sequence_options import of_each
 from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns
 
 MOST_BYTES = 2**28
-MOST_COLUMNS = 500
 LONGEST_NAME = 100
 
 _NAME = re.compile(rf"\w[\w .+-]{{0,{LONGEST_NAME - 1}}}")
@@ -60,7 +60,8 @@ class Case:
     ----------
     name : str
         Of the folder of its results.
-    row : int
+    folder : Path
+        Of the table.
     arguments : Namespace
         The options that the row fills, and the defaults of the others; paths are whole.
     methods : tuple of str or None
@@ -74,7 +75,7 @@ class Case:
     """
 
     name: str
-    row: int
+    folder: Path
     arguments: argparse.Namespace
     methods: tuple[str | None, ...]
     given: dict[str, str]
@@ -116,8 +117,6 @@ def read_cases(path: str | Path) -> Cases:
     columns = Columns()
     rows = _rows(path)
     head = [cell.strip().lower().replace("-", "_") for cell in next(rows, (0, []))[1]]
-    if len(head) > MOST_COLUMNS:
-        raise FileFormatError(f"{path}: it has {len(head)} columns, and cases have fewer options. Give their table.")
     problems = [*_of_head(head, columns)]
     reading = _Reading(path.parent, columns, head)
     cases = []
@@ -153,15 +152,13 @@ def _of_head(head: list[str], columns: Columns) -> Iterator[Problem]:
     for name in REQUIRED:
         if name not in head:
             yield Problem(1, name, "the table has no such column, which every case needs. Add it.")
-    for name in dict.fromkeys(head):
-        if head.count(name) > 1 and name:
+    for name in dict.fromkeys(filter(None, head)):
+        if head.count(name) > 1:
             yield Problem(1, name, "the column is there twice. Remove one.")
-        if name and name not in columns.names:
+        if name not in columns.names:
             near = difflib.get_close_matches(name, columns.names, n=1)
-            if near:
-                yield Problem(1, name, f"there is no such column, perhaps {near[0]} is meant. Correct it.")
-            else:
-                yield Problem(1, name, "there is no such column. Remove it; aifrecon batch --help lists all.")
+            meant = f", perhaps {near[0]} is meant. Correct it." if near else ". Remove it; aifrecon batch --help lists all."
+            yield Problem(1, name, f"there is no such column{meant}")
 
 
 def _of_name(name: str, row: int, seen: dict[str, int]) -> Iterator[Problem]:
@@ -174,119 +171,88 @@ def _of_name(name: str, row: int, seen: dict[str, int]) -> Iterator[Problem]:
         yield Problem(row, CASE, f"{name} is the name of row {seen[name.casefold()]} too. Give each its own.")
 
 
+@contextmanager
+def _told(problems: list[Problem], row: int, column: str) -> Iterator[None]:
+    """Within, an error is a problem of this cell."""
+    try:
+        yield
+    except AIFReconError as error:
+        problems.append(Problem(row, column, in_columns(error)))
+
+
 class _Reading:
     """Rows become cases; a file that many rows name is looked at once."""
 
     def __init__(self, folder: Path, columns: Columns, head: list[str]):
-        self._folder = folder
-        self._columns = columns
-        self._head = head
+        self._folder, self._columns, self._head = folder, columns, head
         self._looked_at = cache(_why_not_a_file)
-        self._of_settings: dict[str, str | None] = {}
 
     def case(self, row: int, cells: list[str]) -> Case:
         """The case of a row."""
         given = {name: cell.strip() for name, cell in zip(self._head, cells, strict=False) if cell.strip() and name}
-        problems = []
+        problems: list[Problem] = []
         if len(cells) > len(self._head):
             extra = f"there are more cells than columns: {cells[len(self._head)]!r} has no column. Quote cells that hold a comma."
             problems.append(Problem(row, "", extra))
-        values: dict[str, object] = {}
+        values: dict[str, Any] = {}
         for column in given:
-            if column == CASE or column not in self._columns.names:
-                continue
-            try:
-                value = self._columns.read(column, given[column], self._folder)
-            except AIFReconError as error:
-                problems.append(Problem(row, column, in_columns(error)))
-                continue
-            if value is not None:
-                values[column] = value
+            if column != CASE and column in self._columns.names:
+                with _told(problems, row, column):
+                    values[column] = self._columns.read(column, given[column], self._folder)
         methods = values.pop(METHOD, (None,))
-        arguments = argparse.Namespace(**{**vars(self._columns.defaults), **values, "sequences": values.get(SWEEPS, [])})
         readable = not problems
-        inputs, missing = self._inputs(row, values)
-        problems += missing
-        case = Case(given.get(CASE, ""), row, arguments, tuple(methods), given, inputs, ())  # type: ignore[arg-type]  # of METHOD
-        if readable:
-            # What a file of settings says is known only now
-            case = replace(case, arguments=self._with_settings(case, values, problems))
-            problems += self._contradictions(case, values)
-        return replace(case, problems=tuple(problems))
-
-    def _inputs(self, row: int, values: dict[str, object]) -> tuple[tuple[Path, ...], list[Problem]]:
-        """All files that a row names, and those that are not there."""
-        named: list[tuple[str, Path]] = []
-        for column, value in values.items():
-            if isinstance(value, Path):
-                named.append((column, value))
-            elif isinstance(value, list):
-                named += [(column, each) for each in value if isinstance(each, Path)]
-            elif isinstance(value, dict):
-                named += [(column, each) for each in value.values()]
-        problems = []
+        named = [(column, path) for column, value in values.items() for path in _paths(value)]
         if SWEEPS not in values and SWEEPS in self._head:
             problems.append(Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
-        for column, path in named:
-            why = self._looked_at(path)
-            if why is not None:
-                problems.append(Problem(row, column, why))
+        problems += [Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
         files = [path for _, path in named]
         detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
-        return tuple(dict.fromkeys([*files, *detached])), problems
+        arguments = argparse.Namespace(**{**vars(self._columns.defaults), **values, "sequences": values.get(SWEEPS, [])})
+        if readable:
+            # What a file of settings says is known only now
+            if "settings" in values and self._columns.kept_settings is not None and self._looked_at(arguments.settings) is None:
+                with _told(problems, row, "settings"):
+                    kept = self._columns.kept_settings(arguments)
+                    arguments = argparse.Namespace(**{**vars(arguments), **kept, **values})
+            self._contradict(problems, row, arguments, methods, values)
+        inputs = tuple(dict.fromkeys([*files, *detached]))
+        return Case(given.get(CASE, ""), self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
 
-    def _with_settings(self, case: Case, values: dict[str, object], problems: list[Problem]) -> argparse.Namespace:
-        if "settings" not in values or self._columns.defaults_from is None or self._looked_at(case.arguments.settings) is not None:
-            return case.arguments
-        try:
-            kept = dict(self._columns.defaults_from(case.arguments))
-        except AIFReconError as error:
-            problems.append(Problem(case.row, "settings", in_columns(error)))
-            return case.arguments
-        return argparse.Namespace(**{**vars(case.arguments), **kept, **values})
-
-    def _contradictions(self, case: Case, values: dict[str, object]) -> Iterator[Problem]:
-        """What does not go together."""
-        for rivals in self._columns.rivals:
+    def _contradict(
+        self, problems: list[Problem], row: int, arguments: argparse.Namespace, methods: Iterable[str | None], values: Mapping[str, object]
+    ) -> None:
+        """Add what does not go together."""
+        for rivals in self._columns.rivals():
             both = [name for name in rivals if values.get(name)]
             if len(both) > 1:
-                yield Problem(case.row, both[1], f"{both[0]} is given too. Give one of them.")
-        arguments = case.arguments
-        for name in _OF_REGISTER:
-            if values.get(name) and not arguments.register:
-                yield Problem(case.row, name, "it says how a CT is registered. Say yes under register too.")
-        if arguments.register and not names_labels(arguments):
-            yield Problem(case.row, "register", "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct.")
+                problems.append(Problem(row, both[1], f"{both[0]} is given too. Give one of them."))
+        if not arguments.register:
+            without = "it says how a CT is registered. Say yes under register too."
+            problems += [Problem(row, name, without) for name in _OF_REGISTER if values.get(name)]
+        elif not names_labels(arguments):
+            no_bone = "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct."
+            problems.append(Problem(row, "register", no_bone))
         if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
-            yield Problem(case.row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}.")
-        try:
+            problems.append(Problem(row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}."))
+        with _told(problems, row, "config"):
             of_each(arguments, arguments.sequences)
-        except SettingsError as error:
-            yield Problem(case.row, "config", in_columns(error))
-        try:
+        source = seen_source(arguments)
+        with _told(problems, row, "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")):
             check_bone_options(arguments)
-        except SettingsError as error:
-            source = seen_source(arguments)
-            column = "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")
-            yield Problem(case.row, column, in_columns(error))
-        has_bone = bool(names_labels(arguments) or arguments.bone_probability or seen_source(arguments))
-        for method in case.methods:
-            message = self._why_not_settings(with_method(arguments, method), has_bone)
-            if message is not None:
-                about = message.partition("Input ")[2].partition(" ")[0]
-                yield Problem(case.row, about if about in self._columns.names else METHOD, in_columns(message))
-
-    def _why_not_settings(self, arguments: argparse.Namespace, has_bone: bool) -> str | None:
-        """What is wrong with the parameters of a reconstruction; most rows have those of another."""
-        key = repr([has_bone, bool(arguments.cosine), *(getattr(arguments, name, None) for name in RULES)])
-        if key not in self._of_settings:
+        has_bone = bool(names_labels(arguments) or arguments.bone_probability or source)
+        for method in methods:
             try:
-                recipe = recipe_from(arguments)
+                recipe = recipe_from(with_method(arguments, method))
                 require_bone(recipe.method_for(has_bone), recipe, has_bone)
-                self._of_settings[key] = None
             except AIFReconError as error:
-                self._of_settings[key] = said(error)
-        return self._of_settings[key]
+                about = str(error).partition("Input ")[2].partition(" ")[0]
+                problems.append(Problem(row, about if about in self._columns.names else METHOD, in_columns(error)))
+
+
+def _paths(value: object) -> list[Path]:
+    """The paths of a cell."""
+    each = value.values() if isinstance(value, dict) else value if isinstance(value, list) else [value]
+    return [path for path in each if isinstance(path, Path)]
 
 
 def with_method(arguments: argparse.Namespace, method: str | None) -> argparse.Namespace:
@@ -297,20 +263,16 @@ def with_method(arguments: argparse.Namespace, method: str | None) -> argparse.N
 def method_files(case: Case) -> Iterator[Path]:
     """The modules of the methods of one's own, whose results change with them."""
     for method in case.methods:
-        if method is not None and is_own_method(method):
-            file = getattr(sys.modules.get(method.partition(":")[0]), "__file__", None)
-            if file:
-                yield Path(file)
+        if method is not None and is_own_method(method) and (module := sys.modules.get(method.partition(":")[0])):
+            yield from [Path(file) for file in [module.__file__] if file]
 
 
 def _why_not_a_file(path: Path) -> str | None:
     """What is wrong with a file, as far as can be told without reading it."""
     try:
         require_regular_file(path, FileFormatError)
-        if path.stat().st_size == 0:
-            return f"{path}: the file is empty. Copy it again."
+        return None if path.stat().st_size else f"{path}: the file is empty. Copy it again."
     except FileFormatError as error:
         return said(error)
     except OSError as error:
         return f"{path}: the file cannot be read ({error.strerror or str(error)}). Check its permissions."
-    return None

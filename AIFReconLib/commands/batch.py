@@ -12,12 +12,13 @@ from ..batch.cohort import Cohort, duration
 from ..batch.columns import Columns
 from ..batch.engine import cluster_at, local_workers, require
 from ..batch.memory import shared_out
-from ..batch.page import write_page
+from ..batch.page import PAGE, page
 from ..batch.place import require_place
 from ..batch.records import DONE, FAILED, LOST
-from ..batch.results import flat_rows, write_tables
+from ..batch.results import results_table, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
+from ..io.disk.atomic import write_text
 from ..terminal.console import ProgressBar, show
 from ..terminal.options import Commands
 from ..terminal.recipe_options import load_method_here
@@ -80,9 +81,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise FileFormatError(
             f"{arguments.table}: {table.problems[0]} {len(table.all_problems)} problem(s) in all: aifrecon batch --dry-run lists them."
         )
-    for package in ("distributed", "pyarrow", *(() if arguments.scheduler else ("cryptography",))):
+    for package in ("jinja2", "pandas", "psutil", "pyarrow"):
         require(package)
-    cohort = Cohort(list(table.cases), arguments.table.absolute().parent, arguments.output.absolute())
+    cohort = Cohort(list(table.cases), arguments.output.absolute())
     cohort.prepare(arguments.retry_failed)
     try:
         if cohort.to_do:
@@ -99,8 +100,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _write(cohort: Cohort, arguments: argparse.Namespace) -> list[Path]:
-    rows = flat_rows(cohort.cases, cohort.records)
-    return [*write_tables(cohort.output, rows), write_page(cohort.output, arguments.table.stem, rows)]
+    table = results_table(cohort.cases, cohort.records)
+    write_text(cohort.output / PAGE, page(arguments.table.stem, table))
+    return [*write_tables(cohort.output, table), cohort.output / PAGE]
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -127,9 +129,7 @@ def _compute(cohort: Cohort, arguments: argparse.Namespace) -> None:
     if arguments.scheduler:
         workers = cluster_at(arguments.scheduler, cohort.output)
     else:
-        shares = shared_out(cohort.to_do, arguments.workers, arguments.memory)
-        say(str(shares))
-        workers = local_workers(shares.workers, shares.threads, shares.memory)
+        workers = local_workers(shared_out(cohort.to_do, arguments.workers, arguments.memory))
     with ProgressBar() as progress:
         cohort.compute(workers, say, progress)
 

@@ -9,11 +9,8 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-import numpy as np
-
 from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
-from ..compounding.compiled.precompile import compiled_aside
 from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
 from ..compounding.methods.weighted import WEIGHTED
 from ..compounding.state import Reconstruction
@@ -95,9 +92,8 @@ def run(arguments: argparse.Namespace) -> None:
     require_matplotlib()
     folder: Path = arguments.output
     check_simulated_folder(folder, [*FILES, "comparison.png", "metrics.csv", "report.html", *(f"reconstruction-{m}.nrrd" for m in METHODS)])
-    # While the patient is simulated, what the last method needs is compiled
     bar = ProgressBar()
-    with bar as progress, compiled_aside(Recipe(), np.dtype(np.uint8)):
+    with bar as progress:
         files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5), effects=KNOBS)
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)

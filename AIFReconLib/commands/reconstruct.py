@@ -5,12 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
 
-from ..compounding.compiled.precompile import compiled_aside
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
@@ -27,7 +25,7 @@ from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
 from ..sweep.poses import sweep_poses
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, check_files, names_labels, refuse_to_overwrite
+from ..terminal.options import Commands, check_files, refuse_to_overwrite
 from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
@@ -127,9 +125,8 @@ def run(arguments: argparse.Namespace) -> None:
     check_files(arguments.report)
     with ProgressBar() as progress:
         sequence = joined(sequence_from(one) for one in each)
-        with compiled_aside(recipe, sequence.images.dtype) if names_labels(arguments) else nullcontext():
-            job = job_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
-            output = reconstruct_job(job, part(progress, 0.05, 0.95))
+        job = job_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
+        output = reconstruct_job(job, part(progress, 0.05, 0.95))
         result, labeled = with_provenance(output.result, arguments, inputs), output.labeled
         for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
             progress(0.95 + 0.01 * number, f"Writing {path.name}")

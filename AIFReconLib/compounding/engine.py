@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Integers, Matrix, Reals, Singles
+from ..arrays import Integers, Matrix, Numbers, Reals, Singles
 from ..bone.placed.on_grid import PlacedBone
 from ..imaging.gray_levels import GrayLevels
+from ..machine.threads import optional_module
 from ..recipe.recipe import Recipe
 from .batch import FrameBatch
-from .evidence import FrameEvidence, ScanLines
+from .evidence import ScanLines
 from .layout import PixelLayout
+from .methods.method import Factors
 from .methods.table import method_named
 from .state import VoxelState
 
@@ -54,6 +57,10 @@ class Engine:
         self.job, self.state = job, job.state
         self.method = method_named(job.state.method)
         self.gray_levels = gray_levels_of(job)
+        given = job.settings
+        self.factors = Factors(*map(np.float32, (given.alpha, given.beta, given.weight_floor, given.bone_gain, job.maximum)))
+        self._judging: Any = None if given.engine == "numpy" else optional_module("AIFReconLib.compounding.compiled.numba_evidence")
+        self._judge: Any = None
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """Put frames into the volume; how many pixels entered of each. `scan_lines` is for methods that judge shadows."""
@@ -70,12 +77,27 @@ class Engine:
         measured = layout.values(batch.measured[place])[pixels] > 0
         return pixels[measured], voxels[measured]
 
-    def _evidence(self, values: Singles, image_to_ijk: Matrix, scan_lines: ScanLines | None, bone: PlacedBone | None) -> FrameEvidence:
-        """What a frame's values tell of shadows, where `bone` has a word if there is any."""
+    def _evidence(
+        self, values: Numbers, image_to_ijk: Matrix, scan_lines: ScanLines | None, bone: PlacedBone | None, room: Singles | None = None
+    ) -> Singles:
+        """What the layout's pixels of a frame tell of shadows: reach and onset, (2, n) at least; `bone` has a word if there is any.
+
+        `room` is where they are written, by default new memory.
+        """
         if scan_lines is None:
             raise ValueError(f"Input scan_lines must be given for method {self.method.name}; got None.")
-        expected = None if bone is None else scan_lines.expected(bone.map_probability, bone.ijk_to_map @ image_to_ijk)
-        return scan_lines.evidence(values, self.gray_levels, expected)
+        room = np.empty((2, values.size), np.float32) if room is None else room
+        probability = None if bone is None else bone.map_probability
+        image_to_map = np.eye(4) if bone is None else bone.ijk_to_map @ image_to_ijk
+        if self._judging is None:
+            expected = None if probability is None else scan_lines.expected(probability, image_to_map)
+            evidence = scan_lines.evidence(values, self.gray_levels, expected)
+            room[0], room[1] = evidence.reach, evidence.onset
+            return room
+        if self._judge is None or self._judge.lines is not scan_lines:
+            self._judge = self._judging.FrameJudge(scan_lines, self.gray_levels)
+        self._judge.evidence(values, probability, image_to_map, room[0], room[1])
+        return room
 
 
 def gray_levels_of(job: Job) -> GrayLevels:

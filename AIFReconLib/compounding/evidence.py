@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Integers, Mask, Matrix, Singles
+from ..arrays import Integers, Matrix, Numbers, Singles
 from ..imaging.beams import ProbeGeometry
 from ..imaging.gray_levels import BRIGHTEST, GrayLevels
 from ..imaging.scan_lines import scan_line_samples
@@ -72,9 +72,6 @@ EXPECTED_PITCH = 0.5
 CREST = 0.25
 """mm about the place that wins within which pixels belong to the onset: its crest."""
 
-VECTOR = 16
-"""Scan lines that compiled code takes at a time."""
-
 Scales = tuple[np.float32, ...]
 """What brightness is judged by, 14 numbers: see `ScanLines.scales`."""
 
@@ -105,18 +102,8 @@ class ScanLines:
     shape : (samples, lines)
     sample_of_pixel : (n,) uint32 array
         The sample nearest to each of the layout's pixels, flat.
-    padded : int
-        Lines, and as many more as let compiled code read arrays (samples, padded) faster.
-    padded_sample_of_pixel : (n,) uint32 array
-        The same in such an array.
-    pixel_of_sample : (samples, lines) int32 array
-        The pixel of the whole image nearest to each sample, flat; 0 where there is none.
-    lit : (n, 2) int64 array
-        First line, and the one after the last, of unbroken runs of samples that have a pixel.
-    first_lit : (samples + 1,) int64 array
-        Number of the first run of each sample, and of all runs.
-    active : (samples, 2) int64 array
-        First line, and the one after the last, that a sample must be computed for: on no other does it matter to any pixel.
+    number_of_sample : (samples, lines) uint32 array
+        The pixel nearest to each sample, one past the last for those that are dark.
     pace : int
         Every so many samples an onset is looked for.
     judged : (lines,) int32 array
@@ -130,8 +117,6 @@ class ScanLines:
         Column of `expected` that each line reads.
     expected_at : (2, n, m) float32 array
         The columns and rows at which `expected` is read; not a number where there is no pixel.
-    places : (2, n) float64 array
-        Columns and rows of the layout's pixels.
 
     Notes
     -----
@@ -160,62 +145,30 @@ class ScanLines:
         self.shape = samples, count
         line, sample = np.divmod(lines.sample_of_pixel, samples)
         self.sample_of_pixel = (sample * count + line).astype(np.uint32)
-        # Rows of an odd number of cache lines: those of a power of two would all compete for the same places in the cache
-        self.padded = -(-count // 16) * 16 + (0 if -(-count // 16) % 2 else 16)
-        self.padded_sample_of_pixel = (sample * self.padded + line).astype(np.uint32)
         column, row = np.floor(lines.columns - left + 0.5).T, np.floor(lines.rows - top + 0.5).T
         beside = (column < 0) | (column >= width) | (row < 0) | (row >= height)
         sampled = np.where(beside, height * width, row * width + column).astype(np.int64)
         # Positions in the layout's pixel list, one past its end for samples that are dark
         number = np.full(height * width + 1, layout.inside.size, dtype=np.int64)
         number[layout.inside] = np.arange(layout.inside.size)
-        self._number_of_sample = number[sampled].reshape(-1)
-        inside = number[sampled] < layout.inside.size
-        asked = number[sampled][:: self.pace * self.paces, ::every]
-        self.places = layout.coordinates if layout.moved is None else layout.moved
-        self.expected_at = np.pad(self.places, ((0, 0), (0, 1)), constant_values=np.nan).astype(np.float32)[:, asked]
-        # Stored as it will be read, line after line; the places above come the other way round
-        self.pixel_of_sample = np.where(inside, (row + top) * layout.size[0] + (column + left), 0).astype(np.int32, order="C")
-        edges = np.diff(np.pad(inside, ((0, 0), (1, 1))).astype(np.int8), axis=1)
-        self.lit = np.stack([np.nonzero(edges == 1)[1], np.nonzero(edges == -1)[1]], axis=1)
-        self.first_lit = np.append(0, np.cumsum((edges == 1).sum(axis=1)))
-        self.active = self._active(inside)
+        # Stored as it will be read, line after line; the places come the other way round
+        self.number_of_sample = np.ascontiguousarray(number[sampled], dtype=np.uint32)
+        inside = self.number_of_sample < layout.inside.size
+        asked = self.number_of_sample[:: self.pace * self.paces, ::every]
+        places = layout.coordinates if layout.moved is None else layout.moved
+        self.expected_at = np.pad(places, ((0, 0), (0, 1)), constant_values=np.nan).astype(np.float32)[:, asked]
         # Where a line leaves the pixels, its darkness is no shadow: nothing is judged within the last millimeters before
         ends = np.where(inside.any(axis=0), samples - inside[::-1].argmax(axis=0), 0)
         self.judged = (ends - max(self._samples(LEAST_SHADOW), self.depth)).astype(np.int32)
         self._is_judged = np.arange(samples)[:, None] < self.judged
         self.behind = self._behind(ends)
 
-    def _active(self, inside: Mask) -> Integers:
-        """`active`, of the samples (samples, lines) that have a pixel.
-
-        Notes
-        -----
-        Outside of these lines brightness is 0. Each line counts from its deepest bright sample or pixel up to the first, without a gap,
-        because what is found there is handed on from sample to sample.
-        """
-        bright, wanted = inside.copy(), np.zeros(inside.size, dtype=bool)
-        bright[:, 1:] |= inside[:, :-1]
-        bright[:, :-1] |= inside[:, 1:]
-        wanted[self.sample_of_pixel] = True
-        smoothed = self.taps // 2 + 1
-        first, last = _first_and_last(bright)
-        first_wanted, last_wanted = _first_and_last(wanted.reshape(inside.shape))
-        first, last = np.minimum(first - smoothed, first_wanted), np.maximum(last + smoothed, last_wanted)
-        sample = np.arange(len(inside))[:, None]
-        starts, stops = _first_and_last(((first <= sample) & (sample <= last)).T)
-        # Whole vectors are the fastest; where there is nothing at all, nothing
-        starts, stops = starts // VECTOR * VECTOR, np.minimum(-(-(stops + 1) // VECTOR) * VECTOR, inside.shape[1])
-        return np.stack([np.minimum(starts, stops), stops], axis=1)
-
     def _behind(self, ends: Integers) -> Singles:
         """`behind`, of lines that end before these samples (lines,)."""
         samples = np.arange(0, self.shape[0], self.pace)
         left = np.maximum(ends - 1 - samples[:, None], 0) * self.step
         with np.errstate(divide="ignore"):
-            mean = np.where(left >= FADE, 1 / (1 - np.exp(-left / FADE)), 0.0)
-        # As wide as compiled code's rows; lines beyond the last one stay dark
-        return np.pad(mean, ((0, 0), (0, self.padded - mean.shape[1]))).astype(np.float32)
+            return np.where(left >= FADE, 1 / (1 - np.exp(-left / FADE)), 0.0).astype(np.float32)
 
     def scales(self) -> Scales:
         """What brightness is judged by, M being the largest level of the standard scale: 1 / taps, 1 / 3, 1 /
@@ -256,12 +209,12 @@ class ScanLines:
         read[~inside] = 0.0
         return read
 
-    def evidence(self, values: Singles, gray_levels: GrayLevels, expected: Singles | None = None) -> FrameEvidence:
+    def evidence(self, values: Numbers, gray_levels: GrayLevels, expected: Singles | None = None) -> FrameEvidence:
         """Judge one frame.
 
         Parameters
         ----------
-        values : (n,) float32 array
+        values : (n,) array
             The layout's pixels; those that are not finite count as dark.
         gray_levels : GrayLevels
             What makes of them the levels that are judged.
@@ -300,7 +253,7 @@ class ScanLines:
         """q at the samples, (samples, lines)."""
         per_tap, per_line, *_ = scales
         dark, samples = np.float32(0), self.shape[0]
-        lines = np.append(values, dark)[self._number_of_sample].reshape(self.shape)
+        lines = np.append(values, dark)[self.number_of_sample]
         around = np.pad(lines, ((self.taps // 2, self.taps // 2), (0, 0)), mode="edge")
         brightness: Singles = lines
         brightness[:] = around[:samples]
@@ -320,7 +273,7 @@ class ScanLines:
         levels = np.empty_like(brightness)
         level, largest = np.zeros((2, brightness.shape[1]), np.float32)
         for sample in range(len(brightness) - 1, -1, -1):
-            np.maximum(largest, level * behind[sample, : len(level)], out=largest)
+            np.maximum(largest, level * behind[sample], out=largest)
             levels[sample] = largest
             level *= kept
             level += new * brightness[sample]
@@ -352,9 +305,3 @@ class ScanLines:
 
     def _samples(self, length: float) -> int:
         return round(length / self.step)
-
-
-def _first_and_last(marked: Mask) -> tuple[Integers, Integers]:
-    """Of each column of a bool array (n, m): its first and its last True; n and -1 where there is none."""
-    some = marked.any(axis=0)
-    return np.where(some, marked.argmax(axis=0), len(marked)), np.where(some, len(marked) - 1 - marked[::-1].argmax(axis=0), -1)

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, Singles
+from ..arrays import Array, Floats, Integers, Mask, Matrix, Singles
 from ..imaging.beams import ProbeGeometry
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import DepthScale
@@ -19,9 +19,6 @@ from .methods.method import Beams
 SPACING_TOLERANCE = 1e-3
 """Relative change of pixel spacing at which beam directions are computed anew; recorded matrices jitter in the sixth digit."""
 
-ROWS_AT_ONCE = 64
-"""Rows of which voxels are numbered at a time, so that what is computed on the way stays in the cache."""
-
 CENTER_TOLERANCE = 1e-6
 """Voxels. The box around a sweep begins at a pixel's center, which rounding must not put outside of it."""
 
@@ -29,6 +26,7 @@ FIXED_POINT_ONE = 2**14
 """What stands for 1 where pixels are placed as by Plus's Optimization=FULL."""
 
 NO_BEAMS: Singles = np.empty(0, np.float32)
+ALL = slice(None)
 
 
 Value = TypeVar("Value", bound=np.generic)
@@ -76,11 +74,6 @@ class PixelLayout:
         top, bottom, left, right = self.window
         return image[top:bottom, left:right]
 
-    @cached_property
-    def pieces(self) -> Integers:
-        """Rows of these pixels in unbroken pieces; see `pieces_within`."""
-        return self.pieces_within(self.mask)
-
     def pieces_within(self, mask: Mask) -> Integers:
         """Pixels `mask` of the layout, (rows, columns) bool over the window, as unbroken pieces of rows, in row-major order.
 
@@ -95,10 +88,7 @@ class PixelLayout:
         edges = np.flatnonzero(padded[:, 1:] != padded[:, :-1])
         rows, starts = np.divmod(edges[::2], mask.shape[1] + 1)
         stops = edges[1::2] % (mask.shape[1] + 1)
-        if mask is self.mask:
-            offsets: Integers = np.cumsum(stops - starts) - (stops - starts)
-        else:
-            offsets = np.searchsorted(self.inside, rows * (right - left) + starts)
+        offsets = np.searchsorted(self.inside, rows * (right - left) + starts)
         return np.stack([rows + top, starts + left, stops + left, offsets], axis=1).astype(np.int64)
 
     @classmethod
@@ -133,20 +123,18 @@ class PixelLayout:
             return Beams(NO_BEAMS, NO_BEAMS, axes[:3], axes[3:])
         return Beams(self.beam_x[pixels], self.beam_y[pixels], axes[:3], axes[3:])
 
-    @cached_property
-    def _numbers(self) -> Integers:
-        """The numbers of all pixels that count; made once, for new memory costs more than what is written into it."""
-        numbers = np.arange(self.inside.size)
-        numbers.flags.writeable = False
-        return numbers
-
     def has_any(self, kept: Mask) -> bool:
         """Whether any of the pixels that count is among those `kept`, (rows, columns) bool of the whole image."""
         return bool((self.within_window(kept) & self.mask).any())
 
+    def pixels(self, image: NDArray[Value]) -> NDArray[Value]:
+        """The pixels that count, (n,), of an image (rows, columns); a view where all do."""
+        window = self.within_window(image)
+        return window.reshape(-1) if window.size == self.inside.size else window.reshape(-1)[self.inside]
+
     def values(self, image: Array) -> Singles:
-        """The pixels that count, (n,) float32, of an image (rows, columns)."""
-        return self._counting(self.within_window(image)).astype(np.float32)
+        """The same as float32."""
+        return self.pixels(image).astype(np.float32)
 
     @cached_property
     def coordinates(self) -> Floats:
@@ -183,7 +171,11 @@ class PixelLayout:
         return math.floor(min(ends)) - 1, math.ceil(max(ends)) + 1
 
     def voxels(
-        self, image_to_ijk: Matrix, grid_size: tuple[int, int, int], planes: tuple[int, int] | None = None
+        self,
+        image_to_ijk: Matrix,
+        grid_size: tuple[int, int, int],
+        planes: tuple[int, int] | None = None,
+        among: Integers | slice = ALL,
     ) -> tuple[Integers, Integers]:
         """Which voxel each pixel falls into.
 
@@ -193,11 +185,13 @@ class PixelLayout:
         grid_size : (i, j, k)
         planes : (first, stop) or None
             The part of the grid that counts; by default all of it.
+        among : (a,) int64 array, or slice
+            Numbers of the pixels that are asked for, of the n that count; by default all.
 
         Returns
         -------
         pixels : (m,) int64 array
-            Numbers of the pixels (of the n that count) that fall into the part, rising.
+            Positions, among those that are asked for, of the pixels that fall into the part, rising.
         voxels : (m,) int64 array
             Their voxels, flat in [k, j, i] of the part.
 
@@ -206,78 +200,17 @@ class PixelLayout:
         ijk = floor(image_to_ijk (column, row, 0, 1) + 0.5) in float64, summed as (row part + offset + 0.5) + column part; every
         engine sums in this order, so that pixels on the border of two voxels fall into the same one everywhere.
         """
-        first_plane, stop_plane = (0, grid_size[2]) if planes is None else planes
-        lows, highs = (0, 0, first_plane), (*grid_size[:2], stop_plane)
-        if self.moved is not None:
-            return self._voxels_moved(self.moved, image_to_ijk, lows, highs)
-        top, bottom, left, right = self.window
-        columns, rows = np.arange(left, right, dtype=np.float64), np.arange(top, bottom, dtype=np.float64)
-        along_rows = image_to_ijk[:3, 1, None] * rows + (image_to_ijk[:3, 3, None] + 0.5)
-        along_columns = image_to_ijk[:3, 0, None] * columns
-        ends = along_rows[:, [0, -1], None] + along_columns[:, None, [0, -1]]
-        leaves = (ends.min(axis=(1, 2)) < lows) | (ends.max(axis=(1, 2)) >= highs)
-        all_inside = not leaves.any()
-        outside = np.zeros((0, 0) if all_inside else (rows.size, columns.size), dtype=bool)
-        numbers: Numbers = np.empty((rows.size, columns.size), np.int64 if all_inside else np.float64)
-        lines = [_floors_along_one(along_rows[axis, :, None], along_columns[axis, None]) for axis in range(3)]
-        for first in range(0, rows.size, ROWS_AT_ONCE):
-            part = slice(first, first + ROWS_AT_ONCE)
-            flat: Floats = np.zeros(())
-            for axis in (2, 1, 0):
-                line = lines[axis]
-                if line is None:
-                    position = along_rows[axis, part, None] + along_columns[axis, None]
-                    np.floor(position, out=position)
-                else:
-                    position = line[part] if len(line) == rows.size else line
-                if leaves[axis]:
-                    outside[part] |= (position < lows[axis]) | (position >= highs[axis])
-                # Voxel numbers stay below 2^31: exact in float64, and cheaper to add up there than as integers
-                flat = flat * highs[axis] + position if axis < 2 else position - first_plane
-            numbers[part] = flat
-        voxels = self._counting(numbers)
-        if all_inside:
-            return self._numbers, voxels.astype(np.int64, copy=False)
-        pixels = np.flatnonzero(~self._counting(outside))
-        return pixels, voxels[pixels].astype(np.int64)
-
-    def _counting(self, window: NDArray[Value]) -> NDArray[Value]:
-        """Of an array over the window, what belongs to the pixels that count, (n,); a view where all do."""
-        flat = window.reshape(-1)
-        return flat if flat.size == self.inside.size else flat[self.inside]
-
-    def _voxels_moved(
-        self, moved: Floats, image_to_ijk: Matrix, lows: tuple[int, int, int], highs: tuple[int, int, int]
-    ) -> tuple[Integers, Integers]:
-        """The same for pixels that are not where they are shown."""
-        column, row = moved
-        flat: Floats = np.zeros(())
-        outside = np.zeros(self.inside.size, dtype=bool)
-        for axis in (2, 1, 0):
-            position = image_to_ijk[axis, 1] * row
-            position += image_to_ijk[axis, 3] + 0.5
-            position += image_to_ijk[axis, 0] * column
-            np.floor(position, out=position)
-            if position.min() < lows[axis] or position.max() >= highs[axis]:
-                outside |= (position < lows[axis]) | (position >= highs[axis])
-            flat = position - lows[2] if axis == 2 else np.add(np.multiply(flat, highs[axis], out=flat), position, out=flat)
-        pixels = np.flatnonzero(~outside)
+        column, row = (self.coordinates if self.moved is None else self.moved)[:, among]
+        first, stop = planes or (0, grid_size[2])
+        flat, inside = np.zeros(column.size), np.ones(column.size, dtype=bool)
+        for axis, (low, high) in ((2, (first, stop)), (1, (0, grid_size[1])), (0, (0, grid_size[0]))):
+            along = image_to_ijk[axis]
+            place = np.floor((along[1] * row + (along[3] + 0.5)) + along[0] * column)
+            inside &= (place >= low) & (place < high)
+            # Voxel numbers stay below 2^31: exact in float64
+            flat = flat * (high - low) + (place - low)
+        pixels = np.flatnonzero(inside)
         return pixels, flat[pixels].astype(np.int64)
-
-
-def _floors_along_one(along_rows: Floats, along_columns: Floats) -> Floats | None:
-    """The floors of `along_rows` (r, 1) + `along_columns` (1, c) as (r, 1) or (1, c), where one of both decides; None where not.
-
-    Notes
-    -----
-    So it is where an image lies in line with the grid. Neither turns back, and no more do their rounded sums: where the floors at both
-    ends of a row are the same, so are all between them.
-    """
-    ends: Floats = np.floor(along_rows + along_columns[:, [0, -1]])
-    if np.array_equal(ends[:, 0], ends[:, 1]):
-        return ends[:, :1]
-    ends = np.floor(along_rows[[0, -1]] + along_columns)
-    return ends[:1] if np.array_equal(ends[0], ends[1]) else None
 
 
 def in_fixed_point(image_to_ijk: Matrix) -> Matrix:
@@ -307,7 +240,9 @@ def most_in_a_voxel(image_to_ijk: Matrix) -> float:
 
 
 class MostHits:
-    """The most pixels that any voxel of a grid of `size` (i, j, k) can have got of all images so far, without a look at the voxels.
+    """The most pixels that any voxel of a grid of `size` (i, j, k) can have got of all images, without a look at the voxels.
+
+    `so_far` is what none has got more of before the first one.
 
     Notes
     -----
@@ -315,8 +250,8 @@ class MostHits:
     moves is told from one that rests.
     """
 
-    def __init__(self, size: tuple[int, int, int]):
-        self._along = [np.zeros(count) for count in size]
+    def __init__(self, size: tuple[int, int, int], so_far: float = 0.0):
+        self._along = [np.full(count, so_far, np.float64) for count in size]
 
     def after(self, image_to_ijk: Matrix, layout: PixelLayout) -> float:
         """The most after one image more, at this place, (4, 4)."""

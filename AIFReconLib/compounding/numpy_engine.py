@@ -10,7 +10,7 @@ from .batch import FrameBatch
 from .engine import Engine, Job
 from .evidence import ScanLines
 from .layout import PixelLayout
-from .methods.method import Factors, Pixels
+from .methods.method import Pixels
 from .methods.table import METHODS, built_in
 from .state import HIT
 
@@ -25,17 +25,14 @@ class NumpyEngine(Engine):
     def __init__(self, job: Job):
         super().__init__(job)
         self._rule = built_in(self.method.name).insert
-        settings = job.settings
-        self._factors = Factors(
-            *map(np.float32, (settings.alpha, settings.beta, settings.weight_floor, settings.bone_gain, job.maximum)),
-        )
         self._probability, self._directions = everywhere(job.bone)
 
     def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
         pixels, voxels = self._entering(batch, place, layout)
         if not pixels.size:
             return 0
-        all_values = layout.values(batch.images[place])
+        all_pixels = layout.pixels(batch.images[place])
+        all_values = all_pixels.astype(np.float32)
         # A view is enough where all enter
         chosen = slice(None) if pixels.size == all_values.size else pixels
         values, beams = all_values[chosen], layout.beams(chosen, batch.axes[place])
@@ -49,8 +46,7 @@ class NumpyEngine(Engine):
             np.add.at(state.hits, voxels, np.uint32(1))
         reach = onset = NOTHING
         if self.method.needs_shadows:
-            evidence = self._evidence(all_values, batch.image_to_ijk[place], scan_lines, bone)
-            reach, onset = evidence.reach[chosen], evidence.onset[chosen]
+            reach, onset = self._evidence(all_pixels, batch.image_to_ijk[place], scan_lines, bone)[:, chosen]
         bone_at = None if bone is None else bone.at
-        self._rule(state, Pixels(values, voxels, self._factors, beams, self._probability, self._directions, bone_at, reach, onset))
+        self._rule(state, Pixels(values, voxels, self.factors, beams, self._probability, self._directions, bone_at, reach, onset))
         return int(pixels.size)

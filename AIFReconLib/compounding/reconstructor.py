@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
@@ -48,7 +49,7 @@ from .numpy_engine import NumpyEngine
 from .own.engine import OwnMethodEngine
 from .own.method import Method
 from .splat_engine import check_shares, splat_engine, uses_shares
-from .state import BESIDE, MOST_IN_SINGLE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
+from .state import BESIDE, Reconstruction, VoxelState, bytes_per_voxel, counts_hits, part_bytes
 
 BESIDE_BONE = Sentence("Warning: the bone map does not overlap the volume, so incidence weights nothing.", PLACE_THE_CT)
 
@@ -192,8 +193,7 @@ class Reconstructor:
         require_memory(size, grid.spacing, part_bytes(*kind, beside) if planes else bytes_per_voxel(*kind, beside, 1))
         self._bone = self._place_bone(bone, progress) if bone is not None and uses_bone else None
         self._state: VoxelState | None = self._empty_state(whole=True)
-        self._most = 0.0
-        self._hits = MostHits(grid.size) if method.widens else None
+        self._hits = MostHits(grid.size)
         # The first image decides on these
         self._images: ImageKind | None = None
         self._engine: Engine | None = None
@@ -348,18 +348,18 @@ class Reconstructor:
             return
         self.counts.poses.extend(pose[:3].ravel())
         image_to_ijk = self._intake.image_to_ijk(pose)
-        if self._hits is not None and layout is not None and self._hits.after(image_to_ijk, layout) > MOST_IN_SINGLE:
+        state = self._unfinished()
+        if state.room < math.inf and layout is not None and self._hits.after(image_to_ijk, layout) > state.room:
             # What waits adds up as it would have one by one
             self._compute(progress)
-            self._unfinished().widen()
-            self._hits = None
+            self._hits = MostHits(self.grid.size, state.make_room(most_in_a_voxel(image_to_ijk)))
+            self._hits.after(image_to_ijk, layout)
         if self._part is not None and layout is not None:
             low, high = self.counts.reached[frame.number] = layout.planes_reached(image_to_ijk)
             if high < self._part[0] or low >= self._part[1]:
                 self.counts.skip(OUTSIDE, frame.number)
                 return
         batch.add(image, pose, image_to_ijk, frame.number, kept)
-        self._most += most_in_a_voxel(image_to_ijk)
         if batch.full:
             self._compute(progress)
 
@@ -368,8 +368,6 @@ class Reconstructor:
         batch, layout = self._batch, self._intake.layout
         if self._engine is None or layout is None or not batch:
             return
-        self._engine.state.expect(self._most)
-        self._most = 0.0
         batch.progress = progress
         try:
             entered = self._engine.insert(batch, layout, self._intake.scan_lines)

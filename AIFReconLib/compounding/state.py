@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
-from ..arrays import Floats, Integers, Numbers, Reals, Singles
+from ..arrays import Numbers, Reals, Singles
 from ..geometry.volume import Volume, VoxelGrid
 from ..message import Described, advised
 from .methods.table import method_named
@@ -37,27 +37,7 @@ MOST_IN_SINGLE = 2.0**16
 AT_ONCE = 2**20
 """Voxels that are looked through at a time: little memory beside them."""
 
-MOST_ROOM = 0.75 * MOST_HITS
-"""Pixels to come for which packed voxels are emptied: more at a time would empty nearly all."""
-
-FEW = 1 / 16
-"""Part of the voxels that may be overfull: beyond it, sums and hits apart take less."""
-
 NO_HITS: NDArray[np.uint32] = np.empty(0, np.uint32)
-
-
-class Overfull(NamedTuple):
-    """What came out of packed voxels before they ran over: a few, where a probe rested.
-
-    Parameters
-    ----------
-    voxels : (n,) int64 array, rising
-    sums, hits : (n,) float64 arrays, whole numbers
-    """
-
-    voxels: Integers
-    sums: Floats
-    hits: Floats
 
 
 @dataclass(eq=False)
@@ -74,7 +54,7 @@ class VoxelState:
         uint32: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
         uint8: the last (latest) or the largest (maximum) value of 8-bit images; float32: of others, and the running average (aif), the sum
         of w v (weighted).
-        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own, and weighted once it is `widened`).
+        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own, and weighted once it was `make_room`).
     weight : (voxels,) array or None
         float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally),
         the sum of w where that of w v is float64.
@@ -90,8 +70,6 @@ class VoxelState:
     weight: Reals | None
     cosine: Singles | None
     start: float = 0.0
-    overfull: Overfull | None = None
-    _most: float = 0.0
 
     @classmethod
     def empty(
@@ -133,7 +111,9 @@ class VoxelState:
 
     @property
     def met(self) -> NDArray[np.unsignedinteger]:
-        """(voxels,), 0 where no pixel entered and nowhere else: hits, or the bits of weights, which are above 0 wherever one did."""
+        """(voxels,), 0 where no pixel entered and nowhere else: hits, alone or packed, or the bits of weights, which are above 0 then."""
+        if self.packed:
+            return self.value.view(np.uint32)
         return self.hits if self.hits.size or self.weight is None else self.weight.view(f"u{self.weight.itemsize}")
 
     @property
@@ -143,81 +123,40 @@ class VoxelState:
             raise ValueError(f"Input state must be one that keeps weights; method {self.method} has none here.")
         return self.weight
 
-    def widen(self) -> None:
-        """Let sums go on in float64: in float32 they would stop growing where a probe rests. Memory that is empty stays so."""
-        self.value, self.weight = _widened(self.value), _widened(self.weights)
+    @property
+    def room(self) -> float:
+        """How many pixels of one voxel its sums have room for."""
+        if self.packed:
+            return MOST_HITS
+        return MOST_IN_SINGLE if method_named(self.method).widens and self.value.dtype == np.float32 else math.inf
 
-    def expect(self, pixels: float) -> None:
-        """Prepare for up to so many more pixels in one voxel: packed ones that could run over are emptied, or sums and hits go on apart."""
+    def make_room(self, pixels: float) -> float:
+        """Make room for so many more pixels in one voxel, where some could have too little; how many the fullest may have.
+
+        Packed voxels are looked through first: where a probe moves they hold far less than they could. Then pixels and sums go on apart,
+        and sums of weights in float64: in float32 they would stop growing where a probe rests. Memory that is empty stays so.
+        """
         if not self.packed:
-            return
-        self._most += pixels
-        if self._most <= MOST_HITS:
-            return
-        # Half of the room at least is made, so that it is not soon time again
-        fullest = self._emptied(MOST_HITS - math.ceil(max(pixels, MOST_HITS / 2))) if pixels <= MOST_ROOM else None
-        if fullest is None:
-            self.hits, self.value, self.overfull = self.pixels(), self._sums(), None
-        else:
-            self._most = fullest + pixels
-
-    def _emptied(self, most: int) -> int | None:
-        """Take out what voxels with more than `most` hits hold; the hits of the fullest then. None, and nothing done, if they are many."""
-        fullest, found, before = 0, [np.empty(0, np.int64)], self.overfull
-        for start in range(0, self.value.size, AT_ONCE):
-            some = self.value[start : start + AT_ONCE]
-            hits = int(some.max()) >> HIT_BITS
-            if hits > most:
-                found.append(start + np.flatnonzero(some >= (most + 1) * HIT))
-            fullest = max(fullest, min(hits, most))
-        voxels = np.concatenate(found)
-        if not voxels.size:
-            return fullest
-        if voxels.size + (0 if before is None else before.voxels.size) > FEW * self.value.size:
-            return None
-        sums, hits_there = unpacked(self.value[voxels])
-        now = Overfull(voxels, sums.astype(np.float64), hits_there.astype(np.float64))
-        if before is not None:
-            every, place = np.unique(np.concatenate([before.voxels, voxels]), return_inverse=True)
-            pairs = (before.sums, now.sums), (before.hits, now.hits)
-            totals = [np.bincount(place, np.concatenate(both)).astype(np.float64, copy=False) for both in pairs]
-            now = Overfull(every, *totals)
-        self.overfull = now
-        self.value[voxels] = 0
+            self.value, self.weight = _copied(self.value, np.float64), _copied(self.weights, np.float64)
+            return 0.0
+        fullest = int(self.value.max(initial=0)) >> HIT_BITS
+        if fullest + pixels > MOST_HITS / 2:
+            self.hits = _copied(self.value, np.uint32, lambda some: some >> np.uint32(HIT_BITS))
+            self.value = _copied(self.value, np.float64, lambda some: some & np.uint32(HIT - 1))
         return fullest
-
-    def whole_of_overfull(self) -> Overfull | None:
-        """The voxels that were emptied, with what they hold now beside what came out of them."""
-        if self.overfull is None:
-            return None
-        voxels, before, hits_before = self.overfull
-        sums, hits = unpacked(self.value[voxels])
-        return Overfull(voxels, before + sums, hits_before + hits)
 
     def pixels(self) -> NDArray[np.uint32]:
         """How many pixels entered each voxel, (voxels,); the state's own array where it has one."""
-        if not self.packed:
-            return self.hits
-        hits: NDArray[np.uint32] = unpacked(self.value)[1]
-        whole = self.whole_of_overfull()
-        if whole is not None:
-            hits[whole.voxels] = whole.hits
-        return hits
-
-    def _sums(self) -> Floats:
-        sums = unpacked(self.value)[0].astype(np.float64)
-        whole = self.whole_of_overfull()
-        if whole is not None:
-            sums[whole.voxels] = whole.sums
-        return sums
+        return unpacked(self.value)[1] if self.packed else self.hits
 
 
-def _widened(sums: Numbers) -> Floats:
-    wide = np.zeros(sums.size)
-    for start in range(0, sums.size, AT_ONCE):
-        some = sums[start : start + AT_ONCE]
-        np.copyto(wide[start : start + AT_ONCE], some, where=some != 0)
-    return wide
+def _copied(values: NDArray[Any], dtype: DTypeLike, part: Callable[[NDArray[Any]], NDArray[Any]] = np.asarray) -> NDArray[Any]:
+    """A part of the values, as another type; where they are 0 nothing is written."""
+    copy = np.zeros(values.size, dtype)
+    for start in range(0, values.size, AT_ONCE):
+        some = values[start : start + AT_ONCE]
+        np.copyto(copy[start : start + AT_ONCE], part(some), where=some != 0)
+    return copy
 
 
 def counts_hits(method: str, beside: Collection[str]) -> bool:

@@ -41,6 +41,16 @@ PANEL, GAP, LEFT, TOP, TOP_UNTITLED = 2.4, 0.08, 0.35, 0.72, 0.35
 DPI = 130
 LONGEST_NAME = 30
 
+LOOKS = {
+    "figure.facecolor": BACKGROUND,
+    "axes.facecolor": BACKGROUND,
+    "savefig.dpi": DPI,
+    "text.parse_math": False,
+    **dict.fromkeys(("text.color", "axes.labelcolor", "xtick.color", "ytick.color"), INK),
+    "legend.frameon": False,
+}
+"""Of every figure that we draw: on black, for a screen."""
+
 SPINOUS_LENGTH = 30.0
 """mm from the laminae to the tip, at L2 to L5."""
 
@@ -53,7 +63,7 @@ def require_matplotlib() -> None:
 
 @contextlib.contextmanager
 def own_looks() -> Iterator[None]:
-    """Within the block, or the function that it decorates, figures are drawn as matplotlib does by itself.
+    """Within the block, or the function that it decorates, figures have `LOOKS`, and else those that matplotlib has by itself.
 
     Raises OutputError when matplotlib is not installed, or cannot be loaded.
 
@@ -69,16 +79,17 @@ def own_looks() -> Iterator[None]:
             f"Cannot draw a figure: matplotlib cannot be loaded ({shorten(str(error), 200)}). If there is a file matplotlibrc in this "
             "folder, move it."
         ) from error
-    with matplotlib.rc_context({name: value for name, value in matplotlib.rcParamsDefault.items() if not name.startswith("backend")}):
+    plain = {name: value for name, value in matplotlib.rcParamsDefault.items() if not name.startswith("backend")}
+    with matplotlib.rc_context({**plain, **LOOKS}):
         yield
 
 
-def new_figure(width: float, height: float, background: str = BACKGROUND, **looks: str) -> Figure:
-    """A figure of this size in inches that no window shows; a dark one unless another color is named."""
+def new_figure(width: float, height: float, **looks: str) -> Figure:
+    """A figure of this size in inches that no window shows."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), facecolor=background, **looks)
+    figure = Figure(figsize=(width, height), **looks)
     FigureCanvasAgg(figure)
     return figure
 
@@ -86,13 +97,13 @@ def new_figure(width: float, height: float, background: str = BACKGROUND, **look
 def save_figure(path: str | Path, figure: Figure) -> None:
     """Write a figure to a PNG, PDF or SVG file; an OutputError where it cannot be written."""
     with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=DPI, facecolor=figure.get_facecolor())
+        figure.savefig(temporary)
 
 
 def png_of(figure: Figure) -> bytes:
     """A figure as a PNG file."""
     png = io.BytesIO()
-    figure.savefig(png, format="png", dpi=DPI, facecolor=figure.get_facecolor())
+    figure.savefig(png, format="png")
     return png.getvalue()
 
 
@@ -174,7 +185,7 @@ def _draw(shown: ComparisonFigure) -> Figure:
     figure_width = LEFT + len(names) * (PANEL + GAP)
     above = TOP if shown.title or mask is not None else TOP_UNTITLED
     figure_height = above + sum(heights) + len(ways) * GAP
-    figure = new_figure(figure_width, figure_height, background)
+    figure = new_figure(figure_width, figure_height, facecolor=background)
     top = figure_height - above
     for plane, (middle, (_, height)), panel_height in zip(ways, wholes, heights, strict=True):
         extent = (0.0, width, height, 0.0)
@@ -195,7 +206,7 @@ def _draw(shown: ComparisonFigure) -> Figure:
                 ax.contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=extent, origin="upper")
             edge_letters(ax, plane.edges, 0.02, 7, alpha=0.7)
             if plane is ways[0]:
-                ax.set_title(_shortened(names[column]), color=ink, fontsize=10, parse_math=False)
+                ax.set_title(_shortened(names[column]), color=ink, fontsize=10)
         axes[0].set_ylabel(plane.name, color=ink, fontsize=9)
         top -= panel_height + GAP
     _scale_bar(axes[-1], sizes[-1])
@@ -203,7 +214,7 @@ def _draw(shown: ComparisonFigure) -> Figure:
     if mask is not None:
         words = figure.text(1 - GAP / figure_width, title_y, "blue: not scanned", fontsize=9, ha="right", va="top")
         words.set_color(NOT_SCANNED if shown.white else "#7f9ad0")
-    figure.suptitle(shown.title, color=ink, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y, parse_math=False)
+    figure.suptitle(shown.title, color=ink, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y)
     return figure
 
 
@@ -226,7 +237,7 @@ def edge_letters(ax: Axes, plane_edges: tuple[str, str, str, str], inset: float,
     far = 1 - inset
     places = ((inset, 0.5, "left", "center"), (far, 0.5, "right", "center"), (0.5, far, "center", "top"), (0.5, inset, "center", "bottom"))
     return [
-        ax.text(x, y, letter, color=INK, fontsize=size, ha=across, va=up, transform=ax.transAxes, **looks)
+        ax.text(x, y, letter, fontsize=size, ha=across, va=up, transform=ax.transAxes, **looks)
         for letter, (x, y, across, up) in zip(plane_edges, places, strict=True)
     ]
 
@@ -235,4 +246,4 @@ def _scale_bar(ax: Axes, size: tuple[float, float], length: float = 20.0) -> Non
     width, height = size
     x, y = width - length - 0.04 * width, 0.93 * height
     ax.plot([x, x + length], [y, y], color=INK, linewidth=1.5, solid_capstyle="butt")
-    ax.text(x + length / 2, y - 0.02 * height, f"{length:g} mm", color=INK, fontsize=7, ha="center", va="bottom")
+    ax.text(x + length / 2, y - 0.02 * height, f"{length:g} mm", fontsize=7, ha="center", va="bottom")

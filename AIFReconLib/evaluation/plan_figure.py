@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Floats
-from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
+from .figures import BACKGROUND, new_figure, own_looks, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -76,16 +76,14 @@ def plan_figure(
         back = np.where(np.linalg.norm(back[:, [across, up]], axis=1)[:, None] > STANDS, back, -ways[begins])
         _number(ax, faces_patient[begins][:, [across, up]], back[:, [across, up]])
         ax.set_aspect("equal")
-        ax.set_title(name, color=INK, fontsize=11)
-        ax.set_facecolor(BACKGROUND)
-        ax.set_xlabel("to the right, mm" if across == 0 else "to the front, mm", color=INK)
-        ax.set_ylabel("to the head, mm", color=INK)
-        ax.tick_params(colors=INK)
+        ax.set_title(name, fontsize=11)
+        ax.set_xlabel("to the right, mm" if across == 0 else "to the front, mm")
+        ax.set_ylabel("to the head, mm")
         for side in ax.spines.values():
             side.set_visible(False)
     handles = [ax.scatter([], [], color=color, s=30) for color in COLORS] + [ax.plot([], [], color=BEAM)[0]]
-    figure.legend(handles, [*WORDS, "probe"], loc="outside lower center", ncols=len(handles), frameon=False, labelcolor=INK, fontsize=10)
-    figure.suptitle(title, color=INK, fontsize=13, parse_math=False)
+    figure.legend(handles, [*WORDS, "probe"], loc="outside lower center", ncols=len(handles), fontsize=10)
+    figure.suptitle(title, fontsize=13)
     save_figure(path, figure)
 
 

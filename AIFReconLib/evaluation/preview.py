@@ -261,11 +261,11 @@ def _draw(panels: list[_Panel], columns: int, title: str, note: str) -> Figure:
             x, y = left + (scale * wide - w) / 2, top - (scale * tall + h) / 2
             ax = figure.add_axes((x / width, y / height, w / width, h / height))
             _show(ax, panel)
-            ax.set_title(panel.name, color=INK, fontsize=9, pad=3)
+            ax.set_title(panel.name, fontsize=9, pad=3)
             left += scale * wide + GAP
         top -= scale * tall + GAP
     _scale_bar(figure, width, height, scale)
-    figure.text(GAP / width, 1 - 0.1 / height, title, color=INK, fontsize=10, ha="left", va="top", parse_math=False)
+    figure.text(GAP / width, 1 - 0.1 / height, title, fontsize=10, ha="left", va="top")
     figure.text(GAP / width, 1 - 0.3 / height, note, color="#9fb3dd", fontsize=8, ha="left", va="top")
     return figure
 
@@ -289,4 +289,4 @@ def _scale_bar(figure: Figure, width: float, height: float, scale: float) -> Non
     length = max(mm for mm in (1, 2, 5, 10, 20, 50, 100, 200) if mm == 1 or scale * mm <= LONGEST_BAR)
     right, y = 1 - GAP / width, 1 - 0.4 / height
     figure.add_artist(Line2D([right - scale * length / width, right], [y, y], color=INK, linewidth=2, solid_capstyle="butt"))
-    figure.text(right - scale * length / width / 2, y + 0.05 / height, f"{length:g} mm", color=INK, fontsize=8, ha="center", va="bottom")
+    figure.text(right - scale * length / width / 2, y + 0.05 / height, f"{length:g} mm", fontsize=8, ha="center", va="bottom")

@@ -13,7 +13,7 @@ import scipy
 from ..arrays import Floats, Integers, Numbers
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
-from .figures import BACKGROUND, INK, new_figure, own_looks, save_figure
+from .figures import new_figure, own_looks, save_figure
 from .surface import DISTANCE_LIMIT, distance_from_labels
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
     figure = new_figure(13.0, 5.2)
     panels = figure.subplots(1, 3)
     draw_cuts(figure, panels, echoes, distance_from_labels(labels))
-    figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
+    figure.suptitle(title, fontsize=12)
     save_figure(path, figure)
 
 
@@ -77,7 +77,7 @@ def calibration_figure(
         field_of_bone = distance_from_labels(labels)
         for part, echoes, title in zip(rows, placed, titles, strict=True):
             draw_cuts(part, part.subplots(1, 3), echoes, field_of_bone)
-            part.suptitle(title, color=INK, fontsize=12, parse_math=False)
+            part.suptitle(title, fontsize=12)
     names = ("before", "after") if labels is not None else titles
     draw_two_angles(last, placed, angles, names)
     save_figure(path, figure)
@@ -105,8 +105,8 @@ def draw_two_angles(figure: FigureBase, placed: tuple[Floats, Floats], angles: I
             panel.scatter(echoes[mine, right], echoes[mine, up], s=14, color=color, linewidths=0, label=name, rasterized=True)
         panel.set(xlim=(middle[0] + WINDOW, middle[0] - WINDOW), ylim=(middle[1] - WINDOW / 3, middle[1] + WINDOW / 3), aspect="equal")
         _dress(panel, title, right, up)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2, labelcolor=INK, frameon=False, markerscale=2)
-    figure.suptitle("the same bone seen from two angles", color=INK, fontsize=12)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2, markerscale=2)
+    figure.suptitle("the same bone seen from two angles", fontsize=12)
 
 
 def _crossing_pair(points: Floats, angles: Integers) -> tuple[int, int]:
@@ -124,11 +124,10 @@ def _crossing_pair(points: Floats, angles: Integers) -> tuple[int, int]:
 
 def _dress(panel: Axes, title: str, right: int, up: int) -> None:
     """Title and axes in mm."""
-    panel.set_facecolor(BACKGROUND)
-    panel.set_title(title, color=INK, fontsize=11, parse_math=False)
-    panel.set_xlabel("RAS"[right] + " (mm)", color=INK, fontsize=9)
-    panel.set_ylabel("RAS"[up] + " (mm)", color=INK, fontsize=9)
-    panel.tick_params(colors=INK, labelsize=8)
+    panel.set_title(title, fontsize=11)
+    panel.set_xlabel("RAS"[right] + " (mm)", fontsize=9)
+    panel.set_ylabel("RAS"[up] + " (mm)", fontsize=9)
+    panel.tick_params(labelsize=8)
     for edge in panel.spines.values():
         edge.set_color("#444444")
 
@@ -144,8 +143,8 @@ def wire_figure(path: str | Path, images: Sequence[Numbers], points: Floats, exp
         panel.plot(*wanted.T, "+", color=COLORS[-1], ms=9, label="as the calibration expects them")
         low, high = found.min(axis=0) - 50, found.max(axis=0) + 50
         panel.set(xticks=[], yticks=[], xlim=(low[0], high[0]), ylim=(high[1], low[1]))
-    figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=2, labelcolor=INK, frameon=False)
-    figure.suptitle(title, color=INK, fontsize=12, parse_math=False)
+    figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=2)
+    figure.suptitle(title, fontsize=12)
     save_figure(path, figure)
 
 
@@ -178,8 +177,8 @@ def draw_cuts(figure: FigureBase, panels: Sequence[Axes], points: Floats, field_
         panel.set(xlim=spans[0][[-1, 0]], ylim=spans[1][[0, -1]], aspect="equal")
         _dress(panel, name, right, up)
     bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
-    bar.set_label("distance of the bone echo to the CT's bone (mm)", color=INK, fontsize=9)
-    bar.ax.tick_params(colors=INK, labelsize=8)
+    bar.set_label("distance of the bone echo to the CT's bone (mm)", fontsize=9)
+    bar.ax.tick_params(labelsize=8)
 
 
 def _densest(values: Floats, width: float = SLAB) -> float:

@@ -21,79 +21,8 @@ from .visibility import GRAZING_DEG
 
 DASH = "\N{EN DASH}"
 
-STYLE = """
-:root { color-scheme: light dark; --page: #fff; --ink: #1b1f24; --soft: #5b6570; --line: #d9dee4; --best: #e2f1e6; --best-ink: #0f5c2e; }
-@media screen and (prefers-color-scheme: dark) {
-  :root { --page: #14171b; --ink: #e4e7eb; --soft: #98a2ae; --line: #323941; --best: #1d3a29; --best-ink: #9fe0b5; }
-}
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 66rem; padding: 1.5rem 1.25rem 3rem; background: var(--page); color: var(--ink);
-  font: 1rem/1.5 system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif; }
-h1 { font-size: 1.6rem; line-height: 1.25; margin: 0; overflow-wrap: anywhere; }
-h2 { font-size: 1.2rem; line-height: 1.3; margin: 2.25rem 0 0.25rem; }
-h3 { font-size: 1rem; margin: 1.5rem 0 0.4rem; }
-p { margin: 0.3rem 0 0.8rem; }
-.achieved { font-size: 1.125rem; }
-header p, figcaption, .unit, dt { color: var(--soft); }
-figure { margin: 1rem 0 0; }
-figcaption { font-size: 0.875rem; margin-top: 0.4rem; }
-img { display: block; width: 100%; min-width: 46rem; border-radius: 6px; }
-.wide { overflow-x: auto; }
-.pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); gap: 0 1rem; align-items: end; }
-.pictures img { min-width: 0; }
-.named td, .named th { white-space: nowrap; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 0.9375rem; }
-.metrics { table-layout: fixed; width: 100%; min-width: calc(14.75rem + var(--volumes) * 6.75rem); }
-.metrics thead td { width: 14.75rem; }
-th, td { padding: 0.25rem 0.6rem; text-align: right; border-bottom: 1px solid var(--line); }
-th { font-weight: 600; }
-thead th { vertical-align: bottom; font-size: 0.875rem; line-height: 1.3; overflow-wrap: anywhere; }
-tbody th { font-weight: 400; text-align: left; white-space: nowrap; }
-th:first-child, thead td { position: sticky; left: 0; background: var(--page); padding-left: 0; }
-.group th { font-weight: 600; padding-top: 1rem; }
-.unit { font-size: 0.8125rem; white-space: nowrap; }
-sup { font-size: 0.6875rem; line-height: 0; }
-sup a { color: var(--soft); text-decoration: none; padding-left: 0.15rem; }
-.best { background: var(--best); color: var(--best-ink); }
-.notes { font-size: 0.875rem; }
-ol.notes { padding-left: 1.4rem; columns: 2 22rem; column-gap: 2.5rem; }
-ol.notes li { break-inside: avoid; margin-bottom: 0.3rem; }
-li:target { background: var(--best); }
-.facts { display: grid; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); gap: 0.6rem 2rem; margin: 0.75rem 0 0; }
-dt { font-size: 0.8125rem; }
-dd { margin: 0; overflow-wrap: anywhere; }
-.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr)); gap: 0 2.5rem; align-items: start; }
-.plain { table-layout: fixed; width: 100%; font-size: 0.875rem; overflow-wrap: anywhere; }
-.plain td:first-child { text-align: left; padding-left: 0; width: 60%; }
-@media screen and (max-width: 40rem) {
-  body { padding: 1rem 0.9rem 2rem; }
-  h1 { font-size: 1.35rem; }
-  th, td { padding: 0.25rem 0.4rem; }
-  img { min-width: 0; }
-  .metrics { min-width: calc(6rem + var(--volumes) * 2.6rem); font-size: 0.7rem; }
-  .metrics thead td { width: 6rem; }
-  .metrics thead th { writing-mode: vertical-rl; text-align: right; white-space: nowrap; font-size: 0.7rem; }
-  .metrics th, .metrics td { padding: 0.3rem 0.15rem; }
-  .metrics .unit { font-size: 0.65rem; }
-  tbody th { white-space: normal; line-height: 1.3; }
-}
-@media print {
-  @page { margin: 14mm; }
-  html { font-size: 12px; }
-  body { max-width: none; padding: 0; }
-  .wide { overflow: visible; }
-  .metrics { min-width: 0; }
-  .metrics thead td { width: 13rem; }
-  thead th { font-size: 0.8125rem; padding-left: 0; }
-  img { min-width: 0; }
-  th, td { padding: 0.15rem 0.4rem; }
-  .best { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-  th:first-child, thead td { position: static; background: none; }
-  figure, tbody, h2, h3, .facts { break-inside: avoid; }
-  h2, h3 { break-after: avoid; }
-  thead { display: table-header-group; }
-}
-"""
+STYLE = Path(__file__).with_name("page.css").read_text("utf-8")
+"""Of every page that we write."""
 
 
 @dataclass(frozen=True)
@@ -187,7 +116,8 @@ def report_html(report: Report) -> str:
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; img-src data:; style-src 'unsafe-inline'">
 <title>{title}</title>
-<style>{STYLE}</style>
+<style>
+{STYLE}</style>
 </head>
 <body>
 <header>

@@ -148,8 +148,11 @@ def _along_sticks(flat_values: Numbers, flat_known: Mask, places: Integers, stri
         toward = (behind + 1) / length
         value[number, some] = (1 - toward) * flat_values[here - step * behind] + toward * flat_values[here + step * f]
         score[number, some] = 1.0 / (length * lengths[number])
-    averages, found = np.full(len(places), np.nan), score.max(axis=0) > 0
-    averages[found] = _best_sticks(score[:, found], value[:, found], kind.sticks)
+    # Those of one score enter together
+    enters = (score > 0) & (score >= np.sort(score, axis=0)[-min(kind.sticks, len(STICKS))])
+    weight = np.where(enters, score, 0.0)
+    total = weight.sum(axis=0)
+    averages: Floats = np.divide((weight * value).sum(axis=0), total, out=np.full(len(places), np.nan), where=total > 0)
     return averages
 
 
@@ -165,23 +168,6 @@ def _steps(known: Mask, places: Integers, step: int, limits: Integers) -> Intege
         if not left.size:
             break
     return steps
-
-
-def _best_sticks(score: Floats, value: Floats, wanted: int) -> Floats:
-    """The average of the values (sticks, holes) with the best scores, weighted by these."""
-    weighted, weights = np.zeros((2, score.shape[1]))
-    used = np.zeros(score.shape[1], dtype=np.int64)
-    score = score.copy()
-    while True:
-        best = score.max(axis=0, initial=0.0)
-        chosen = (score == best) & (best > 0) & (used < wanted)
-        if not chosen.any():
-            return weighted / weights
-        scores = np.where(chosen, score, 0.0)
-        weighted += (scores * value).sum(axis=0)
-        weights += scores.sum(axis=0)
-        used += chosen.sum(axis=0)
-        score[chosen] = 0.0
 
 
 _AVERAGES = {CUBE: nearest_cube, GAUSSIAN: gaussian, INVERSE_DISTANCE: inverse_distance}

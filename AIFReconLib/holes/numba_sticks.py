@@ -60,18 +60,10 @@ def fill_along_sticks(
                     score[n] = 1.0 / (length * lengths[n])
                     shortest = min(shortest, length * lengths[n])
                     break
-        total, weight, used = 0.0, 0.0, 0
-        while used < wanted:
-            best = score.max()
-            if best == 0.0:
-                break
-            scores, weighted = 0.0, 0.0
-            for n in range(directions):
-                if score[n] == best:
-                    weighted += best * value[n]
-                    scores += best
-                    used += 1
-                    score[n] = 0.0
-            total += weighted
-            weight += scores
-        averages[hole] = total / weight if used else np.nan
+        # Those of one score enter together
+        total, weight, least = 0.0, 0.0, np.sort(score)[-min(wanted, directions)]
+        for n in range(directions):
+            if score[n] > 0.0 and score[n] >= least:
+                total += score[n] * value[n]
+                weight += score[n]
+        averages[hole] = total / weight if weight > 0.0 else np.nan

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, TypeVar
 
 from numba import __version__ as VERSION
@@ -13,7 +12,7 @@ from numba import njit
 
 logger = logging.getLogger(__name__)
 
-__all__ = ["VERSION", "called", "compiled", "inlined", "is_kept"]
+__all__ = ["VERSION", "called", "compiled", "inlined"]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 """A loop over arrays; compiled, it is called as before."""
@@ -67,18 +66,6 @@ def called(function: Kernel) -> Kernel:
     """
     kernel: Kernel = njit(no_cpython_wrapper=True, **_OPTIONS)(function)
     return kernel
-
-
-def is_kept(kernel: Any) -> bool:
-    """Whether code of a `compiled` function that is not older than its source lies on the disk; so, too, where none can be kept."""
-    source = Path(kernel.py_func.__code__.co_filename)
-    if kernel.stats.cache_path is None:
-        return True
-    kept = Path(kernel.stats.cache_path).glob(f"{source.stem}.{kernel.py_func.__name__}-*.nbi")
-    try:
-        return any(each.stat().st_mtime >= source.stat().st_mtime for each in kept)
-    except OSError:  # somebody clears the folder
-        return False
 
 
 class _DispensableCache:

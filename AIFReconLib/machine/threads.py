@@ -7,8 +7,7 @@ import itertools
 import logging
 import os
 import threading
-import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from importlib.util import find_spec
 from types import ModuleType
 
@@ -16,9 +15,6 @@ from ..errors import SettingsError
 from ..progress import Progress, report
 
 logger = logging.getLogger(__name__)
-
-STEP = 0.05
-"""s of a step of work; after each a cancel can be heard."""
 
 
 def in_parts(
@@ -52,23 +48,6 @@ def in_parts(
         helper.join()
     if errors:
         raise errors[0]
-
-
-class AdaptiveBatch:
-    """How many items of a kind are worked on in one step: as many as take `STEP`, by the time that the last ones took; one at first."""
-
-    def __init__(self) -> None:
-        self._items = 1
-
-    def steps(self, items: int) -> Iterator[slice]:
-        """So many items in steps; each is worked on before the next one is asked for."""
-        first = 0
-        while first < items:
-            some = slice(first, min(first + self._items, items))
-            began = time.perf_counter()
-            yield some
-            self._items = max(int((some.stop - first) * STEP / max(time.perf_counter() - began, 1e-6)), 1)
-            first = some.stop
 
 
 def start(thread: threading.Thread) -> bool:

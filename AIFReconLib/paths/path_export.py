@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers
-from ..evaluation.figures import BACKGROUND, INK, new_figure, own_looks, save_figure
+from ..evaluation.figures import INK, new_figure, own_looks, save_figure
 from ..evaluation.slices import Plane, axis_ends, cut
 from ..geometry.transforms import LPS_FROM_RAS, transform_points
 from ..geometry.volume import Volume
@@ -110,7 +110,7 @@ def paths_figure(path: Path, volume: Volume, found: FreePaths) -> None:
     right /= np.linalg.norm(right)
     height = float(np.linalg.norm(end - entry)) + 2 * BEYOND
     figure = new_figure(13.0, 5.2, layout="constrained")
-    figure.suptitle(RESEARCH, color=INK, fontsize=11)
+    figure.suptitle(RESEARCH, fontsize=11)
     slices = figure.subplots(1, 3)
     _, brightest = gray_window(volume.array, volume.array > 0)
     for ax, way in zip(slices[:2], (right, np.cross(down, right)), strict=True):
@@ -118,16 +118,13 @@ def paths_figure(path: Path, volume: Volume, found: FreePaths) -> None:
         picture = cut(volume, plane, (entry + end) / 2, 2 * BESIDE, height)
         ax.imshow(picture, cmap="gray", vmin=0.0, vmax=brightest, extent=(-BESIDE, BESIDE, height - BEYOND, -BEYOND))
         ax.plot([0.0, 0.0], [0.0, height - 2 * BEYOND], color=color, linewidth=1.2)
-        ax.set_xlabel(f"mm toward {axis_ends(way)[1]}", color=INK)
-        ax.set_ylabel("mm under the skin", color=INK)
+        ax.set_xlabel(f"mm toward {axis_ends(way)[1]}")
+        ax.set_ylabel("mm under the skin")
     places = (found.entries - entry) @ np.stack([right, np.cross(down, right)]).T
     for number, (name, shade) in enumerate(zip(STATES, COLORS, strict=True)):
         slices[2].scatter(*places[found.states == number].T, color=shade, s=14.0, label=name)
     slices[2].plot(0.0, 0.0, "+", color=INK, markersize=14)
     slices[2].set_aspect("equal")
-    slices[2].set_xlabel("mm on the skin", color=INK)
-    slices[2].legend(frameon=False, labelcolor=INK, fontsize=9)
-    for ax in slices:
-        ax.set_facecolor(BACKGROUND)
-        ax.tick_params(colors=INK)
+    slices[2].set_xlabel("mm on the skin")
+    slices[2].legend(fontsize=9)
     save_figure(path, figure)

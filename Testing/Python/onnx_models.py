@@ -40,7 +40,7 @@ def scaling(factor=1.0, shift=0.0, shape=(1, 1, None, None), channels=1) -> onnx
 
 
 def echo_score(rows: int, columns: int, spacing: tuple[float, float]) -> onnx.ModelProto:
-    """The score of `BoneEchoFinder` on whole images of a linear probe, from its definition; not of 8 mm below the skin and at the end.
+    """The score of `BoneEchoFinder` on whole images of a linear probe, from its definition; 0 near skin, sides and end.
 
     The Gaussians are scipy's response to one bright sample; the image goes in as gray levels.
     """
@@ -57,7 +57,9 @@ def echo_score(rows: int, columns: int, spacing: tuple[float, float]) -> onnx.Mo
         within[:] = 1.0 / max(len(within), 1)
     depth = np.arange(rows) * spacing[1]
     left = np.minimum(np.arange(rows) + stop, rows) - np.minimum(np.arange(rows) + first, rows)
-    eligible = ((depth >= 8.0) & (left * spacing[1] >= 3.0)).astype(np.float32)[:, None]
+    across = np.arange(columns)
+    inner = np.minimum(across, across[::-1]) >= round(2.0 / spacing[0])
+    eligible = (((depth >= 8.0) & (left * spacing[1] >= 3.0))[:, None] & inner).astype(np.float32)
     mirrored = [np.pad(np.arange(n), r, mode="symmetric") for n, r in zip((rows, columns), reach, strict=True)]
     node = helper.make_node
     return graph_of(

@@ -23,11 +23,6 @@ def double_or_die(number: int) -> int:
     return 2 * number
 
 
-def look_in(folder: str) -> None:
-    """From now on find the modules of this folder, as those of the folder that a program is started in."""
-    sys.path.insert(0, folder)
-
-
 # ---- for AIFReconLib/worker
 
 

@@ -20,7 +20,7 @@ from measured import keep
 
 from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.compounding.compiled.numba_evidence import FrameJudge
+from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.compounding.methods.table import method_named
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.effective_settings import resolve_imaging
@@ -135,9 +135,9 @@ def _reconstructed(
     if recorded is None or look is None:
         return reconstruct(seen, settings, bone)
     levels = resolve_imaging(seen, sweep_poses(seen), True, settings).gray_levels
-    judge = FrameJudge.judge
+    pixels = PixelLayout.pixels
     # What an image tells of bone and shadow is judged as the look shows it
-    with mock.patch.object(FrameJudge, "judge", lambda self, image, *more: judge(self, look(image[None])[0], *more)):
+    with mock.patch.object(PixelLayout, "pixels", lambda self, image: pixels(self, look(image[None])[0])):
         return reconstruct(recorded, replace(settings, gray_levels=levels.landmarks), bone)
 
 

@@ -6,11 +6,12 @@ from __future__ import annotations
 import json
 import statistics
 from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import BrokenExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from AIFReconLib.batch.engine import Lost, completed, local_workers
+from AIFReconLib.batch.engine import LocalExecutor
 from AIFReconLib.errors import FileFormatError, InsufficientMemoryError
 from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import usable_cores
@@ -101,13 +102,17 @@ def run_tasks(
     tell(done)
     if missing:
         processes = min(jobs, len(missing))
-        with local_workers(processes, max(usable_cores() // processes, 1)) as client:
-            for name, made in completed(client, work, missing):
-                if isinstance(made, Lost):
+        with LocalExecutor(processes, max(usable_cores() // processes, 1)) as executor:
+            futures = {executor.submit(work, one): name for name, one in missing.items()}
+            for future in as_completed(futures):
+                name = futures[future]
+                try:
+                    made = future.result()
+                except BrokenExecutor:
                     raise InsufficientMemoryError(
                         f"A process of the study was ended from outside, for memory most likely, after {done} of {len(given)} {counted}. "
                         "Run it again with fewer --jobs; it goes on where it stopped."
-                    )
+                    ) from None
                 write_text(_file(folder, name), json.dumps([asdict(each) for each in made], indent=1) + "\n")
                 done += 1
                 tell(done)

@@ -28,6 +28,9 @@ SHADOW_FROM, SHADOW_TO, SHADOW_LEAST = 1.0, 10.0, 3.0
 SKIN = 8.0
 """mm below the transducer in which nothing counts: skin, gel and reverberation are bright and never bone."""
 
+SIDES = 2.0
+"""mm at either side of the image in which nothing counts: where contact with the skin ends, lines look like echo and shadow."""
+
 FAINT = 55.0
 """Gray level, on the standard scale, that is added to echo and shadow when they are compared: a contrast among faint echoes says little."""
 
@@ -52,8 +55,8 @@ class BoneEchoFinder:
         score = (e - b) / (e + b + 55)
 
     It tends to 0.8 for a bright echo over darkness, is about 0 where an echo has tissue behind it, and small
-    in darkness. The strongest score of a line counts if it reaches `least`, lies below the skin, and the
-    neighboring lines agree; the echo then lies at the brightest e within `CREST`.
+    in darkness. The strongest score of a line counts if it reaches `least`, lies below the skin and not at the
+    sides of the image, and the neighboring lines agree; the echo then lies at the brightest e within `CREST`.
 
     `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe; `least` is what a score must reach.
     """
@@ -70,6 +73,8 @@ class BoneEchoFinder:
         self._behind = (known_before[:, self._to] - known_before[:, self._from]).astype(np.float32)
         depth = (samples - self._known.argmax(axis=1)[:, None]) * self._step
         self._eligible = self._known & (depth >= SKIN) & (self._behind * self._step >= SHADOW_LEAST)
+        outer = min(round(SIDES / self._pitch), len(self._known) // 8)
+        self._eligible[np.r_[:outer, len(self._known) - outer : len(self._known)]] = False
 
     @property
     def lines(self) -> int:

@@ -42,13 +42,16 @@ LEAST_A_FRAME = 3.0
 """Echoes in a frame on the mean, below which there is hardly any bone."""
 
 SHADOW_FROM, SHADOW_TO = 2.5, 25.0
-"""mm behind an echo: where sound does not pass, and what looks like bone there needs more frames that show it."""
+"""mm behind an echo where sound does not pass, and what looks like bone needs more frames that show it; as far before it sound passed."""
 
 SHADOWED = 0.2
 """How much the shadow of an echo counts against one that lies in it, mm for mm."""
 
 LEAST_TRUST = 0.35
 """Share of the echoes at a place in all that is said about it, its shadows included, from which an echo there takes part."""
+
+LEAST_CROSSED = 0.2
+"""Scores in a cubic mm, of beams that passed and of shadows, from which both are known of a place: bone lies between them."""
 
 BLUR = 1.0
 """mm over which what is said of a place is averaged."""
@@ -69,8 +72,8 @@ PAIRS = [(a, b) for a in range(3) for b in range(a, 3)]
 AT_ONCE = 4096
 """Echoes that are added, and voxels that planes are laid at, in one step."""
 
-BYTES_PER_VOXEL = 80
-"""While planes are laid: sums and their blurred forms for two moments at a time, distances, and the map."""
+BYTES_PER_VOXEL = 90
+"""While planes are laid: sums and their blurred forms for two moments at a time, what beams passed, distances, and the map."""
 
 
 def bone_from_sweep(
@@ -160,13 +163,17 @@ class EchoSurface:
     shadow it lies, per mm: echoes in the shadow of bone that other beams met before are reverberation more
     often than bone.
 
+    Oblique bone sends no echo back, but stops the beams that meet it. It lies where what beams passed on their way to an echo borders on
+    the shadows of echoes, of all angles: with F the scores of the beams that passed a place, and S as above, where F / (F + S) is a half.
+    There P = exp(-h^2 / 2 T^2), h the distance from that border. The larger P holds.
+
     All follows from sums over echoes in cubes, so that a part has the values of the whole.
     """
 
     def __init__(self) -> None:
         self._new: deque[SweepEchoes] = deque()
         self._adding = threading.Lock()
-        self._shown, self._shadows = CubeSums(13), CubeSums(1)
+        self._shown, self._crossed = CubeSums(13), CubeSums(2)
         self._changed: list[Integers] = []
 
     def add(self, echoes: SweepEchoes) -> None:
@@ -180,18 +187,20 @@ class EchoSurface:
         depths = np.arange(SHADOW_FROM, SHADOW_TO, SPACING)
         for first in range(0, len(new), AT_ONCE):
             some = new[np.arange(first, min(first + AT_ONCE, len(new)))]
-            cubes, behind = cubes_of(some.points), cubes_of((some.points + depths[:, None, None] * some.beams).reshape(-1, 3))
+            ways = [some.points + depth * some.beams for depth in (*depths, *-depths)]
+            cubes, crossed = cubes_of(some.points), cubes_of(np.concatenate(ways))
+            scores = np.tile(some.scores.astype(np.float64), len(depths))
             with self._adding:
                 self._shown.add(cubes, _moments(some))
-                self._shadows.add(behind, np.tile(some.scores.astype(np.float64), len(depths))[None])
-            self._changed += [end(of, axis=0) for of in (cubes, behind) for end in (np.min, np.max)]
+                self._crossed.add(crossed, np.kron(np.eye(2), scores).astype(np.float64))
+            self._changed += [end(of, axis=0) for of in (cubes, crossed) for end in (np.min, np.max)]
         return bool(self._changed)
 
     def whole(self, progress: Progress | None = None) -> BoneMap | None:
         """The map of all that was taken in, for another than who asks for `news`."""
         other = EchoSurface()
         with self._adding:
-            other._shown, other._shadows = copy.deepcopy((self._shown, self._shadows))
+            other._shown, other._crossed = copy.deepcopy((self._shown, self._crossed))
         other.renew()
         return other.news(progress)
 
@@ -221,7 +230,7 @@ class EchoSurface:
         start, stop = np.maximum(low - reach, first), np.minimum(high + reach, last)
         shape = tuple((stop - start + 1)[::-1].tolist())
         require_memory(shape[::-1], np.full(3, SPACING), BYTES_PER_VOXEL, most=LARGEST_GRID)
-        voxels, sums = self._trusted(start, stop, shape)
+        voxels, sums, crossed = self._trusted(start, stop, shape)
         report(progress, 0.2, "Laying echoes together")
         away = _away(voxels, shape)
         part_of = tuple(slice(a, b + 1) for a, b in zip((low - start)[::-1].tolist(), (high - start)[::-1].tolist(), strict=True))
@@ -246,20 +255,25 @@ class EchoSurface:
             slopes[(slice(None), *at)] = normals.T
 
         in_parts(lay, -(-near.size // AT_ONCE), threads, part(progress, 0.7, 1.0), "Laying echoes together")
+        between, beyond, across = _between(*crossed)
+        without_echo = between > probability
+        probability = np.maximum(probability, between)
+        inside[without_echo] = beyond[without_echo]
+        slopes[:, without_echo] = across[:, without_echo]
         report(progress, 1.0, "Laid echoes together")
         around = VoxelGrid.from_spacing(SPACING * start, shape[::-1], SPACING).ijk_to_reference
         surface, behind = (Volume(values, around)[part_of] for values in (probability, inside))
         return BoneMap(surface, behind, slopes=np.ascontiguousarray(slopes[(slice(None), *part_of)]))
 
-    def _trusted(self, start: Integers, stop: Integers, shape: tuple[int, ...]) -> tuple[Integers, Floats]:
-        """The voxels (n,), flat, that echoes are believed at, and the sums (13, n) there."""
-        (cubes, sums), (behind, shadows) = (of.within(start, stop) for of in (self._shown, self._shadows))
-        voxels, dark = (np.ravel_multi_index((at - start).T[::-1], shape) for at in (cubes, behind))
+    def _trusted(self, start: Integers, stop: Integers, shape: tuple[int, ...]) -> tuple[Integers, Floats, list[Singles]]:
+        """The voxels (n,), flat, that echoes are believed at, the sums (13, n) there; and everywhere, [k, j, i], shadows and beams."""
+        (cubes, sums), (along, scores) = (of.within(start, stop) for of in (self._shown, self._crossed))
+        voxels, ways = (np.ravel_multi_index((at - start).T[::-1], shape) for at in (cubes, along))
         echo = _blurred(voxels, sums[0], shape, BLUR).reshape(-1)[voxels]
-        shadow = _blurred(dark, shadows[0], shape, BLUR).reshape(-1)[voxels]
-        trust = echo / (echo + SHADOWED * shadow)
+        crossed = [_blurred(ways, each, shape, BLUR).astype(np.float32) for each in scores]
+        trust = echo / (echo + SHADOWED * crossed[0].reshape(-1)[voxels])
         believed = trust >= LEAST_TRUST
-        return voxels[believed], (sums * trust)[:, believed]
+        return voxels[believed], (sums * trust)[:, believed], crossed
 
 
 def _moments(echoes: SweepEchoes) -> Floats:
@@ -278,6 +292,16 @@ def _planes(places: Floats, moments: Floats) -> tuple[Floats, Floats]:
     normals = np.linalg.eigh(covariance)[1][:, :, 0]
     normals *= np.where((normals * moments[4:7].T).sum(axis=1) < 0, -1.0, 1.0)[:, None]
     return ((places - mean) * normals).sum(axis=1), normals
+
+
+def _between(shadow: Singles, passed: Singles) -> tuple[Singles, Mask, Singles]:
+    """The border of what was passed and what was shadowed, [k, j, i]: probability, what lies behind it, and its normals (3, k, j, i)."""
+    share = passed / np.maximum(passed + shadow, np.float32(1e-9))
+    slopes = np.stack([-along / np.float32(SPACING) for along in np.gradient(share)[::-1]])
+    steep = np.maximum(np.sqrt((slopes**2).sum(axis=0)), np.float32(1e-6))
+    heights = (np.float32(0.5) - share) / steep
+    known = np.minimum(shadow, passed) > LEAST_CROSSED
+    return np.where(known, np.exp(-0.5 * (heights / np.float32(THICKNESS)) ** 2), np.float32(0.0)), heights > 0, slopes / steep
 
 
 def _away(voxels: Integers, shape: tuple[int, ...]) -> Singles:

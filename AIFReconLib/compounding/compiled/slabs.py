@@ -2,36 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
-from ...arrays import Integers, Mask, Matrix, Numbers
-from ...machine.threads import AdaptiveBatch, checked_threads, in_parts
-from ...progress import Progress
+from ...arrays import Floats, Integers, Mask, Matrix, Numbers
+from ...machine.threads import checked_threads, in_parts
 from ..batch import BATCH_FRAMES, FrameBatch
 from ..engine import Engine, Job
 from ..evidence import ScanLines
 from ..layout import PixelLayout
-from .groups import Slab
+from .numba_kernels import clip
 
-SLABS, SLABS_WITH_BONE = 8, 16
-"""Slabs that a batch is cut into at most, and where the bone map is read in every voxel, which takes 16 bytes more of each: what frames
-share of a slab fits into a core's cache."""
+SLABS = 8
+"""Slabs that a batch is cut into: what frames share of one fits into a core's cache, and threads end at about the same time."""
 
-VOXELS_OF_SLAB = 8_000
-"""Of one frame, that a core's cache holds beside the rest; smaller slabs only cut rows into more pieces, which are read out of turn."""
-
-SLABS_OF_THREAD = 2
-"""At least, so that threads end at about the same time."""
-
-
-def slabs_for(matrices: Matrix, layout: PixelLayout, threads: int, most: int = SLABS) -> int:
-    """How many slabs, at `most`, the cache and the threads ask for, by the voxels that the first of `matrices` (frames, 4, 4) meets."""
-    left, right, top, bottom = layout.bounds
-    pixel = float(np.linalg.norm(np.cross(matrices[0, :3, 0], matrices[0, :3, 1])))
-    needed = pixel * (right - left) * (bottom - top) / VOXELS_OF_SLAB * (most / SLABS)
-    return min(max(int(needed), SLABS_OF_THREAD * threads), most)
+Put = Callable[[Integers, Floats, Integers], Integers]
+"""Inserts pieces of rows (n, 4) into a box (2, 3), of which `spans` (frames, n, 2) tell the columns that may matter to it; answers how many
+pixels entered of each frame, (frames,)."""
 
 
 def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers, slabs: int = SLABS) -> tuple[int, Integers]:
@@ -67,50 +55,53 @@ def cut_into_slabs(matrices: Matrix, layout: PixelLayout, bounds: Numbers, slabs
 
 
 class SlabEngine(Engine):
-    """Puts a batch into a `VoxelState` slab by slab, on several threads.
-
-    Slabs share no voxel, so threads need no locks and no order among them; within a slab frames follow each other in time, so that what
-    they have in common is still in the cache when the next one comes.
-    """
+    """Puts a batch into a `VoxelState` slab by slab, on several threads; within a slab frames follow each other in time."""
 
     name = "numba"
     frames_at_once = BATCH_FRAMES
+    margin = 0.0
+    """Voxels beside a slab from which pixels give to it."""
 
     def __init__(self, job: Job):
         super().__init__(job)
-        self.threads, self._pace = checked_threads(job.threads), AdaptiveBatch()
+        self.threads = checked_threads(job.threads)
+        (i, j, _), (first, stop) = job.grid_size, job.planes
+        self.part = np.array([i, j, first], dtype=np.float64)
+        self._bounds = np.array([(0, 0, first), (i, j, stop)], dtype=np.float64)
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """As `Engine.insert`: frames of which the same pixels count go in together."""
-        counting = self._counting(layout)
+        counting = layout.mask & self._counting(layout)
         if not batch.measured:
             return self._insert_alike(batch, slice(0, len(batch)), layout, scan_lines, counting)
         entered: list[int] = []
         for place in range(len(batch)):
-            both = counting
-            if place in batch.measured:
-                kept = layout.within_window(batch.measured[place])
-                both = kept if counting is None else kept & counting
-            entered += self._insert_alike(batch, slice(place, place + 1), layout, scan_lines, both)
+            kept = layout.within_window(batch.measured[place]) if place in batch.measured else True
+            entered += self._insert_alike(batch, slice(place, place + 1), layout, scan_lines, counting & kept)
         return entered
 
-    def _counting(self, layout: PixelLayout) -> Mask | None:
-        """Which pixels of the window count in every frame, (rows, columns) bool; None: all of the layout's."""
-        return None
-
     def _insert_alike(
-        self, batch: FrameBatch, frames: slice, layout: PixelLayout, scan_lines: ScanLines | None, counting: Mask | None
+        self, batch: FrameBatch, frames: slice, layout: PixelLayout, scan_lines: ScanLines | None, counting: Mask
     ) -> list[int]:
-        raise NotImplementedError
+        matrices, pieces = batch.image_to_ijk[frames], layout.pieces_within(counting)
+        put = self._put(batch, frames, layout, scan_lines)
+        axis, edges = cut_into_slabs(matrices, layout, self._bounds)
+        entered = np.zeros((len(edges) - 1, len(matrices)), np.int64)
 
-    def _in_slabs(
-        self, put: Callable[[Slab, Integers], Iterator[None]], axis: int, edges: Integers, frames: int, progress: Progress | None
-    ) -> list[int]:
-        """Call `put` for every slab, with the (frames,) counts that it raises; how many pixels entered of each frame."""
-        entered = np.zeros((len(edges) - 1, frames), np.int64)
+        def part(number: int) -> None:
+            box, spans = self._bounds.copy(), np.empty((len(matrices), len(pieces), 2), np.int32)
+            box[:, axis] = edges[number : number + 2]
+            around = box + self.margin * np.array([[-1.0], [1.0]])
+            clip(matrices, pieces, around, axis, spans)
+            entered[number] = put(pieces, box, spans)
 
-        def part(number: int) -> Iterator[None]:
-            return put((axis, int(edges[number]), int(edges[number + 1])), entered[number])
-
-        in_parts(part, len(edges) - 1, self.threads, progress, "Reconstructing")
+        in_parts(part, len(edges) - 1, self.threads, batch.progress, "Reconstructing")
         return [int(n) for n in entered.sum(axis=0)]
+
+    def _counting(self, layout: PixelLayout) -> Mask | bool:
+        """Which pixels of the window count in every frame, (rows, columns) bool; True: all of the layout's."""
+        return True
+
+    def _put(self, batch: FrameBatch, frames: slice, layout: PixelLayout, scan_lines: ScanLines | None) -> Put:
+        """What inserts these frames."""
+        raise NotImplementedError

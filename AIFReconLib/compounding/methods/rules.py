@@ -61,13 +61,17 @@ def weighted_weight(gate: Singles, reach: Singles, floor: np.float32) -> Singles
     return (floor + gate) * reach
 
 
-def weighted_value(pixel: Singles, gate: Singles, cosine: Singles, gain: np.float32, beta: np.float32, maximum: np.float32) -> Singles:
-    """Compensated value of `weighted`: min(maximum, p (1 + gain G C)), C = min(1 / cosine, 3) where the cosine exceeds `beta`, else 1.
+def weighted_compensation(cosine: Singles, beta: np.float32) -> Singles:
+    """C = min(1 / cosine, 3) where the cosine exceeds `beta`, else 1."""
+    return np.where(cosine > beta, np.minimum(ONE / np.maximum(cosine, beta), LARGEST_COMPENSATION), ONE)
+
+
+def weighted_value(pixel: Singles, gate: Singles, compensation: Singles, gain: np.float32, maximum: np.float32) -> Singles:
+    """Compensated value of `weighted`: min(maximum, p (1 + gain G C)).
 
     Notes
     -----
     Bounded: from p to (1 + 3 gain) p, and 0 stays 0.
     """
-    compensation = np.where(cosine > beta, np.minimum(ONE / np.maximum(cosine, beta), LARGEST_COMPENSATION), ONE)
     value: Singles = np.minimum(pixel * (ONE + (gain * gate) * compensation), maximum)
     return value

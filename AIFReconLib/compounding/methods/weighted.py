@@ -21,9 +21,9 @@ def _insert(kept: Accumulator, pixels: Pixels) -> None:
     begins = np.flatnonzero(pixels.onset > 0)
     probability, directions = pixels.bone_at(pixels.voxels[begins])
     gate = rules.weighted_gate(pixels.onset[begins], probability)
-    cosine = pixels.beams.of_pixels(begins).cosine(directions)
+    compensation = rules.weighted_compensation(pixels.beams.of_pixels(begins).cosine(directions), factors.beta)
     weight[begins] = rules.weighted_weight(gate, pixels.reach[begins], factors.floor)
-    value[begins] = rules.weighted_value(pixels.values[begins], gate, cosine, factors.gain, factors.beta, factors.maximum)
+    value[begins] = rules.weighted_value(pixels.values[begins], gate, compensation, factors.gain, factors.maximum)
     value *= weight
     np.add.at(kept.value, pixels.voxels, value)
     np.add.at(kept.weights, pixels.voxels, weight)

@@ -51,8 +51,8 @@ class OwnMethodEngine(Engine):
         if method.needs_shadows:
             # Bone that is there for the sake of the best cosine alone must change no voxel
             expected = bone if method.needs_bone else None
-            evidence = self._evidence(layout.values(batch.images[place]), batch.image_to_ijk[place], scan_lines, expected)
-            arrays |= {"reach": layout.filled(evidence.reach), "onset": layout.filled(evidence.onset)}
+            reach, onset = self._evidence(layout.pixels(batch.images[place]), batch.image_to_ijk[place], scan_lines, expected)
+            arrays |= {"reach": layout.filled(reach), "onset": layout.filled(onset)}
         answer = method.weigh({name: arrays[name] for name in method.arrays}, number)
         # A view is enough where all enter
         chosen = slice(None) if pixels.size == layout.mask.size else layout.inside[pixels]

@@ -6,34 +6,31 @@ import csv
 import errno
 import os
 import shutil
-import socket
-import ssl
-from contextlib import nullcontext
+from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from files import tracked_sequence, write_patient
-from worker_tasks import double_or_die, look_in
+from worker_tasks import double_or_die, filled
 
 from AIFReconLib.batch import engine
-from AIFReconLib.batch.case import CaseTask, carry_out
+from AIFReconLib.batch.case import carry_out
 from AIFReconLib.batch.cohort import Cohort
-from AIFReconLib.batch.engine import Lost, cluster_at, completed, local_workers, own_memory
+from AIFReconLib.batch.engine import LocalExecutor, cluster_at, completed, local_workers
+from AIFReconLib.batch.memory import Shares
 from AIFReconLib.batch.records import DONE, FAILED, LOST, RECORDS, read_record
-from AIFReconLib.batch.results import flat_rows, write_tables
+from AIFReconLib.batch.results import results_table, write_tables
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.own.method import load_method
 from AIFReconLib.errors import SettingsError
 
 distributed = pytest.importorskip("distributed", reason="dask.distributed is not installed")
-pytest.importorskip("cryptography", reason="cryptography is not installed")
-config = pytest.importorskip("dask.config", reason="dask is not installed")
 parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
 
-MEMORY = 3_000_000_000
-"""Bytes that each of the workers may take."""
+SHARES = Shares(2, 1, 3_000_000_000, 0)
+"""What the workers of these tests get."""
 
 HEAD = "case,sweeps,config,bone_labels,bone_transform,bone_sigma_mm,method,spacing,mask,preview"
 DEADLY = """
@@ -64,13 +61,13 @@ class Lab:
         (self.folder / "cases.csv").write_text("\n".join([HEAD, *rows]))
 
     def prepared(self, retry_failed: bool = False) -> Cohort:
-        cohort = Cohort(list(read_cases(self.folder / "cases.csv").cases), self.folder, self.output)
+        cohort = Cohort(list(read_cases(self.folder / "cases.csv").cases), self.output)
         cohort.prepare(retry_failed)
         return cohort
 
-    def run(self, client, progress=None, retry_failed: bool = False) -> Cohort:
+    def run(self, progress=None, retry_failed: bool = False) -> Cohort:
         cohort = self.prepared(retry_failed)
-        cohort.compute(nullcontext(client), lambda _: None, progress)
+        cohort.compute(local_workers(SHARES), lambda _: None, progress)
         return cohort
 
     def states(self, cohort: Cohort) -> dict[str, str]:
@@ -104,13 +101,7 @@ def lab(originals, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def client():
-    with local_workers(2, memory=MEMORY) as client:
-        yield client
-
-
-@pytest.fixture(scope="module")
-def finished(originals, client, tmp_path_factory):
+def finished(originals, tmp_path_factory):
     """A lab whose cases were computed by two workers, of which one sweep is cut short."""
     lab = Lab(tmp_path_factory.mktemp("finished") / "lab", tmp_path_factory.mktemp("results"))
     shutil.copytree(originals, lab.folder)
@@ -118,12 +109,7 @@ def finished(originals, client, tmp_path_factory):
     sweep.write_bytes(sweep.read_bytes()[:-2000])
     lab.write(row("P1", "average;weighted", preview="yes"), row("P2"), row("P3"), row("P4"))
     said = []
-    return lab, lab.run(client, lambda fraction, message: said.append((fraction, message)) or True), said
-
-
-def test_a_worker_knows_what_it_may_take_beside_what_it_holds(client):
-    assert 0 < client.submit(own_memory).result() < MEMORY
-    assert own_memory() is None
+    return lab, lab.run(lambda fraction, message: said.append((fraction, message)) or True), said
 
 
 # ---- what comes out
@@ -143,7 +129,7 @@ def test_a_volume_has_the_bytes_that_the_command_by_hand_writes(finished, tmp_pa
 def test_two_workers_write_the_bytes_that_one_process_writes(finished, tmp_path):
     lab, cohort, _ = finished
     (tmp_path / RECORDS).mkdir()
-    assert carry_out(CaseTask(cohort.cases[2], lab.folder, tmp_path, "here")).state == DONE
+    assert carry_out(cohort.cases[2], tmp_path).state == DONE
     for path in (tmp_path / "P3").glob("*.nrrd"):
         assert path.read_bytes() == (lab.output / "P3" / path.name).read_bytes()
 
@@ -158,8 +144,7 @@ def test_a_sweep_that_is_cut_short_and_a_missing_file_cost_no_other_case(finishe
 
 def test_both_tables_hold_a_row_for_each_case_and_method(finished, tmp_path):
     _, cohort, _ = finished
-    rows = flat_rows(cohort.cases, cohort.records)
-    write_tables(tmp_path, rows)
+    write_tables(tmp_path, results_table(cohort.cases, cohort.records))
     with open(tmp_path / "results.csv", newline="", encoding="utf-8") as file:
         text = list(csv.DictReader(file))
     methods = [("P1", "average"), ("P1", "weighted"), ("P2", "average"), ("P3", "average"), ("P4", "average")]
@@ -200,19 +185,18 @@ def test_what_has_changed_is_done_again(finished, lab, monkeypatch, change):
 # ---- what goes wrong outside
 
 
-def test_a_case_whose_process_is_killed_is_given_up_after_two_tries_and_done_by_the_next_run(lab, client, monkeypatch, tmp_path):
+def test_a_case_whose_process_is_killed_is_given_up_after_two_tries_and_done_by_the_next_run(lab, monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(lab.folder)
-    client.run(look_in, str(lab.folder))
     pardon = tmp_path / "pardon"
     (lab.folder / "deadly_method.py").write_text(DEADLY.format(pardon=pardon.as_posix()))
     load_method("deadly_method:deadly")
     lab.write(row("P1", "deadly_method:deadly"), row("P2"))
-    cohort = lab.run(client)
+    cohort = lab.run()
     assert lab.states(cohort) == {"P1": LOST, "P2": DONE}
-    assert "its process was ended 2 times" in cohort.records["P1"].message
+    assert "its process was ended twice" in cohort.records["P1"].message
     assert lab.done() == ["P2"]
     pardon.touch()
-    cohort = lab.run(client)
+    cohort = lab.run()
     assert [case.name for case in cohort.to_do] == ["P1"]
     assert cohort.count(DONE) == 2
 
@@ -228,7 +212,7 @@ def test_a_full_disk_is_a_sentence_and_leaves_what_was_there(lab, monkeypatch):
 
     with monkeypatch.context() as patched:
         patched.setattr(os, "rename", full)
-        record = carry_out(CaseTask(case, lab.folder, lab.output, "tonight"))
+        record = carry_out(case, lab.output)
     assert (record.state, "the disk is full" in record.message) == (LOST, True)
     assert [path.name for path in (lab.output / "P1").iterdir()] == ["before.nrrd"]
     assert lab.done() == ["P1"]
@@ -239,62 +223,55 @@ def test_a_mistake_of_ours_in_one_case_is_said_and_costs_no_other(lab, monkeypat
     (case, *_) = read_cases(lab.folder / "cases.csv").cases
     (lab.output / RECORDS).mkdir(parents=True)
     monkeypatch.setattr("AIFReconLib.batch.case.execute", lambda *_, **__: 1 / 0)
-    record = carry_out(CaseTask(case, lab.folder, lab.output, "tonight"))
+    record = carry_out(case, lab.output)
     assert (record.state, "please report it: ZeroDivisionError" in record.message) == (FAILED, True)
     assert lab.done() == []
 
 
-def test_an_interrupt_leaves_whole_cases_only_and_the_next_run_goes_on(lab, client):
+def test_an_interrupt_leaves_whole_cases_only_and_the_next_run_goes_on(lab):
     def stop_after_the_first(fraction, _message):
         if fraction > 0:
             raise KeyboardInterrupt
         return True
 
     with pytest.raises(KeyboardInterrupt):
-        lab.run(client, stop_after_the_first)
+        lab.run(stop_after_the_first)
     records = [read_record(lab.output, name) for name in lab.done() if not name.startswith(".")]
     assert all(record is not None and record.state == DONE for record in records)
-    assert lab.run(client).count(DONE) == 3
+    assert lab.run().count(DONE) == 3
 
 
 # ---- the engine
 
 
-def test_work_whose_process_ends_is_lost_and_no_other_work(client):
-    made = dict(completed(client, double_or_die, {str(n): n for n in (1, -1, 2, 3, 4)}))
-    assert isinstance(made.pop("-1"), Lost)
-    assert made == {"1": 2, "2": 4, "3": 6, "4": 8}
+def test_work_whose_process_ends_is_lost_and_no_other_work():
+    with LocalExecutor(2) as executor:
+        made = dict(completed(executor, double_or_die, (1, -1, 2, 3, 4)))
+    assert isinstance(made.pop(-1), BrokenExecutor)
+    assert made == {1: 2, 2: 4, 3: 6, 4: 8}
 
 
-def keys_of(keys):
-    found = {"ca-file": keys.tls_ca_file, "client.key": keys.tls_client_key, "client.cert": keys.tls_client_cert}
-    return {f"distributed.comm.tls.{name}": value for name, value in found.items()}
+def test_a_process_that_takes_more_than_its_share_is_ended():
+    with LocalExecutor(1, memory=600_000_000) as executor:
+        assert executor.submit(filled, 10).result().size == 10
+        assert isinstance(executor.submit(filled, 200_000_000).exception(), BrokenExecutor)
 
 
-@pytest.fixture
-def address(client):
-    """Of the scheduler, to whoever has its key in Dask's own configuration."""
-    with config.set(keys_of(client.security)):
-        yield client.scheduler.address
+@pytest.fixture(scope="module")
+def address():
+    """Of a scheduler of Dask with two workers."""
+    with distributed.LocalCluster(2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, memory_limit="3GB") as cluster:
+        yield cluster.scheduler_address
 
 
-@pytest.mark.parametrize("key", ["another", "none"])
-def test_nobody_without_its_key_speaks_to_the_scheduler_of_a_batch(client, key):
-    protocol, host, port = client.scheduler.address.replace("://", ":").split(":")
-    assert protocol == "tls"
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    if key == "another":
-        context = distributed.Security.temporary().get_connection_args("client")["ssl_context"]
-    # Who has no right to be there does not ask who answers
-    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
-    # In TLS 1.3 the answer to a key comes with what is read first
-    with pytest.raises(ssl.SSLError, match="ALERT"), context.wrap_socket(socket.create_connection((host, int(port)))) as connection:
-        connection.recv(1)
-
-
-def test_a_scheduler_that_is_there_is_used(lab, address):
-    with cluster_at(address, lab.folder) as other:
-        assert dict(completed(other, double_or_die, {"a": 1})) == {"a": 2}
+def test_a_cluster_that_is_there_computes_the_same_bytes(finished, lab, address):
+    lab.write(row("P3"), row("P4"))
+    cohort = lab.prepared()
+    said = []
+    cohort.compute(cluster_at(address, lab.folder), said.append)
+    assert lab.states(cohort) == {"P3": DONE, "P4": FAILED}
+    assert said[0].startswith("2 worker(s)")
+    assert (lab.output / "P3" / "average.nrrd").read_bytes() == (finished[0].output / "P3" / "average.nrrd").read_bytes()
 
 
 def test_workers_of_another_version_are_refused(lab, address, monkeypatch):
@@ -313,3 +290,12 @@ def test_a_scheduler_that_is_not_there_is_one_sentence(lab, monkeypatch, address
     monkeypatch.setattr(engine, "SCHEDULER_WAIT", 0.3)
     with pytest.raises(SettingsError, match="Dask scheduler"), cluster_at(address, lab.folder):
         pass
+
+
+# Last, for its cluster has one worker less for a while
+def test_work_whose_process_ends_is_lost_on_a_cluster_too_and_no_other_work(lab, address):
+    with cluster_at(address, lab.folder) as (executor, memory, _):
+        made = dict(completed(executor, double_or_die, (-1, *range(20))))
+    assert memory == 3_000_000_000
+    assert isinstance(made.pop(-1), Exception)
+    assert made == {n: 2 * n for n in range(20)}

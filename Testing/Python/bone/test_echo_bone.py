@@ -101,7 +101,7 @@ def points_in(pose, columns, rows):
 def test_echoes_lie_on_a_bright_arc_over_darkness(kind):
     echoes = find(bone_image(), kind)
     off = (echoes.pixels[:, 1] - arc_row(echoes.pixels[:, 0])) * SPACING[1]
-    assert len(off) > 0.8 * finder(kind).lines
+    assert len(off) > 0.7 * finder(kind).lines
     assert np.abs(off).max() < 0.6
 
 
@@ -130,7 +130,10 @@ def test_the_same_echo_below_the_skin_is_bone():
     row = round((SKIN + SKIN_ECHO) / SPACING[1])
     image[row - 2 : row + 3] = 255
     image[row + 3 :] *= 0.05
-    assert find(image.astype(np.uint8)).scores.size == finder().lines
+    columns = find(image.astype(np.uint8)).pixels[:, 0]
+    # All but the sides
+    assert columns.size == finder().lines - 2 * 4
+    assert min(columns.min(), COLUMNS - 1 - columns.max()) * SPACING[0] >= 1.9
 
 
 @pytest.mark.parametrize("deepest", np.arange(18.0, 18.25, 0.05))
@@ -188,7 +191,7 @@ def test_the_map_of_an_oblique_sweep_is_high_on_the_surface(kind):
 def test_the_map_is_zero_away_from_the_surface(shift):
     sequence, poses, imaging = oblique_sweep()
     bone = bone_of(sequence, poses, imaging)
-    columns = np.arange(20, 100)
+    columns = np.arange(30, 90)
     rows = arc_row(columns) + shift / SPACING[1]
     assert at(bone.probability, points_in(poses.image_to_reference[6], columns, rows)).max() < 0.01
 

@@ -71,8 +71,7 @@ def around(place, of, sigma):
 def trusts_by_loops(echoes: SweepEchoes) -> list[float]:
     """Of each echo: how much is shown at its place, against how much of it lies in shadows."""
     cubes, scores = [tuple(np.rint(point)) for point in echoes.points], echoes.scores.tolist()
-    dark = [(tuple(np.rint(p + (2.5 + n) * b)), s) for p, b, s in zip(echoes.points, echoes.beams, scores) for n in range(23)]
-    trust = []
+    dark, trust = crossed_by_loops(echoes, 1), []
     for cube in cubes:
         shown = sum(s * w for s, w in zip(scores, around(cube, cubes, 1)))
         shadow = sum(s * w for (_, s), w in zip(dark, around(cube, [where for where, _ in dark], 1)))
@@ -80,8 +79,33 @@ def trusts_by_loops(echoes: SweepEchoes) -> list[float]:
     return trust
 
 
-def by_loops(echoes: SweepEchoes, trust: list[float], place) -> tuple[float, float, np.ndarray]:
-    """Probability, but for what beams from several sides make of it, how far these are apart, and the normal, at a whole millimeter."""
+def crossed_by_loops(echoes: SweepEchoes, side: int) -> list[tuple]:
+    """Cubes that beams cross before (-1) and behind (1) their echoes, with the scores of these."""
+    return [
+        (tuple(np.rint(point + side * (2.5 + n) * beam)), score)
+        for point, beam, score in zip(echoes.points, echoes.beams, echoes.scores.tolist())
+        for n in range(23)
+    ]
+
+
+def between_by_loops(dark: list[tuple], passed: list[tuple], place) -> tuple[float, np.ndarray]:
+    """Probability of bone on the border between what beams passed and what lies in shadow, and its normal, at a whole millimeter."""
+    whole = sum(exp(-0.5 * n**2) for n in range(-3, 4)) ** 3
+
+    def at(way, where):
+        return sum(score * w for (_, score), w in zip(way, around(where, [cube for cube, _ in way], 1))) / whole
+
+    def share(where):
+        return at(passed, where) / max(at(passed, where) + at(dark, where), 1e-9)
+
+    slope = np.array([share(place + step) - share(place - step) for step in np.eye(3)]) / 2
+    steep = max(float(np.linalg.norm(slope)), 1e-6)
+    known = min(at(dark, place), at(passed, place)) > 0.2
+    return exp(-0.5 * ((0.5 - share(place)) / steep / 0.8) ** 2) if known else 0.0, -slope / steep
+
+
+def by_loops(echoes: SweepEchoes, trust: list[float], place) -> tuple[float, np.ndarray]:
+    """Probability by the plane through the echoes around, and its normal, at a whole millimeter."""
     cubes, scores = [tuple(np.rint(point)) for point in echoes.points], echoes.scores.tolist()
     kept = [n for n, value in enumerate(trust) if value >= 0.35]
     counts = np.array([trust[n] * scores[n] * w for n, w in zip(kept, around(place, [cubes[n] for n in kept], 2))])
@@ -93,20 +117,25 @@ def by_loops(echoes: SweepEchoes, trust: list[float], place) -> tuple[float, flo
     away = min(np.linalg.norm(np.array(place) - cubes[n]) for n in kept)
     height = (np.array(place) - mean) @ normal
     probability = exp(-0.5 * (height / 0.8) ** 2 - 0.5 * (away / 2.0) ** 2) if away <= 3 else 0.0
-    return probability, 1 - float(np.linalg.norm(facing)), normal
+    return probability, normal
 
 
 def test_the_surface_is_that_of_loops_over_echoes():
-    echoes = bent()
+    echoes = bent(150)
     found = surface_of(echoes)
     random, grid, trust = np.random.default_rng(2), found.probability.grid, trusts_by_loops(echoes)
-    k, j, i = np.nonzero(found.probability.array > 0.05)
-    for n in random.choice(len(k), 25, replace=False):
-        place = transform_points(grid.ijk_to_reference, [i[n], j[n], k[n]]).round(6)
-        probability, apart, normal = by_loops(echoes, trust, place)
-        assert apart > 0.007  # seen from several sides, which is counted elsewhere
-        assert found.probability.array[k[n], j[n], i[n]] == pytest.approx(probability, abs=1e-6)
-        np.testing.assert_allclose(found.slopes[:, k[n], j[n], i[n]], normal, atol=1e-6)
+    dark, passed = crossed_by_loops(echoes, 1), crossed_by_loops(echoes, -1)
+    k, j, i = np.nonzero(found.probability.array[1:-1, 1:-1, 1:-1] > 0.05)
+    borders = 0
+    for n in random.choice(len(k), 40, replace=False):
+        at = k[n] + 1, j[n] + 1, i[n] + 1
+        place = transform_points(grid.ijk_to_reference, at[::-1]).round(6)
+        probability, normal = by_loops(echoes, trust, place)
+        between, across = between_by_loops(dark, passed, place)
+        borders += between > probability
+        assert found.probability.array[at] == pytest.approx(max(between, probability), abs=1e-5)
+        np.testing.assert_allclose(found.slopes[(slice(None), *at)], across if between > probability else normal, atol=1e-5)
+    assert 0 < borders < 40
 
 
 def test_what_lies_in_the_shadow_of_more_is_no_bone():
@@ -195,8 +224,8 @@ def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
 def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():
     parts = echoes_of(PlaneSweep(count=4))
     surface = Told(parts).surface
-    kept = surface._shown.cubes.size, surface._shadows.cubes.size
+    kept = surface._shown.cubes.size, surface._crossed.cubes.size
     for part in parts:
         surface.add(part)
     surface.news()
-    assert (surface._shown.cubes.size, surface._shadows.cubes.size) == kept
+    assert (surface._shown.cubes.size, surface._crossed.cubes.size) == kept

@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from AIFReconLib.batch.case import TRANSFORM, CaseTask, carry_out
+from AIFReconLib.batch.case import TRANSFORM, carry_out
 from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.calibration.check import CalibrationCheck
@@ -68,7 +68,7 @@ def test_a_case_of_a_batch_is_registered_to_the_same_transform(patient, done, tm
     (tmp_path / "cases.csv").write_text(f"{head}\nP1,{','.join(map(str, files))},yes,average,3,no\n")
     (tmp_path / RECORDS).mkdir()
     (case,) = read_cases(tmp_path / "cases.csv").cases
-    record = carry_out(CaseTask(case, tmp_path, tmp_path, "now"))
+    record = carry_out(case, tmp_path)
     assert (tmp_path / "P1" / TRANSFORM).read_bytes() == (done / "found.tfm").read_bytes()
     assert record.results[0]["registration_agreement"] > 0.5
     assert 0 < record.results[0]["sweep_met"] < 1

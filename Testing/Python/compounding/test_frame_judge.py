@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from AIFReconLib.compounding.evidence import VECTOR, ScanLines
+from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.gray_levels import GrayLevels
-from AIFReconLib.imaging.region import ImageRegion
 
 pytest.importorskip("numba", reason="numba is not installed")
 from AIFReconLib.compounding.compiled.numba_evidence import FrameJudge
@@ -61,7 +60,7 @@ def echoes(seed, dtype):
 def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spacing, dtype, levels):
     layout = layout_of(patches(seed, count), spacing)
     lines = ScanLines(layout, probe)
-    judge = FrameJudge(lines, levels, 2)
+    judge = FrameJudge(lines, levels)
     # A CT that expects bone here and there, on a grid that the images leave
     probability = np.random.default_rng(seed).random((5, 7, 9), dtype=np.float32)
     place = np.array([[0.12, 0.03, 0, -0.4], [0.02, 0.11, 0, 0.2], [0.05, -0.04, 1, 2], [0, 0, 0, 1]])
@@ -69,30 +68,7 @@ def test_every_pixel_gets_the_evidence_of_its_scan_line(seed, count, probe, spac
         image = echoes(seed + frame, dtype)
         by_ct = lines.expected(probability, place)
         expected = lines.evidence(layout.values(image), levels, by_ct)
-        judge.judge(image, frame, probability, place)
-        reach, begins, onset, _expected, _cosine, onsets = (part[frame] for part in judge.evidence(2))
+        reach, onset = np.empty((2, expected.reach.size), np.float32)
+        judge.evidence(layout.pixels(image), probability, place, reach, onset)
         np.testing.assert_array_equal(reach, expected.reach)
-        found = np.zeros_like(reach)
-        found[begins[:onsets]] = onset[:onsets]
-        np.testing.assert_array_equal(found, expected.onset)
-
-
-@pytest.mark.parametrize("probe", PROBES)
-def test_lines_are_computed_only_where_they_can_matter(probe):
-    mask = np.zeros((ROWS, COLUMNS), bool)
-    mask[5:50, 40:46] = True
-    lines = ScanLines(layout_of(mask, (0.3, 0.3)), probe)
-    starts, stops = lines.active.T
-    assert (starts <= stops).all()
-    assert starts.min() >= 0
-    assert stops.max() <= lines.shape[1]
-    sample, line = np.divmod(lines.sample_of_pixel.astype(int), lines.shape[1])
-    assert (starts[sample] <= line).all()
-    assert (line < stops[sample]).all()
-    assert (starts % VECTOR == 0).all()
-
-
-def test_the_corners_of_a_sector_beyond_its_image_are_left_out():
-    probe = ProbeGeometry("sector", (160.0, -50.0))
-    lines = ScanLines(PixelLayout.build((320, 240), (0.4, 0.4), ImageRegion(), probe), probe)
-    assert np.diff(lines.active, axis=1).sum() < 0.8 * lines.shape[0] * lines.shape[1]
+        np.testing.assert_array_equal(onset, expected.onset)

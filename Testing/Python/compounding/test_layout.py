@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from sweeps import image_pose, rigid
 
-from AIFReconLib.compounding.compiled.slabs import SLABS, SLABS_OF_THREAD, VOXELS_OF_SLAB, slabs_for
-from AIFReconLib.compounding.layout import ROWS_AT_ONCE, PixelLayout
+from AIFReconLib.compounding.layout import PixelLayout
 from AIFReconLib.imaging.region import ClipRectangle, Fan, ImageRegion
 
-COLUMNS, ROWS = 60, 2 * ROWS_AT_ONCE + 20
+COLUMNS, ROWS = 60, 148
 SIZE = 40, 45, 50
 POSES = {
     "along the grid": np.diag([0.5, 0.25, 1.0, 1.0]),
@@ -49,18 +48,3 @@ def test_voxels_are_those_of_the_formula(pose, middle, region):
     np.testing.assert_array_equal(pixels, expected[0])
     np.testing.assert_array_equal(voxels, expected[1])
     assert len(expected[0]) > 0
-
-
-@pytest.mark.parametrize("pose", POSES)
-def test_a_frame_is_cut_into_more_slabs_the_more_voxels_it_meets(pose):
-    layout = PixelLayout.build((COLUMNS, ROWS), (0.5, 0.25), ImageRegion(), None)
-    met = np.linalg.norm(np.cross(POSES[pose][:3, 0], POSES[pose][:3, 1])) * (COLUMNS - 1) * (ROWS - 1)
-
-    def slabs(voxels: float, threads: int) -> int:
-        finer = np.diag([*[np.sqrt(voxels / met)] * 3, 1.0])
-        return slabs_for((finer @ POSES[pose])[None], layout, threads)
-
-    assert slabs(0.1 * VOXELS_OF_SLAB, 1) == SLABS_OF_THREAD
-    assert slabs(5.5 * VOXELS_OF_SLAB, 1) == 5
-    assert slabs(0.1 * VOXELS_OF_SLAB, 3) == 3 * SLABS_OF_THREAD
-    assert slabs(100 * VOXELS_OF_SLAB, 2) == slabs(0.1 * VOXELS_OF_SLAB, 64) == SLABS

@@ -48,12 +48,11 @@ def test_a_probe_that_rests_leaves_the_exact_mean_and_number_of_its_pixels(engin
     np.testing.assert_array_equal(reconstructor.finish().score.array[0], images.size / 9)
 
 
-def test_voxels_stay_packed_where_a_probe_rests_and_not_where_one_batch_could_fill_them():
-    resting_state, coarse = (VoxelState.empty(1000, "average", best_cosine=False, whole=True) for _ in range(2))
-    for _ in range(100):
-        resting_state.expect(MOST_HITS / 10)
-    coarse.expect(2.0 * MOST_HITS)
-    assert resting_state.packed
+def test_voxels_stay_packed_where_there_is_room_and_not_where_one_image_could_fill_them():
+    roomy, coarse = (VoxelState.empty(1000, "average", best_cosine=False, whole=True) for _ in range(2))
+    roomy.make_room(MOST_HITS / 10)
+    coarse.make_room(2.0 * MOST_HITS)
+    assert roomy.packed
     assert not coarse.packed
 
 

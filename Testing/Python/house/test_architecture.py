@@ -35,7 +35,7 @@ ROOMS = (
 
 EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
 PACKAGES = {
-    "batch": {"cryptography", "dask", "distributed", "pyarrow"},
+    "batch": {"distributed", "jinja2", "pandas", "psutil", "pyarrow"},
     "bone": {"onnxruntime"},
     "commands": {"argcomplete"},
     "evaluation": {"matplotlib", "vtk"},

@@ -10,7 +10,7 @@ from waiting import until
 
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.machine.read_ahead import read_ahead
-from AIFReconLib.machine.threads import AdaptiveBatch, in_parts
+from AIFReconLib.machine.threads import in_parts
 
 
 @pytest.mark.parametrize("threads", [1, 2, 7])
@@ -85,24 +85,6 @@ def test_an_error_stops_the_parts_of_other_threads_between_their_steps():
     with pytest.raises(ValueError, match="part 0"):
         in_parts(work, 2, 2)
     assert threading.active_count() == before
-
-
-@pytest.mark.parametrize("items", [0, 1, 7, 100])
-def test_steps_cover_every_item_once_and_in_order(items):
-    covered = [n for some in AdaptiveBatch().steps(items) for n in range(some.start, some.stop)]
-    assert covered == list(range(items))
-
-
-def test_a_step_holds_what_fits_into_its_time(monkeypatch):
-    clock = [0.0]
-    monkeypatch.setattr("AIFReconLib.machine.threads.time.perf_counter", lambda: clock[0])
-    pace, sizes = AdaptiveBatch(), []
-    for seconds_each in (0.02, 0.02, 0.001):
-        for some in pace.steps(8):
-            clock[0] += (some.stop - some.start) * seconds_each
-            sizes.append(some.stop - some.start)
-    # One to begin with, then two of 0.02 s; after the first of 0.001 s all at once
-    assert sizes == [1, 2, 2, 2, 1, 2, 2, 2, 2, 2, 6]
 
 
 @pytest.mark.parametrize("ahead", [1, 3, 100])

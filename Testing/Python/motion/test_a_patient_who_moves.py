@@ -60,6 +60,7 @@ def test_of_a_patient_at_rest_every_voxel_stays(files):
     assert "motion" not in settings_of(asked.intensity)
 
 
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
 @pytest.mark.parametrize("method", ["average", "aif"])
 def test_other_methods_take_it_out_where_that_is_asked_for_alone(files, method):
     sequence, bone = read(files["moving"])
