@@ -80,8 +80,9 @@ class PatientMotion:
         curve, frames = self.curve, np.flatnonzero(self.curve.passes.numbers >= 0)
         shifts = np.full((len(curve.knots), 3), np.nan)
         matrices = curve.matrices[frames]
-        middle = curve.centers.mean(axis=0)
-        at = np.einsum("nij,j->ni", matrices[:, :3, :3], middle) + matrices[:, :3, 3] - middle
+        # A turn of a pass and shifts along it may stand for each other: what they do to the bone in the image tells
+        places = curve.places[frames]
+        at = np.einsum("nij,nj->ni", matrices[:, :3, :3], places) + matrices[:, :3, 3] - places
         shifts[frames] = at.mean(axis=0) - at
         return shifts
 

@@ -50,6 +50,7 @@ class MotionCurve:
     owners: Integers  #: (knots,). Pass of each.
     knot_times: Floats  #: (knots,), s
     centers: Floats  #: (passes, 3), mm. About which each pass turns.
+    places: Floats  #: (frames, 3), mm. Where the bone is that each frame shows.
     lever: float  #: mm by which turns are measured
     shifts: Floats  #: (knots, 3), mm
     turns: Floats  #: (passes, 3, 3)
@@ -77,6 +78,9 @@ class MotionCurve:
             times += np.linspace(begin, end, count).tolist()
         lever = max(float(np.sqrt(((echoes.points - centers[of_echo]) ** 2).sum(axis=1).mean())), 1.0)
         turns = np.tile(np.eye(3), (len(passes), 1, 1))
+        seen, rows = np.unique(echoes.frames, return_inverse=True)
+        means = (np.bincount(rows, axis) / np.bincount(rows) for axis in echoes.points.T)
+        places = np.stack([np.interp(np.arange(frames), seen, mean) for mean in means], axis=1)
         return cls(
             passes,
             first,
@@ -84,6 +88,7 @@ class MotionCurve:
             np.array(owners),
             np.array(times),
             centers,
+            places,
             lever,
             np.zeros((len(owners), 3)),
             turns,

