@@ -9,6 +9,7 @@ Reference is taken as RAS, and only files hold LPS.
 from __future__ import annotations
 
 import logging
+import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -17,15 +18,18 @@ if TYPE_CHECKING:
     from .bone.ct.from_ct import labels_from_ct as labels_from_ct
     from .bone.echoes.surface import bone_from_sweep as bone_from_sweep
     from .bone.map import BoneMap as BoneMap
+    from .bone.predicted_bone import bone_from_masks as bone_from_masks
     from .calibration.calibration import calibrate as calibrate
     from .calibration.check import check_calibration as check_calibration
     from .calibration.crossing import calibrate_by_crossing as calibrate_by_crossing
+    from .compounding.methods.table import MethodName as MethodName
     from .compounding.own.method import Method as Method
     from .compounding.own.method import register_method as register_method
     from .compounding.reconstructor import Reconstructor as Reconstructor
     from .compounding.state import Reconstruction as Reconstruction
     from .errors import AIFReconError as AIFReconError
     from .errors import DisagreementWarning as DisagreementWarning
+    from .evaluation.figures import ComparisonFigure as ComparisonFigure
     from .evaluation.metrics import evaluate as evaluate
     from .geometry.labels import Labels as Labels
     from .geometry.transform_graph import TransformGraph as TransformGraph
@@ -52,7 +56,6 @@ if TYPE_CHECKING:
     from .live.wire.client import OpenIGTLinkClient as OpenIGTLinkClient
     from .paths.free_paths import free_paths as free_paths
     from .recipe.recipe import Recipe as Recipe
-    from .recipe.recipe import ReconstructionSettings as ReconstructionSettings
     from .reconstruction import reconstruct as reconstruct
     from .registration.labeled_bone import LabeledBone as LabeledBone
     from .registration.registration import register as register
@@ -69,16 +72,17 @@ _PUBLIC = {
     "DisagreementWarning": "errors",
     "Fan": "imaging.region",
     "ClipRectangle": "imaging.region",
+    "ComparisonFigure": "evaluation.figures",
     "ImageRegion": "imaging.region",
     "Labels": "geometry.labels",
     "LabeledBone": "registration.labeled_bone",
     "LiveSession": "live.session.session",
     "Method": "compounding.own.method",
+    "MethodName": "compounding.methods.table",
     "OpenIGTLinkClient": "live.wire.client",
     "ProbeGeometry": "imaging.beams",
     "Recipe": "recipe.recipe",
     "Reconstruction": "compounding.state",
-    "ReconstructionSettings": "recipe.recipe",
     "Reconstructor": "compounding.reconstructor",
     "ReplayServer": "live.replay.server",
     "SynchronizerSettings": "live.pairing.synchronizer",
@@ -87,6 +91,7 @@ _PUBLIC = {
     "TransformGraph": "geometry.transform_graph",
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
+    "bone_from_masks": "bone.predicted_bone",
     "bone_from_sweep": "bone.echoes.surface",
     "calibrate": "calibration.calibration",
     "calibrate_by_crossing": "calibration.crossing",
@@ -119,6 +124,9 @@ logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:
+    if name == "ReconstructionSettings":
+        warnings.warn("ReconstructionSettings is now called Recipe.", DeprecationWarning, stacklevel=2)
+        name = "Recipe"
     # Names are loaded when first used: Slicer imports this package at start-up, and SimpleITK alone takes longer than all else
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

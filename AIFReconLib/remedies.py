@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+TAKE_MOTION_OUT = "It is not taken out: give {motion:auto} for that, once the calibration has been checked."
 NAME_THE_PROBE = "Give {probe:linear}, or {probe:sector} with {apex_px:COLUMN ROW}."
 CHECK_PROBE_AND_CLIP = "Check that the sweep shows bone, and {probe} and {clip_px}."
 
@@ -12,11 +13,12 @@ TAKE_AS_CT = "If this is a CT, give it as {ct}."
 PLACE_THE_CT = "Find the place of the CT with {register}."
 START_NEARER = "Check that CT and sweep are of one patient, start nearer with {bone_transform}, or take it as it is with {accept}."
 
+CALIBRATE_NOW = "Write a better one with {calibrate} on this sweep, and give that as {config:Calibrated.xml} from then on."
 CALIBRATE = "See {calibrate}, or repeat the calibration."
 MISSING_LINK = "Give the missing link with {config:PlusDeviceSet.xml}."
 CALIBRATION_FILE = "Give it with {config:PlusDeviceSet.xml} or {calibration:FILE}."
 NAME_THE_CALIBRATION = "Name it, as in {calibration:{example}=FILE}."
-ADD_TIME_OFFSET = "Add {offset} s to {time_offset}, or mend recordings with {convert}."
+ADD_TIME_OFFSET = "Add {offset} s to {time_offset}, or mend recordings with {convert}; {time_offset:auto} finds and applies it in one run."
 
 TRANSFORM_SEQUENCES = "Slicer saves transforms as sequences of their own: give them too ({transform_sequence:NAME=FILE})."
 IMPORT_IT = "Give a MetaImage or NRRD file; {import} makes one of pictures, DICOM or video."
@@ -26,7 +28,7 @@ WHICH_TOOL = 'Give the one that holds the image, as in {tool:"{first}"}, and a m
 ANGLE_UNIT = "Give {angle_unit}: deg or rad."
 TIME_UNIT = "Give {time_unit}, for example {unit}."
 UNITS = "If they are in {unit}, give {units:{choice}}; if they are right, {sure}."
-TIME_OFFSET = "If the images began S seconds after the poses, give {time_offset:S}; if they have another rate, {rate:HZ}."
+TIME_OFFSET = "If the images began 2 s after the poses, give {time_offset:2}; if 2 s before, -2; if they have another rate, {rate:HZ}."
 PIXEL_SIZE = "Give {spacing:X Y} in mm."
 NO_PIXEL_SIZE = "Leave out {spacing} and {image_origin_px}{or_calibration}."
 CALIBRATION_UNIT = "If the calibration is in another unit, give {calibration_unit}, as m; if it is right, {sure}."

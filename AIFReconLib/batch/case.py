@@ -18,9 +18,10 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..compounding.methods.table import is_own_method
+from ..compounding.methods.table import is_own_method, method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
+from ..evaluation.cases import OTHER_BONE, OWN_BONE
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.preview import preview
@@ -213,7 +214,8 @@ class _Work:
             found = coverage(self._parts, labels, recipe=self._recipe, thickness=self._arguments.beam_thickness)
             self._report["coverage"] = found.to_dict()
             for name, share in (("sweep", found.all), ("sweep_interspinous", found.interspinous)):
-                self._numbers |= {f"{name}_{key}": value for key, value in share.to_dict().items()}
+                numbers = {**share.to_dict(), "reachable_mm2": round(100 * share.reachable_cm2, 1)}
+                self._numbers |= {f"{name}_{key}": value for key, value in numbers.items() if key != "reachable_cm2"}
 
     def _truth(self, labels: Volume | None) -> BoneTruth | None:
         """What volumes are measured against."""
@@ -238,7 +240,7 @@ class _Work:
         result = execute(decided, beside, memory).result
         files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]
         result = with_provenance(result, arguments, files)
-        width = result.bone.get("bone_sigma_mm")
+        width, weighs = result.bone.get("bone_sigma_mm"), method_named(result.method).needs_bone
         stem = result.method.replace(":", "-")
         result.intensity.write(self._folder / f"{stem}.nrrd")
         for name in SIDE_OUTPUTS:
@@ -260,6 +262,7 @@ class _Work:
             "preview": self._drawn(stem, result, labels, ct, notes),
             **self._numbers,
             **self._measured(result, truth, notes),
+            "yardstick": None if truth is None else OWN_BONE if weighs and not arguments.bone else OTHER_BONE,
         }
         return {**row, "notes": " ".join(dict.fromkeys(map(str, notes)))}, job
 

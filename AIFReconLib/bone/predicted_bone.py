@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Protocol
 
+import numpy as np
+
+from ..arrays import Numbers
 from ..effective_settings import Imaging, resolve_imaging
-from ..errors import GeometryError
+from ..errors import GeometryError, require_kind
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedFrame, TrackedSequence
@@ -19,15 +22,16 @@ from .echoes.found import BoneEchoes, SweepEchoes
 from .echoes.surface import LEAST_SCORE, surface_of
 from .map import BoneMap
 from .predictions import Prediction, PredictionReader
-from .recorded_predictions import RecordedPredictions
+from .recorded_predictions import RecordedPredictions, as_prediction
 from .scan_line_reader import ForEachKind
 
 
 class BoneEstimator(Protocol):
     """What tells where bone is in a frame."""
 
-    def estimate(self, frame: TrackedFrame) -> Prediction | BoneEchoes | None:
-        """The probability of bone in a frame that has an image and a pose, or points of it; None where nothing is known of it."""
+    def estimate(self, frame: TrackedFrame) -> Prediction | BoneEchoes | Numbers | None:
+        """The probability of bone in a frame that has an image and a pose, an array (rows, columns) will do, or points of it; None where
+        nothing is known of it."""
         ...
 
     def notes(self) -> tuple[str, ...]:
@@ -53,14 +57,30 @@ class EchoEstimator:
         return ()
 
 
+class _Masks:
+    """Masks in memory as an estimator; `full` is the value of certain bone."""
+
+    def __init__(self, masks: Sequence[Numbers] | Numbers, full: float):
+        self._masks, self._full = masks, full
+
+    def estimate(self, frame: TrackedFrame) -> Prediction:
+        return as_prediction(np.asarray(self._masks[frame.number]), f"mask {frame.number}", self._full)
+
+    def notes(self) -> tuple[str, ...]:
+        return (f"Bone is what {len(self._masks)} masks say.",)
+
+
 class PointsOfFrames:
     """What an estimator says of frames, as points in Reference; `imaging` must know region and probe."""
 
     def __init__(self, imaging: Imaging):
         self._readers = ForEachKind(PredictionReader, imaging)
 
-    def of(self, frame: TrackedFrame, said: Prediction | BoneEchoes) -> SweepEchoes:
-        """Of a frame that has an image and a pose."""
+    def of(self, frame: TrackedFrame, said: Prediction | BoneEchoes | Numbers) -> SweepEchoes:
+        """Of a frame that has an image and a pose; an InputTypeError where an estimator of one's own answers something else."""
+        if isinstance(said, np.ndarray):
+            said = as_prediction(said, f"frame {frame.number}")
+        require_kind("estimate", said, (Prediction, BoneEchoes), "An estimator answers with an array (rows, columns) of 0 to 1, or None.")
         found = self._readers.of(frame).find(said) if isinstance(said, Prediction) else said
         return found.placed(frame.placed()[1], frame.number)
 
@@ -111,3 +131,29 @@ def bone_from_frames(
         notes.append(f"Nothing is said of bone in {silent} of {len(usable)} frames.")
     made = estimator.made if isinstance(estimator, RecordedPredictions) else {}
     return replace(surface_of(echoes, part(progress, 0.9, 1.0)), notes=tuple(notes), made=made)
+
+
+def bone_from_masks(
+    sequence: TrackedSequence | Iterable[TrackedSequence],
+    masks: Sequence[Numbers] | Numbers,
+    recipe: Recipe | None = None,
+    *,
+    progress: Progress | None = None,
+) -> BoneMap:
+    """A bone map of what a network says of every frame.
+
+    Raises GeometryError when there is not one mask for each frame, or no frame shows bone; BeamGeometryError when the probe is not known.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence or several in one Reference
+    masks : (frames, rows, columns) array, or one array for each frame
+        Where bone is: True, or from 0 to 1; 8 bit: 0 to 255. As large as the frames, or resized ones of all of them.
+    recipe : Recipe or None
+        As in `reconstruct`.
+    """
+    sequence = joined(sequence, recipe or Recipe())
+    if len(masks) != len(sequence):
+        raise GeometryError(f"Input masks must be one for each of {len(sequence)} frames, (frames, rows, columns); got {np.shape(masks)}.")
+    is_8_bit = any(np.asarray(mask).dtype == np.uint8 and np.max(mask, initial=0) > 1 for mask in masks)
+    return bone_from_frames(sequence, _Masks(masks, 255.0 if is_8_bit else 1.0), progress=progress, recipe=recipe)

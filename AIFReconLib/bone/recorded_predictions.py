@@ -125,6 +125,13 @@ def full_value(predicted: TrackedSequence) -> float:
     return 255.0 if any(int(predicted.images[number].max(initial=0)) > 1 for number in range(len(predicted))) else 1.0
 
 
+def as_prediction(image: Numbers, what: str, full: float = 1.0) -> Prediction:
+    """An array as a prediction of all of its frame; a GeometryError where it is no image of numbers from 0 to `full`."""
+    if image.ndim != 2 or image.dtype.kind not in "biuf":
+        raise GeometryError(f"{what}: bone must be (rows, columns) of 0 to 1, or True and False; got {image.shape} of {image.dtype}.")
+    return Prediction(probability_of(image, full, what))
+
+
 def probability_of(image: Numbers, full: float, what: str) -> Singles:
     """Values as probabilities, (rows, columns) float32.
 

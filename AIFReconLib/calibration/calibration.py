@@ -19,6 +19,7 @@ from ..registration.agreement import Agreement
 from ..registration.comparison import check
 from ..registration.registration import LEAST_CLOSENESS
 from ..registration.search import anywhere, search
+from ..remedies import ADD_TIME_OFFSET
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
@@ -208,7 +209,8 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     if not after.enough or after.closeness > LEAST_CLOSENESS:
         return Sentence(
             f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}",
-            ("Check that both are of one bone, or see {calibrate} with {check}, which looks for mirrored images and the like."),
+            "Check that both are of one bone; leave out the CT first, and start from what that finds; or see {calibrate} "
+            "with {check}, which looks for mirrored images and the like.",
         )
     rival = next((one for one in others if one.cost < best.cost + AS_GOOD and _apart(best, one, echoes) > ELSEWHERE), None)
     if rival is not None:
@@ -254,7 +256,7 @@ def findings(found: Calibration) -> list[str]:
         if held:
             lines.append(f"{name}: {value:+.2f} {unit}, give or take {deviation:.2f}")
     if found.held[-1] and abs(found.values[-1]) > 2 * found.deviation[-1]:
-        lines.append(f"the delay is not part of a calibration: mend recordings with a time offset of {found.values[-1]:.3f} s")
+        lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.values[-1]:.3f}"))
     if found.advice:
         lines.append(found.advice)
     return lines

@@ -20,7 +20,7 @@ from ..message import Sentence, listed, said
 from ..progress import Progress, part, report
 from ..recipe.recipe import SCANNER_SPEED, Recipe
 from ..registration.registration import LEAST_CLOSENESS
-from ..remedies import ADD_TIME_OFFSET, CALIBRATE
+from ..remedies import ADD_TIME_OFFSET, CALIBRATE, CALIBRATE_NOW
 from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
@@ -174,7 +174,7 @@ def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> Calibration
     found = calibrate_crossing_echoes(echoes, progress)
     lie = _off_each_other(echoes)
     if found.halves.after <= GAIN * found.halves.before:
-        return CalibrationCheck(False, Sentence(f"{lie}, and {found.after:.1f} mm with another calibration.", CALIBRATE))
+        return CalibrationCheck(False, Sentence(f"{lie}, and {found.after:.1f} mm with another calibration.", CALIBRATE_NOW))
     return CalibrationCheck(
         None,
         f"{lie}, and another calibration lays them no nearer. Whether that is near enough cannot be told without a CT or a phantom, nor "
@@ -203,7 +203,7 @@ def _near(found: Calibration) -> CalibrationCheck:
     values, deviations = in_words(found.values), in_words(found.deviation)
     sure = found.held & (np.abs(values) > SURE * deviations)
     wrong = [f"{name} {value:+.1f} {unit}" for name, value, unit, one in zip(PARAMETERS, values, UNITS, sure, strict=True) if one]
-    off = f"image points lie {found.changed:.1f} mm off. To be changed: {listed(wrong) or 'several numbers together'}."
+    off = f"image points lie {found.changed:.1f} mm off ({listed(wrong) or 'by several numbers together'})."
     more = []
     if sure[_SIZES[1]]:
         speed = SCANNER_SPEED * found.correction.scale[1]
@@ -214,7 +214,7 @@ def _near(found: Calibration) -> CalibrationCheck:
         more.append(
             Sentence(f"Images and poses are {abs(values[-1]):.0f} ms out of step.", ADD_TIME_OFFSET, offset=f"{found.values[-1]:.3f}")
         )
-    return CalibrationCheck(False, Sentence(off, CALIBRATE), tuple(more))
+    return CalibrationCheck(False, Sentence(off, CALIBRATE_NOW), tuple(more))
 
 
 def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:

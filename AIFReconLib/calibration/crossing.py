@@ -21,11 +21,15 @@ from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.refine import welsch
+from ..remedies import ADD_TIME_OFFSET
 from ..sweep.frames import TrackedSequence
 from .calibration import FEWEST_ANGLES, ONE_ANGLE, advice_for, doubt_of_halves, doubt_of_size
 from .certainty import Halves, halves
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
 from .solve import EXPECTED, FINE_ECHOES, KNOWN, NOISE, PARAMETERS, SEEN_TOGETHER, UNITS, as_correction, as_vector, in_words
+
+LAST_CHANGE = 1.0
+"""mm. A calibration that changes by more is worth to be started from again."""
 
 ASKED: Mask = np.array([not name.startswith("size") for name in PARAMETERS])
 """What is solved: smaller pixels draw all echoes together, and so look right."""
@@ -257,8 +261,10 @@ def crossing_findings(found: CrossedCalibration) -> list[str]:
             lines.append(f"{name}: {value:+.2f} {unit}")
     advice = advice_for(_names(ASKED & ~found.held))
     lines += [] if advice is None else [advice]
+    if found.changed > LAST_CHANGE:
+        lines.append("a change this large is seldom the last: calibrate again from the new one, until that is refused for being no nearer")
     if abs(found.correction.delay) > 0.005:
-        lines.append(f"the delay is not part of a calibration: mend recordings with a time offset of {found.correction.delay:.3f} s")
+        lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.correction.delay:.3f}"))
     return lines
 
 

@@ -36,14 +36,9 @@ from ..terminal.sequence_options import add_sweep_options, of_each, sequence_fro
 EXAMPLE = """examples:
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
   aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
-  aifrecon calibrate sweep.igs.mha --bone-labels bone.nrrd --output correction.tfm
-  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --output Calibrated.xml
-  aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm
-  aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml --report calibrated.json
+  aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml
 
-An .xml is the configuration with the new calibration; a .tfm is a correction of the image plane, which aifrecon convert applies to
-recordings that hold the pose of the image alone. Exit code 1: the sweep does not tell, and nothing is written but --report.
-The delay alone, of a sweep to and fro or of a plane in water: aifrecon info."""
+Exit code 1: the sweep does not tell, and nothing is written but --report. The delay alone: aifrecon info."""
 
 
 def add_to(commands: Commands) -> None:
@@ -52,8 +47,7 @@ def add_to(commands: Commands) -> None:
         "calibrate",
         description="Find image to probe, pixel size and delay with which the bone echoes of all angles lie on a CT's bone; without a CT, "
         "image to probe and delay with which they lie on one surface.",
-        epilog=EXAMPLE,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        examples=EXAMPLE,
     )
     parser.add_argument("sequences", type=Path, nargs="+", metavar="SEQUENCE", help="tracked frames, one or more sweeps of one calibration")
     parser.add_argument(
@@ -64,7 +58,13 @@ def add_to(commands: Commands) -> None:
     )
     add_labels_options(parser)
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write: configuration (.xml) or correction (.tfm)")
+    what.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="where to write: the configuration (.xml), or a correction for aifrecon convert (.tfm)",
+    )
     what.add_argument("--check", action="store_true", help="only say what is probably wrong, if anything is")
     parser.add_argument(
         "--bone-transform",
@@ -75,6 +75,7 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--report", type=Path, metavar="FILE.json", help="also write numbers, for the log book")
     parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes before and after")
     add_sweep_options(parser)
+    parser.show_first("output", "check", "config", "bone_labels", "ct", "phantom", "preview", "quiet")
     parser.set_defaults(run=run)
 
 

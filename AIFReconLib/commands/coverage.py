@@ -31,8 +31,6 @@ from ..workflows.reconstruct import mended
 
 EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
-  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --surface met.vtp --report coverage.json
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
 
 Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
@@ -56,6 +54,7 @@ def add_to(commands: Commands) -> None:
     add_beam_option(result)
     add_sweep_options(parser)
     add_setting(parser, "motion")
+    parser.show_first("bone_labels", "ct", "bone_transform", "config", "surface", "report", "quiet")
     parser.set_defaults(run=run)
 
 

@@ -100,12 +100,15 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
-    bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
+    labeled = None if labels is None else LabeledBone(labels, placed, sequence, recipe)
+    bone, places = _bone(labeled, planned.method)
     if labels is not None and places:
         bone += calibration_lines([sequence], labels, placed, recipe)[0]
-    known = None if labels is None or not places else LabeledBone(labels, placed, sequence, recipe)
-    motion = find_motion(sequence, None if known is None else BoneInPlace(known.field, known.place), recipe)
-    moved = [] if motion is None else list(motion.lines)
+    comparison = None if labeled is None else labeled.comparison()
+    moved: list[str] = []
+    if labeled is not None and comparison is not None:
+        motion = find_motion(sequence, BoneInPlace(labeled.field, labeled.place), recipe, None, comparison.echoes)
+        moved = [] if motion is None else [motion.moved] if motion.applied else list(motion.lines)
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)

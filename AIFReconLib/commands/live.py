@@ -390,9 +390,8 @@ def _what_else(statistics: LiveStatistics, stream: StreamStatistics, result: Rec
         lines.append(f"{stream.refused} messages were refused: {' '.join(stream.refusals.values())}")
     if stream.damaged:
         lines.append(f"{stream.damaged} messages were damaged on the way, and left out")
-    if statistics.dropped:
-        images = f", {statistics.dropped_images} of them images," if statistics.dropped_images else ""
-        lines.append(f"{statistics.dropped} messages{images} were dropped before they could be looked at")
+    if statistics.dropped > stream.late:
+        lines.append(f"{statistics.dropped - stream.late} messages came faster than this computer took them, and were left out")
     if statistics.repeated:
         lines.append(f"{statistics.repeated} images were sent again after a reconnection, and left out")
     if statistics.other_images:

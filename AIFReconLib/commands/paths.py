@@ -29,10 +29,8 @@ from .preview import check_preview
 EXAMPLE = """examples:
   aifrecon paths volume.nrrd --mask mask.nrrd --score score.nrrd --target L3-L4 --bone-labels lumbar.nrrd \\
       --bone-transform CTToReference.tfm --sweep sweep.igs.mha --config PlusDeviceSet.xml --output paths.mrk.json
-  aifrecon paths volume.nrrd --target 1.5 -20 38 --skin skin.vtp --output paths.mrk.json --skin-map map.vtp
 
-Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted.
-'aifrecon plan --unseen' takes the --report, and says how to scan there."""
+Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted."""
 
 MARKUPS = ".mrk.json"
 
@@ -78,10 +76,11 @@ def add_to(commands: Commands) -> None:
     result = parser.add_argument_group("result")
     result.add_argument("-o", "--output", type=Path, required=True, metavar="PATHS.mrk.json", help="the lines, for Slicer's markups")
     result.add_argument("--skin-map", type=Path, metavar="FILE.vtp", help="also write the skin: blocked, not seen, tight or free")
-    result.add_argument("--report", type=Path, metavar="FILE.json", help="also write all numbers")
+    result.add_argument("--report", type=Path, metavar="FILE.json", help="also write all numbers, for aifrecon plan --unseen")
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw slices along the best line, and the skin")
     add_tracking_options(parser, several=True)
     add_imaging_options(parser)
+    parser.show_first("bone_labels", "bone_transform", "sweep", "skin", "config", "mask", "score", "preview", "quiet")
     parser.set_defaults(run=run)
 
 

@@ -31,13 +31,7 @@ from .preview import check_preview
 
 EXAMPLE = """examples:
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
-  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --target all --frames 360 \\
-      --probe-like sweep.igs.mha --config PlusDeviceSet.xml --output plan.json --preview plan.png
-  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 \\
-      --probe-like sweep.igs.mha --config PlusDeviceSet.xml --output plan.json
-
---probe-like: size and pixels of its images, its probe, and the skin that its face was on; else a phased array, and the skin 15 mm
-behind the spinous processes."""
+  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json"""
 
 FRAMES = 180
 
@@ -76,8 +70,14 @@ def add_to(commands: Commands) -> None:
     )
     parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the passes over the bone (needs matplotlib)")
     like = parser.add_argument_group("probe", "what the images will be like")
-    like.add_argument("--probe-like", type=Path, metavar="SEQUENCE", help="a recording of the probe, on this patient best of all")
+    like.add_argument(
+        "--probe-like",
+        type=Path,
+        metavar="SEQUENCE",
+        help="a recording of the probe, best of this patient, whose skin it tells",
+    )
     add_sweep_options(parser, several=False)
+    parser.show_first("bone_labels", "ct", "bone_transform", "target", "frames", "probe_like", "config", "preview", "quiet")
     parser.set_defaults(run=run)
 
 

@@ -37,12 +37,9 @@ from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
 from .info import calibration_lines, reconstruct_command
 
-EXAMPLE = """examples:
+EXAMPLE = """example:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
-  aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform rough.tfm \\
-      --per-segment --labels-output lumbar-as-scanned.nrrd --output CTToReference.tfm --report registration.json
 
-Without --bone-transform the place is looked for: the labels' axes are the patient's, and the transducer was behind the patient.
 Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; then no transform is written (--report and --preview are)."""
 
 
@@ -63,7 +60,12 @@ def add_to(commands: Commands) -> None:
         metavar="TRANSFORM",
         help="where to write CT -> Reference as Slicer saves it (.tfm, .txt, .h5)",
     )
-    parser.add_argument("--bone-transform", type=Path, metavar="START", help="CT -> Reference to start from; default: look for it")
+    parser.add_argument(
+        "--bone-transform",
+        type=Path,
+        metavar="START",
+        help="CT -> Reference to start from; default: look for it from behind",
+    )
     result = parser.add_argument_group("result")
     add_placing_options(result)
     result.add_argument(
@@ -83,6 +85,7 @@ def add_to(commands: Commands) -> None:
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
     add_sweep_options(parser)
     add_setting(parser, "motion")
+    parser.show_first("bone_labels", "ct", "config", "bone_transform", "per_segment", "preview", "report", "quiet")
     parser.set_defaults(run=run)
 
 

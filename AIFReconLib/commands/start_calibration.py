@@ -82,6 +82,6 @@ def run(arguments: argparse.Namespace) -> None:
 """,
     )
     print(f"pixels of {pixel:.4g} mm; wrote {output}")
-    print("Next, with a sweep that sees the same bone from several angles (--bone-labels or --ct, where there is one, makes it surer):")
-    print(f"  {program()} import IMAGES --poses POSES --transform {tool}ToReference --calibration {output} --output sweep.igs.mha")
+    print("Next, with a sweep that sees the same bone from several angles; then again from what that writes, until nothing changes:")
+    print(f"  {program()} import IMAGES --poses POSES --transform {tool}ToTracker --output sweep.igs.mha")
     print(f"  {program()} calibrate sweep.igs.mha --config {output} --output Calibrated.xml")

@@ -9,10 +9,11 @@ from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..message import listed
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, OF_READING, Recipe
+from .methods.method import CompoundingMethod
 from .methods.table import BUILT_IN, method_named
 
 
-def needs_bone(name: str, settings: Recipe) -> bool:
+def needs_bone(name: str | CompoundingMethod, settings: Recipe) -> bool:
     """Whether a reconstruction by a method, built in or registered, reads the bone map; a MethodError where there is no such method."""
     return method_named(name).needs_bone or settings.best_cosine
 

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 import math
 import re
 import unicodedata
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from pathlib import Path
 
 NOT_KNOWN = "-"
 
@@ -135,97 +137,24 @@ class Quantity:
         return int(digits) + (2 if self.form.endswith("%") else 0)
 
 
-_BEFORE = f"{TISSUE[0]:g} to {TISSUE[1]:g} mm before it"
-
-OF_SURFACE = {
-    "cnr": Quantity(
-        "CNR",
-        ".2f",
-        "",
-        "most",
-        (
-            "Contrast-to-noise ratio: contrast over the standard deviation of the tissue before the bone (Smith 1983). Speckle alone gives "
-            "about 1."
-        ),
-    ),
-    "detectability": Quantity(
-        "Detectability",
-        ".2f",
-        "",
-        "most",
-        "Probability that bone outshines an equally wide window of the tissue before it (Hanley and McNeil 1982). 0.5 is chance.",
-    ),
-    "contrast": Quantity(
-        "Contrast",
-        ".1f",
-        "gray levels",
-        "most",
-        f"Mean response of bone (brightest value within {NEAR:g} mm of the surface) less the mean of the tissue {_BEFORE}.",
-    ),
-    "coverage": Quantity(
-        "Coverage",
-        ".1%",
-        "",
-        "most",
-        (
-            f"Share of the surface with a peak within {NEAR:g} mm that exceeds the tissue before it by {STANDS_OUT:g} standard "
-            "deviations. At interspinous borders: interspinous visibility (Xu 2022)."
-        ),
-    ),
-    "thickness": Quantity(
-        "Thickness",
-        ".2f",
-        "mm",
-        "least",
-        (
-            "Median full width at half maximum along the normal (Leotta and Martin 1999), over the covered surface only: read it "
-            "together with coverage."
-        ),
-    ),
-    "localization_error": Quantity(
-        "Distance of peak", ".2f", "mm", "least", "Mean distance of the peak from the true surface, where covered."
-    ),
-    "localization_bias": Quantity("Bias of peak", ".2f", "mm", "nearest 0", "The same with its sign; positive: toward the probe."),
-    "area": Quantity("Area", ".0f", "mm\N{SUPERSCRIPT TWO}", "", "Bone surface that the numbers of this group are of."),
+_NUMBERS = {
+    "near": f"{NEAR:g}",
+    "tissue": f"{TISSUE[0]:g} to {TISSUE[1]:g}",
+    "stands_out": f"{STANDS_OUT:g}",
+    "block": f"{SPECKLE_BLOCK:g}",
+    "from_bone": f"{SPECKLE_FROM_BONE:g}",
+    "from_surface": f"{SHADOW_FROM_SURFACE:g}",
 }
-"""Of each part of the surface, by name in `SurfaceMetrics`, in the order of the page."""
+"""In the definitions."""
 
-OF_VOLUME = {
-    "speckle_snr": Quantity(
-        "Speckle SNR",
-        ".2f",
-        "",
-        "most",
-        (
-            f"Mean over standard deviation in {SPECKLE_BLOCK:g} mm cubes of soft tissue, {SPECKLE_FROM_BONE:g} mm and more from bone; "
-            "median of the cubes (Burckhardt 1978). Averaging raises it."
-        ),
-    ),
-    "shadow_mean": Quantity(
-        "Mean in shadow",
-        ".1f",
-        "gray levels",
-        "least",
-        f"Noise and clutter where no beam could reach, {SHADOW_FROM_SURFACE:g} mm and more from the surface.",
-    ),
-    "shadow_std": Quantity("Spread in shadow", ".1f", "gray levels", "least", "Standard deviation there."),
-    "lines_called_free": Quantity(
-        "Blocked lines that look free",
-        ".1%",
-        "",
-        "least",
-        "Of straight lines from the skin to the spinal canal that bone blocks, the share that looks free where nine in ten free ones are "
-        "found: a line is judged by its brightest voxel.",
-    ),
-    "lines_area": Quantity(
-        "Free lines told from blocked",
-        ".3f",
-        "",
-        "most",
-        "How often a free line's brightest voxel is darker than a blocked one's (Hanley and McNeil 1982). 0.5 is chance.",
-    ),
-}
-"""Of the whole volume, by name in `BoneMetrics`."""
+
+def _told(part: str) -> dict[str, Quantity]:
+    rows: dict[str, list[str]] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))[part]
+    return {name: Quantity(row[0], row[1], row[2], row[3], row[4].format(**_NUMBERS)) for name, row in rows.items()}
+
+
+OF_SURFACE, OF_VOLUME = _told("of_surface"), _told("of_volume")
+"""Of each part of the surface, by name in `SurfaceMetrics`, and of the whole volume, by name in `BoneMetrics`, in the order of the page."""
 
 PARTS = {"bone": "All bone", "oblique": "Oblique bone", "interspinous": "Interspinous borders"}
 

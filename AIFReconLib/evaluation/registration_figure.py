@@ -49,9 +49,8 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
     echoes : (n, 3) array, mm
         Where bone was seen, in the frame of the labels, whose axes are the patient's.
     """
-    figure = new_figure(13.0, 5.2)
-    panels = figure.subplots(1, 3)
-    draw_cuts(figure, panels, echoes, distance_from_labels(labels))
+    figure = new_figure(13.0, 5.0, layout="constrained")
+    draw_cuts(figure, echoes, distance_from_labels(labels))
     figure.suptitle(title, fontsize=12)
     save_figure(path, figure)
 
@@ -69,14 +68,14 @@ def calibration_figure(
     angles : (n,) integer array
         From which angle each was seen.
     """
-    figure = new_figure(13.0, 14.8 if labels is not None else 4.8)
-    *rows, last = figure.subfigures(3, 1) if labels is not None else [figure.subfigures(1, 1)]
+    figure = new_figure(13.0, 13.8 if labels is not None else 3.8, layout="constrained")
+    *rows, last = figure.subfigures(3, 1, height_ratios=(5.0, 5.0, 3.8)) if labels is not None else [figure.subfigures(1, 1)]
     for part in (*rows, last):
         part.set_facecolor(figure.get_facecolor())
     if labels is not None:
         field_of_bone = distance_from_labels(labels)
         for part, echoes, title in zip(rows, placed, titles, strict=True):
-            draw_cuts(part, part.subplots(1, 3), echoes, field_of_bone)
+            draw_cuts(part, echoes, field_of_bone, placed[1])
             part.suptitle(title, fontsize=12)
     names = ("before", "after") if labels is not None else titles
     draw_two_angles(last, placed, angles, names)
@@ -97,7 +96,6 @@ def draw_two_angles(figure: FigureBase, placed: tuple[Floats, Floats], angles: I
     shown = seen & (np.abs(points[:, across] - offset) < SLAB)
     both = both[np.abs(both[:, across] - offset) < SLAB]
     middle = _densest(both[:, right], WINDOW), float(np.median(both[:, up]))
-    figure.subplots_adjust(left=0.06, right=0.98, bottom=0.17, top=0.84)
     panels = figure.subplots(1, 2)
     for panel, echoes, title in zip(panels, placed, titles, strict=True):
         for angle, color, name in ((first, COLORS[0], "one angle"), (second, COLORS[3], "another angle")):
@@ -105,7 +103,7 @@ def draw_two_angles(figure: FigureBase, placed: tuple[Floats, Floats], angles: I
             panel.scatter(echoes[mine, right], echoes[mine, up], s=14, color=color, linewidths=0, label=name, rasterized=True)
         panel.set(xlim=(middle[0] + WINDOW, middle[0] - WINDOW), ylim=(middle[1] - WINDOW / 3, middle[1] + WINDOW / 3), aspect="equal")
         _dress(panel, title, right, up)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=2, markerscale=2)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, markerscale=2)
     figure.suptitle("the same bone seen from two angles", fontsize=12)
 
 
@@ -148,21 +146,23 @@ def wire_figure(path: str | Path, images: Sequence[Numbers], points: Floats, exp
     save_figure(path, figure)
 
 
-def draw_cuts(figure: FigureBase, panels: Sequence[Axes], points: Floats, field_of_bone: Volume) -> None:
-    """The echoes on the outline of bone, in three panels of a figure."""
+def draw_cuts(figure: FigureBase, points: Floats, field_of_bone: Volume, like: Floats | None = None) -> None:
+    """The echoes on the outline of bone, in three panels of a figure, where most of them are, or most of those that `like` gives."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
     distances = np.abs(_sample(field_of_bone, points))
-    near = distances < NEAR
-    middle = np.median(points[near] if near.any() else points, axis=0)
+    shown = points if like is None else like
+    close = np.abs(_sample(field_of_bone, shown)) < NEAR
+    shown = shown[close] if close.any() else shown
+    panels = figure.subplots(1, 3)
     colors = LinearSegmentedColormap.from_list("distance", COLORS)
     for panel, (name, across, right, up) in zip(panels, CUTS):
         # The cut that shows most: where echoes are densest along its axis
-        offset = _densest(points[near, across]) if near.any() else middle[across]
+        offset = _densest(shown[:, across])
         seen = points[np.abs(points[:, across] - offset) < SLAB]
         own = distances[np.abs(points[:, across] - offset) < SLAB]
-        low, high = (f(points[near], axis=0) if near.any() else middle for f in (np.min, np.max))
+        low, high = shown.min(axis=0), shown.max(axis=0)
         spans = [np.arange(low[axis] - 12, high[axis] + (45 if axis == 1 else 12), 0.5) for axis in (right, up)]
         plane = np.zeros((len(spans[1]), len(spans[0]), 3))
         plane[..., across], plane[..., right], plane[..., up] = offset, spans[0][None, :], spans[1][:, None]

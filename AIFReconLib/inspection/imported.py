@@ -20,7 +20,8 @@ from ..io.foreign.openers import open_images
 from ..io.foreign.options import ImportOptions
 from ..io.foreign.poses.files import read_poses
 from ..io.foreign.poses.rotations import PoseFormat
-from ..message import said
+from ..message import Sentence, said
+from ..recipe.recipe import AUTOMATIC
 from ..remedies import SURE
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
@@ -59,17 +60,37 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
     mechanism = read_mechanism(options.mechanism) if options.mechanism else None
     table = read_joint_poses(poses, mechanism, settings.form) if mechanism else read_poses(poses, settings.form)
     patient = read_poses(poses, replace(settings.form, tool=options.reference_tool)) if options.reference_tool else None
-    sequence, understood = import_sequence(open_images(images), table, settings, patient)
+    opened = open_images(images)
+    sequence, understood = import_sequence(opened, table, settings, patient)
+    if options.time_offset == AUTOMATIC:
+        settings = replace(settings, time_offset=_found_offset(sequence, settings.transform))
+        sequence, understood = import_sequence(opened, table, settings, patient)
+        understood = (*understood, f"time offset: {settings.time_offset:.3f} s, found in the images and applied")
     if not (settings.sure or patient):
         _check_direction(sequence, settings.transform)
     return Imported(sequence, understood, settings.transform, mechanism)
 
 
+def _reference(sequence: TrackedSequence, name: TransformName) -> str:
+    """The frame in which these poses place the image: that of the marker on the patient, else the tracker's."""
+    if any(REFERENCE_FRAME in (each.source, each.target) for each in sequence.records[0].transforms):
+        return REFERENCE_FRAME
+    moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
+    return name.source if name.target in moving else name.target
+
+
+def _found_offset(sequence: TrackedSequence, name: TransformName) -> float:
+    """How far images and poses are out of step, s; SettingsError where the sweep does not tell."""
+    found = estimate_time_offset(sequence, sweep_poses(sequence, reference=_reference(sequence, name)))
+    if found.time_offset is None:
+        raise SettingsError(f"{found.to_text()}", "Give the seconds as {time_offset:S}, or leave it out.")
+    return found.time_offset if found.out_of_step else 0.0
+
+
 def _check_direction(sequence: TrackedSequence, name: TransformName) -> None:
     """Raise SettingsError where images agree clearly better with the inverse of the poses."""
-    moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
     try:
-        placed = sweep_poses(sequence, reference=name.source if name.target in moving else name.target)
+        placed = sweep_poses(sequence, reference=_reference(sequence, name))
     except AIFReconError:
         return  # the image is not placed yet
     if not len(placed.usable):
@@ -108,7 +129,7 @@ def _settings_from(options: ImportOptions) -> ImportSettings:
         options.calibration_unit,
         options.orientation,
         options.rate,
-        options.time_offset,
+        0.0 if isinstance(options.time_offset, str) else options.time_offset,
         PoseFormat(
             columns=tuple(options.columns.replace(",", " ").split()) if options.columns else None,
             tool=options.tool,
@@ -134,10 +155,7 @@ def _default_name(path: Path, transform: TransformName) -> TransformName | None:
 def check_import(imported: Imported, name: str) -> ImportCheck:
     """Facts of the sweep, and its drawing, called `name`, where the images can be placed."""
     sequence, transform, mechanism = imported.sequence, imported.transform, imported.mechanism
-    moving = {IMAGE_FRAME, *(calibration.target for calibration in sequence.transforms)}
-    reference = transform.source if transform.target in moving else transform.target
-    if any(REFERENCE_FRAME in (each.source, each.target) for each in sequence.records[0].transforms):
-        reference = REFERENCE_FRAME
+    reference = _reference(sequence, transform)
     try:
         poses = sweep_poses(sequence, reference=reference)
     except AIFReconError:
@@ -153,7 +171,8 @@ def check_import(imported: Imported, name: str) -> ImportCheck:
     drawing = draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes, region)
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     if np.isfinite(sequence.timestamps).all():
-        rows.append(f"clocks: {estimate_time_offset(sequence, poses).to_text()}")
+        offset = estimate_time_offset(sequence, poses).to_text()
+        rows.append(Sentence(f"clocks: {offset}", said(offset)))
     return ImportCheck((_size(sequence, poses), probe, *rows), drawing, reference)
 
 

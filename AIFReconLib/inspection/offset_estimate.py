@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Matrix, Reals
+from ..message import Sentence
 from ..progress import Progress, report
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
@@ -71,9 +72,10 @@ class OffsetEstimate:
         if self.time_offset is None:
             return f"Whether images and poses are in step cannot be told: {self.reason}."
         if self.out_of_step:
-            return (
+            return Sentence(
                 f"Images and poses are likely out of step by {self.time_offset:+.3f} s (give or take {self.uncertainty:.3f} s). "
-                f"A time offset of {self.time_offset:.3f} would put them in step."
+                f"A time offset of {self.time_offset:.3f} would put them in step.",
+                "Apply it with {time_offset:auto} in the same run.",
             )
         return f"Images and poses are in step: offset {self.time_offset:+.3f} s, give or take {self.uncertainty:.3f} s."
 

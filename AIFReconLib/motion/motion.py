@@ -125,12 +125,14 @@ class PatientMotion:
                 "recordings may be of two patients."
             )
             return (words,) if self.before > PLAINLY else ()
-        lines = [self._moved()]
+        lines = [self.moved]
         if self.loose:
             lines.append(f"Along {listed(self.loose)} the echoes do not hold it; there nothing is moved.")
         return (*lines, f"Mended: echoes lie {self.after:.1f} mm apart, before {self.before:.1f}.")
 
-    def _moved(self) -> str:
+    @property
+    def moved(self) -> str:
+        """How, in a sentence."""
         if self.breath is not None:
             return f"The patient breathed: {self.breath[0]:.1f} mm, every {self.breath[1]:.1f} s."
         off = self.off

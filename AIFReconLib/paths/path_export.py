@@ -126,5 +126,5 @@ def paths_figure(path: Path, volume: Volume, found: FreePaths) -> None:
     slices[2].plot(0.0, 0.0, "+", color=INK, markersize=14)
     slices[2].set_aspect("equal")
     slices[2].set_xlabel("mm on the skin")
-    slices[2].legend(fontsize=9)
+    figure.legend(*slices[2].get_legend_handles_labels(), loc="outside lower right", ncols=len(STATES))
     save_figure(path, figure)

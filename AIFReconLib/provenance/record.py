@@ -13,7 +13,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .. import __version__
-from ..compounding.methods.table import method_named
+from ..compounding.methods.table import BONE_METHODS, is_own_method, method_named
 from ..compounding.state import Reconstruction
 from ..effective_settings import Imaging, imaging_fields
 from ..geometry.volume import Volume
@@ -21,7 +21,7 @@ from ..recipe.recipe import AUTOMATIC, KEPT, OF_READING, OF_REGION, RULES, Recip
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 
-SETTINGS, INPUTS, VERSION = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_version"
+SETTINGS, INPUTS, VERSION, METHOD = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_version", "AIFRecon_method"
 """Keys of a volume's header."""
 
 VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
@@ -108,7 +108,7 @@ def signed(
     """
     fields = {
         VERSION: __version__,
-        "AIFRecon_method": result.method,
+        METHOD: result.method,
         "AIFRecon_hole_limit_mm": f"{result.hole_limit:g}",
         "AIFRecon_frames": str(result.frames_inserted),
         SETTINGS: json.dumps(settings, sort_keys=True),
@@ -125,9 +125,28 @@ def _with_fields(result: Reconstruction, fields: Mapping[str, str]) -> Reconstru
 
 
 def settings_of(volume: Volume) -> dict[str, object]:
-    """The settings that a volume was made with; none where it does not say so."""
-    settings: dict[str, object] = json.loads(volume.fields.get(SETTINGS, "{}"))
-    return settings
+    """The settings that a volume was made with; none where it does not say so, or not as it is understood here."""
+    found = _said(volume, SETTINGS)
+    return found if isinstance(found, dict) else {}
+
+
+def made_by(volume: Volume) -> dict[str, object]:
+    """The same with the method, which a configuration may have named; nothing where the volume does not say it."""
+    method = volume.fields.get(METHOD)
+    return {"method": method, **settings_of(volume)} if method else {}
+
+
+def _said(volume: Volume, key: str) -> object:
+    try:
+        return json.loads(volume.fields.get(key, "null"))
+    except (ValueError, RecursionError):
+        return None
+
+
+def weighted_by(volume: Volume, paths: Iterable[Path]) -> bool:
+    """Whether one of these files said where bone is to the method that made a volume, by what its header says."""
+    before, method = _said(volume, INPUTS), volume.fields.get(METHOD, "")
+    return (method in BONE_METHODS or is_own_method(method)) and isinstance(before, list) and any(_named(path) in before for path in paths)
 
 
 def _named(path: Path) -> dict[str, object]:

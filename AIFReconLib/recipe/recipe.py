@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Reals
-from ..compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, IN_WORDS, LINEAR_METHODS, METHODS
+from ..compounding.methods.method import CompoundingMethod
+from ..compounding.methods.table import DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE, IN_WORDS, LINEAR_METHODS, METHODS, MethodName
 from ..errors import SettingsError
 from ..geometry.volume import VoxelGrid
 from ..message import listed
@@ -89,7 +90,7 @@ class ReadingSettings(Branch):
     )
     motion: str | None = setting(
         None,
-        f"take out of the poses how the patient moved, as the bone echoes show it; off: not (default: {AUTOMATIC} for weighted, else off)",
+        "take out of the poses how the patient moved, as the bone echoes show it; off: not looked for (default: with a CT it is told)",
         choices=(AUTOMATIC, "off"),
         label="Motion of the patient:",
     )
@@ -251,7 +252,7 @@ class VolumeSettings(Branch):
 class MethodSettings(Branch):
     """How pixels become a voxel."""
 
-    method: str | None = setting(
+    method: MethodName | str | CompoundingMethod | None = setting(  # noqa: RUF009  # it is a field
         None,
         f"how pixels of a voxel are combined. {IN_WORDS}; the last: a method of your own "
         f"(default: {DEFAULT_METHOD_WITH_BONE} with bone, a CT's or else a recorded sweep's own; where there is none, or the "
@@ -315,7 +316,7 @@ class MethodSettings(Branch):
     def method_for(self, has_bone: bool) -> str:
         """The method to use, resolving the default by whether there is a bone map."""
         if self.method is not None:
-            return self.method
+            return self.method if isinstance(self.method, str) else self.method.name
         return DEFAULT_METHOD_WITH_BONE if has_bone else DEFAULT_METHOD_WITHOUT_BONE
 
 
@@ -380,7 +381,7 @@ _NEEDED = {
 """What is of no use without another."""
 
 ReconstructionSettings = Recipe
-"""`Recipe`, under the name that scripts know it by."""
+"""The name that `Recipe` had before; scripts may have it."""
 
 BRANCHES = (ReadingSettings, ImagingSettings, BoneSettings, VolumeSettings, MethodSettings, OutputSettings)
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for branch in BRANCHES for spec in fields(branch)}
@@ -402,8 +403,10 @@ def _explained(name: str) -> str:
     rule = RULES[name]
     kind = " or ".join(map(str, rule["choices"])) if rule["choices"] else rule["unit"] or rule["kind"]
     default = "" if rule["default"] is None else f" Default: {rule['default']!r}."
-    return f"    {name} : {kind}\n        {rule['help'][:1].upper()}{rule['help'][1:]}.{default}\n"
+    of_files = "Of a recording that is read from a file: " if name in OF_READING and name != "skip" else ""
+    return f"    {name} : {kind}\n        {of_files}{rule['help'][:1].upper()}{rule['help'][1:]}.{default}\n"
 
 
 if Recipe.__doc__:  # not where Python leaves docstrings out
-    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(map(_explained, RULES))
+    _ORDER = sorted(RULES, key=lambda name: (name in OF_READING, name not in ("method", "spacing")))
+    Recipe.__doc__ += "\n    Parameters\n    ----------\n" + "".join(map(_explained, _ORDER))

@@ -10,6 +10,7 @@ from typing import Any, TypedDict, cast
 
 import numpy as np
 
+from ..compounding.methods.method import CompoundingMethod
 from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..errors import SettingsError
 from ..message import shorten
@@ -101,6 +102,8 @@ def checked(name: str, value: Any, rule: Rule) -> Any:
     """
     if value is None and rule["default"] is None:
         return None
+    if rule["own"] and isinstance(value, CompoundingMethod):
+        value = value.name
     several = not isinstance(value, str) and isinstance(value, Iterable)
     if rule["kind"] == NUMBERS and several:
         value = tuple(value)

@@ -15,9 +15,9 @@ from ..bone.field import BoneField
 from ..bone.map import BoneMap
 from ..bone.widths import SIGMA_VOXELS, UNKNOWN_WIDTH
 from ..compounding.methods.table import method_named
-from ..errors import GeometryError, SettingsError
+from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.labels import Labels
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import as_matrix, invert, transform_points
 from ..geometry.volume import Volume
 from ..message import Described, said
 from ..progress import Progress, part
@@ -60,6 +60,8 @@ class LabeledBone(Described):
         sequence: TrackedSequence | Iterable[TrackedSequence] | None = None,
         recipe: Recipe | None = None,
     ):
+        require_kind("labels", labels, Volume, "Read it first: read_labels(path); of an array make one: Volume(array, ijk_to_reference).")
+        labels_to_reference = None if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
         self._recipe = recipe = recipe or Recipe()
         if recipe.bone_belief is not None and not 0 < recipe.bone_belief <= 1:
             raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {recipe.bone_belief!r}.")

@@ -40,6 +40,15 @@ class TrackedFrame:
     """OK, or why the frame cannot be used; such a frame is counted by the reconstructor and never inserted."""
     number: int = 0  #: Its number in the recording or stream, for messages
 
+    def __post_init__(self) -> None:
+        """Lists become arrays; a GeometryError where the pose is not 4 x 4."""
+        if isinstance(self.image, list):
+            object.__setattr__(self, "image", np.asarray(self.image))
+        if self.image_to_reference is not None:
+            object.__setattr__(self, "image_to_reference", np.asarray(self.image_to_reference))
+            if self.image_to_reference.shape != (4, 4):
+                raise GeometryError(f"Input image_to_reference must have shape (4, 4); got {self.image_to_reference.shape}.")
+
     def placed(self) -> tuple[Numbers, Matrix]:
         """Image and pose of a frame that is OK.
 
@@ -169,7 +178,7 @@ class TrackedSequence(Described):
         images : (frames, rows, columns) array_like of numbers
             Gray, MF: the marked side of the probe at the last column (on the right), the transducer at row 0. Whatever has `shape`, `dtype`
             and an image for each number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
-        image_to_reference : (frames, 4, 4) array_like
+        image_to_reference : (frames, 4, 4) or (frames, 3, 4) array_like
             Pixel (column, row, 0, 1) to mm in Reference; with `spacing`, mm in the image plane to mm in Reference. A frame whose matrix
             is not finite has no pose: it is skipped and counted.
         timestamps : (frames,) array_like or None, s
@@ -266,9 +275,10 @@ def _as_images(images: ImageStack | ArrayLike) -> ImageStack:
             stack = np.asarray(images)
         except (TypeError, ValueError):
             raise GeometryError("Input images must all have one size; got images of several. Cut or pad them to one.") from None
-    if len(stack.shape) != 3 or np.dtype(stack.dtype).kind not in "biuf":
+    if len(stack.shape) != 3 or np.dtype(stack.dtype).kind not in "iuf":
         raise GeometryError(
-            f"Input images must be gray, (frames, rows, columns) of numbers; got {tuple(stack.shape)} of {np.dtype(stack.dtype)}."
+            f"Input images must be gray, (frames, rows, columns) of numbers; got {tuple(stack.shape)} of {np.dtype(stack.dtype)}. "
+            "Masks become images by images.astype(np.uint8) * 255."
         )
     return stack
 
@@ -279,6 +289,8 @@ def _as_numbers(values: ArrayLike, name: str, shape: tuple[int, ...]) -> Floats:
         array = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
         raise GeometryError(f"Input {name} must be numbers of shape {shape}; got {type(values).__name__}.") from None
+    if array.shape == (*shape[:1], 3, 4) and shape[1:] == (4, 4):
+        array = np.concatenate([array, np.broadcast_to((0.0, 0.0, 0.0, 1.0), (len(array), 1, 4))], axis=1)
     if array.shape != shape:
         raise GeometryError(f"Input {name} must have shape {shape}, one for each image; got {array.shape}.")
     return array

@@ -73,7 +73,7 @@ def add_setting(group: argparse._ActionsContainer, name: str, default: object = 
     elif rule["kind"] == NUMBERS:
         group.add_argument(option, type=float, nargs=len(names), metavar=tuple(names), **words)
     else:
-        number = float if rule["word"] is None else _number_or(rule["word"])
+        number = float if rule["word"] is None else number_or(rule["word"])
         group.add_argument(option, type={WHOLE: int, TEXT: str, FILE: Path}.get(rule["kind"], number), metavar=names[0], **words)
 
 
@@ -85,7 +85,7 @@ def add_settings(group: argparse._ActionsContainer, *branches: type[Branch], wit
                 add_setting(group, spec.name)
 
 
-def _number_or(word: str) -> Callable[[str], float | str]:
+def number_or(word: str) -> Callable[[str], float | str]:
     """What reads a number or this word from the command line."""
 
     def read(text: str) -> float | str:

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import SettingsError
+from ..inspection.offset_estimate import estimate_time_offset
 from ..io.sequence.files import read_sequence
+from ..recipe.recipe import AUTOMATIC
 from ..sweep.frames import TrackedSequence
-from ..sweep.poses import ends_of
+from ..sweep.poses import ends_of, sweep_poses
 from ..sweep.time_offset import with_time_offset
 from .one_line_parser import TakingAction
-from .recipe_options import add_imaging_options, add_setting, recipe_from
+from .recipe_options import add_imaging_options, add_setting, number_or, recipe_from
 
 OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
 """How a recording is read, which a live scan is not."""
@@ -53,6 +55,8 @@ def add_sequence_options(parser: argparse.ArgumentParser) -> None:
     )
     for name in OF_A_RECORDING:
         add_setting(reading, name)
+    offset = reading._option_string_actions["--time-offset"]
+    offset.type, offset.help = number_or(AUTOMATIC), f"{offset.help}; {AUTOMATIC}: find it in the sweep and apply it"
 
 
 def add_sweep_options(parser: argparse.ArgumentParser, several: bool = True) -> None:
@@ -77,13 +81,36 @@ def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argpar
             f"--transform-sequence belongs to one sequence, and {len(paths)} are given. Make one file of each pair with aifrecon convert."
         )
     configs = configs * len(paths) if len(configs) == 1 else configs
-    return [
+    each = [
         argparse.Namespace(**{**vars(arguments), "sequence": path, "config": config}) for path, config in zip(paths, configs, strict=True)
     ]
+    _find_time_offset(each, arguments)
+    return each
+
+
+def _find_time_offset(each: Sequence[argparse.Namespace], arguments: argparse.Namespace) -> None:
+    """Where it is to be found, put the time offset of the first sequence that tells it into all of these.
+
+    Raises SettingsError where none tells.
+    """
+    if getattr(arguments, "time_offset", None) != AUTOMATIC:
+        return
+    for one in (*each, arguments):
+        one.time_offset = None
+    for one in each:
+        sequence, asked = sequence_from(one), recipe_from(one)
+        found = estimate_time_offset(sequence, sweep_poses(sequence, asked.image_to_reference, asked.reference))
+        if found.time_offset is not None:
+            break
+    else:
+        raise SettingsError(f"{sequence.name}: {found.to_text()}", "Give {time_offset:S}, or leave it out.")
+    for one in (*each, arguments):
+        one.time_offset = found.time_offset if found.out_of_step else 0.0
 
 
 def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:
     """The sequence that the options ask for: `arguments.sequence`, with its configuration, paired transforms and time offset."""
+    _find_time_offset([arguments], arguments)
     recipe = recipe_from(arguments)
     sequence = read_sequence(
         arguments.sequence,

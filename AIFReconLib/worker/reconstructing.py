@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Floats
+from ..compounding.methods.method import CompoundingMethod
 from ..compounding.methods.table import COMPARED_METHODS, is_own_method, method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, InsufficientMemoryError, MethodError, OperationCanceled
@@ -181,12 +182,12 @@ def warm_up() -> None:
     reconstructed(ReconstructionJob(sequence, Recipe(spacing=1.0, probe="linear"), bone), FOR_VIEWS, for_views=True)
 
 
-def know_method(name: str | None, search_path: Collection[str] = ()) -> None:
+def know_method(name: str | CompoundingMethod | None, search_path: Collection[str] = ()) -> None:
     """Import the file of a method of the user's own, anew if that was done before: it may have been changed since.
 
     Raises MethodError when it is in no file, or cannot be imported from any of these folders.
     """
-    if name is None or not is_own_method(name):
+    if not isinstance(name, str) or not is_own_method(name):
         return
     module = name.partition(":")[0]
     if module == "__main__":

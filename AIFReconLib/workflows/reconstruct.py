@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Integers, NumberType
-from ..bone.echoes.surface import bone_from_sweep, default_bone, leaves_it_open
+from ..bone.echoes.surface import bone_from_sweep, default_bone
 from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import bone_from_frames
@@ -52,12 +52,14 @@ from ..imaging.sound_speed import depth_factor, depth_scale
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..machine.read_ahead import read_ahead
 from ..machine.threads import usable_cores
+from ..message import Sentence
 from ..motion.motion import PatientMotion, find_motion, taken_out, with_notes
 from ..motion.solve import BoneInPlace
 from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
+from ..remedies import TAKE_MOTION_OUT
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.multi_sweep import joined, shares
 from ..sweep.poses import (
@@ -177,41 +179,39 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
         said = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
-    if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
+    if motion is not None and motion.applied and asked.motion is None:
+        said = (*said, Sentence(motion.moved, TAKE_MOTION_OUT))
+    elif motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
         said = (*said, *motion.lines)
     found = _decided(replace(job, recipe=asked), bone is not None)
     return replace(found, bone=bone, source=source, said=said)
 
 
 def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
-    """The job with the motion of the patient taken out of its sweep, where that is asked for and there is any; and that motion."""
+    """The job with the motion of the patient taken out of its sweep, where that is asked for and there is any; and that motion.
+
+    Where nothing is asked it is looked for where a CT makes that quick, and said: a wrong calibration may look like a motion.
+    """
     recipe, source, sequence = job.recipe, job.bone, job.sequence
     has_labels = isinstance(source, Volume | LabeledBone) or (isinstance(source, BoneSource) and source.labels is not None)
-    if recipe.motion is None:
-        has_bone = _names_bone(source) or recipe.bone_from_sweep or leaves_it_open(sequence, recipe)
-        method = resolve_settings(recipe, sequence.configuration, has_bone).method_for(has_bone)
-        if not method_named(method).follows_agreement:
-            return job, None
     if recipe.motion == "off":
         return job, None
+    if recipe.motion is None:
+        method = resolve_settings(recipe, sequence.configuration, has_labels).method_for(has_labels)
+        if not (has_labels and method_named(method).follows_agreement):
+            return job, None
     labeled = found_bone(job) if has_labels else None
     bone = known = None
     if isinstance(labeled, LabeledBone):
         job, comparison = replace(job, bone=labeled), labeled.comparison(progress)
         bone, known = BoneInPlace(labeled.field, labeled.place), None if comparison is None else comparison.echoes
     motion = find_motion(sequence, bone, recipe, progress, known)
-    if motion is None or not motion.applied:
+    if motion is None or not motion.applied or recipe.motion is None:
         return job, motion
     mended = taken_out(sequence, motion, recipe)
     source = labeled.seen_by(mended) if isinstance(labeled, LabeledBone) else job.bone
     # The header says it, so that it is done again
     return replace(job, sequence=mended, bone=source, recipe=replace(recipe, motion=AUTOMATIC)), motion
-
-
-def _names_bone(source: BoneSource | BoneMap | LabeledBone | Volume | None) -> bool:
-    if not isinstance(source, BoneSource):
-        return source is not None
-    return any(each is not None for each in (source.labels, source.probability, source.predictions, source.model))
 
 
 def mended(

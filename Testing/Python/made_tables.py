@@ -134,6 +134,24 @@ def ndi_side_by_side(r: Recording) -> Made:
     return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": "01"}})
 
 
+def ndi_track(r: Recording) -> Made:
+    """What NDI Track exports: each tool's columns below its port, name and serial number, markers behind."""
+    marker = ",State,Tx,Ty,Tz" * 3
+    lines = ["Tools"]
+    ports = [f"Port 0x{tool + 1:02X}: {name} tool  s/n:3E4C88{tool:02X}" for tool, name in enumerate(r.names)]
+    lines[0] += "".join(f",{port},Frame,Time [sec],Face,State,Q0,Qx,Qy,Qz,Tx,Ty,Tz,Error,Markers{marker}" for port in ports)
+    for n, time in enumerate(r.times):
+        line = str(len(r.names))
+        for tool, port in enumerate(ports):
+            pose = r.poses[tool, n]
+            values = [*quaternion(pose), *numbers(pose[:3, 3])] if r.good[tool, n] else ["-3.697314E28"] * 7
+            line += f",{port},{650512279 + 3 * n},{1778067471 + time:.9f},1,{'OK' if r.good[tool, n] else 'Too Few Markers'},"
+            line += ",".join(values) + ",0.2372032,3" + ",OK,-54.047,-355.147,-1630.068" * 3
+        lines.append(line)
+    poses, times = r.of(0)
+    return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": f"{r.names[0]} tool"}})
+
+
 def ndi_in_rows(r: Recording) -> Made:
     """One row for each tool and moment."""
     rows = ["Tool ID,Timestamp,Frame #,Tx,Ty,Tz,q0,qx,qy,qz,Tracking Quality"]
@@ -363,6 +381,7 @@ def bare(r: Recording, kind: int | None = None) -> Made:
 
 LAYOUTS: list[Callable[[Recording], Made]] = [
     ndi_side_by_side,
+    ndi_track,
     ndi_in_rows,
     motive,
     vicon,

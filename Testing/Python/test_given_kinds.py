@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
 import AIFReconLib
+from AIFReconLib.bone.predicted_bone import bone_from_frames
+from AIFReconLib.compounding.methods.table import METHODS, MethodName, method_named
 from AIFReconLib.errors import InputTypeError
 
 library: Any = AIFReconLib
@@ -18,6 +20,7 @@ library: Any = AIFReconLib
 FRAMES = oblique_frames(count=3)
 IMAGES, POSES = np.stack([f.placed()[0] for f in FRAMES]), np.stack([f.placed()[1] for f in FRAMES])
 SEQUENCE = library.TrackedSequence.from_arrays(IMAGES, POSES)
+LINEAR = library.Recipe(probe="linear")
 LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
 
 
@@ -35,6 +38,11 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
         (lambda: library.bone_from_sweep("sweep.igs.mha"), r"Input sequence must be TrackedSequence; got 'sweep.igs.mha'"),
         (lambda: library.register("sweep.igs.mha", LABELS), r"Input sequence must be TrackedSequence; got 'sweep.igs.mha'"),
         (lambda: library.register(SEQUENCE, "lumbar.nrrd"), r"Input labels must be Volume; got 'lumbar.nrrd'. Read it first: read_labels"),
+        (
+            lambda: library.LabeledBone("lumbar.nrrd", np.eye(4)),
+            r"Input labels must be Volume; got 'lumbar.nrrd'. Read it first: read_labels",
+        ),
+        (lambda: library.LabeledBone(LABELS.array), r"got ndarray of shape .* of an array make one: Volume\(array, ijk_to_reference\)"),
         (lambda: library.reconstruct(SEQUENCE, "weighted"), r"Input recipe must be Recipe; got 'weighted'. Write"),
         (
             lambda: library.reconstruct(SEQUENCE, bone="lumbar.nrrd"),
@@ -65,3 +73,77 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
 def test_another_kind_of_thing_is_refused_with_what_to_do(call, words):
     with pytest.raises(InputTypeError, match=words):
         call()
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            lambda: library.TrackedSequence.from_arrays(IMAGES > 100, POSES),
+            r"of bool. Masks become images by",
+        ),
+        (lambda: library.TrackedFrame(IMAGES[0], np.eye(4)[:2]), r"image_to_reference must have shape \(4, 4\); got \(2, 4\)"),
+        (lambda: library.LabeledBone(LABELS, np.eye(3)), r"Input labels_to_reference must have 16 numbers .* got shape \(3, 3\)"),
+        (
+            lambda: library.bone_from_masks(SEQUENCE, IMAGES[:2] > 100),
+            r"each of 3 frames, .*; got \(2, 26, 34\)",
+        ),
+        (lambda: library.bone_from_masks(SEQUENCE, POSES[:, 0], LINEAR), r"mask 0: bone must be \(rows, columns\) .* got \(4,\)"),
+        (lambda: library.bone_from_masks(SEQUENCE, 3.0 * np.ones(IMAGES.shape), LINEAR), r"must be 0 to 1; got 0 to 3"),
+    ],
+)
+def test_arrays_that_do_not_fit_are_refused_with_their_shapes(call, words):
+    with pytest.raises(AIFReconLib.AIFReconError, match=words):
+        call()
+
+
+def test_poses_may_be_3_x_4_and_lists():
+    given = library.TrackedSequence.from_arrays(IMAGES.tolist(), [pose[:3].tolist() for pose in POSES])
+    for record, pose in zip(given.records, POSES, strict=True):
+        (sample,) = record.transforms.values()
+        np.testing.assert_array_equal(sample.matrix, pose)
+
+
+def test_a_frame_may_be_made_of_lists():
+    frame = library.TrackedFrame(IMAGES[0].tolist(), POSES[0].tolist())
+    np.testing.assert_array_equal(frame.placed()[0], IMAGES[0])
+    np.testing.assert_array_equal(frame.placed()[1], POSES[0])
+
+
+def test_a_method_is_given_by_its_name_or_as_it_is():
+    @library.register_method
+    def plain(intensity):
+        return 1.0, intensity
+
+    assert library.Recipe(method=plain).method == plain.name
+    assert library.Recipe(method=method_named("average")).method == "average"
+    assert get_args(MethodName) == METHODS
+
+
+def test_an_estimator_may_answer_with_an_array():
+    class Everywhere:
+        def estimate(self, frame):
+            return frame.image  # gray levels, no probabilities
+
+        def notes(self):
+            return ()
+
+    with pytest.raises(AIFReconLib.AIFReconError, match=r"frame 0: a probability of bone must be 0 to 1; got 0 to \d+"):
+        bone_from_frames(SEQUENCE, Everywhere(), recipe=LINEAR)
+
+
+def test_an_estimator_that_answers_something_else_is_told_what_to_answer():
+    class Words:
+        def estimate(self, frame):
+            return "bone"
+
+        def notes(self):
+            return ()
+
+    with pytest.raises(InputTypeError, match=r"Input estimate must be .*; got 'bone'. An estimator answers with an array"):
+        bone_from_frames(SEQUENCE, Words(), recipe=LINEAR)
+
+
+def test_the_old_name_of_the_recipe_is_told_to_be_old():
+    with pytest.warns(DeprecationWarning, match="is now called Recipe"):
+        assert library.ReconstructionSettings is library.Recipe

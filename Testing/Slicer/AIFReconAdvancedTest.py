@@ -45,9 +45,9 @@ class AIFReconAdvancedTest(unittest.TestCase):
 
     def expected(self, settings: dict) -> np.ndarray:
         """The voxels of the library's own call."""
-        from AIFReconLib import ReconstructionSettings, reconstruct
+        from AIFReconLib import Recipe, reconstruct
 
-        return reconstruct(tinyScene.makeSequence(), ReconstructionSettings(spacing=1.0, **settings)).intensity.array
+        return reconstruct(tinyScene.makeSequence(), Recipe(spacing=1.0, **settings)).intensity.array
 
     def assertRefused(self, *words):
         """Apply is disabled, and the panel says why."""

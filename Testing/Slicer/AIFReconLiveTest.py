@@ -78,9 +78,9 @@ class AIFReconLiveTest(unittest.TestCase):
         """What a reconstruction of the recording gives in that box."""
         from AIFReconScene.inputs.gridNodes import gridFromROI
 
-        from AIFReconLib import ReconstructionSettings, reconstruct
+        from AIFReconLib import Recipe, reconstruct
 
-        settings = ReconstructionSettings(method="average", spacing=1.0)
+        settings = Recipe(method="average", spacing=1.0)
         return reconstruct(tinyScene.makeSequence(), settings, grid=gridFromROI(roi, settings.spacing_xyz())).intensity
 
     def test_a_scan_from_a_server_gives_the_voxels_of_the_recording(self):

@@ -66,12 +66,12 @@ class AIFReconNetworkTest(unittest.TestCase):
     def expected(self, estimatorOf):
         """The voxels of the library's own call."""
         # Here and not above: another test may have reloaded the library since
-        from AIFReconLib import ReconstructionSettings, reconstruct
+        from AIFReconLib import Recipe, reconstruct
         from AIFReconLib.bone.predicted_bone import bone_from_frames
 
         sweep = tinyScene.makeSequence()
         bone = bone_from_frames(sweep, estimatorOf(sweep))
-        return reconstruct(sweep, ReconstructionSettings(spacing=1.0, hole_limit=0.0), bone).intensity.array
+        return reconstruct(sweep, Recipe(spacing=1.0, hole_limit=0.0), bone).intensity.array
 
     def assertReconstructs(self, expected):
         """Press Reconstruct: these are the voxels."""

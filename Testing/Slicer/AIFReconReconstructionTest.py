@@ -98,9 +98,9 @@ class AIFReconReconstructionTest(unittest.TestCase):
         self.assertOnFace(volume, within=1.3)
 
     def test_the_panel_and_the_command_line_give_the_same_voxels(self):
-        from AIFReconLib import ReconstructionSettings, reconstruct
+        from AIFReconLib import Recipe, reconstruct
 
-        asked = ReconstructionSettings(method="average", spacing=0.7, hole_limit=1.0)
+        asked = Recipe(method="average", spacing=0.7, hole_limit=1.0)
         expected = reconstruct(tinyScene.makeSequence(), asked).intensity
         volume = self.logic.reconstruct(self.sweep, method="average", spacing=0.7, hole_limit=1.0)
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(volume), expected.array)

@@ -49,7 +49,7 @@ class AIFReconSweepsTest(unittest.TestCase):
         return [self.offered()[index.row()] for index in self.ui.otherSweepsComboBox.checkedIndexes()]
 
     def test_checked_sweeps_are_reconstructed_as_one_and_counted_each(self):
-        from AIFReconLib import ReconstructionSettings, reconstruct
+        from AIFReconLib import Recipe, reconstruct
 
         second = tinyScene.addSweep("Second", BESIDE)
         self.check("Second")
@@ -59,7 +59,7 @@ class AIFReconSweepsTest(unittest.TestCase):
         self.ui.methodComboBox.currentIndex = self.ui.methodComboBox.findText("average")
         self.ui.applyButton.click()
         volume = self.parameters.output
-        asked = ReconstructionSettings(method="average", spacing=1.0, hole_limit=0.0)
+        asked = Recipe(method="average", spacing=1.0, hole_limit=0.0)
         expected = reconstruct([tinyScene.makeSequence(), tinyScene.makeSequence(BESIDE)], asked).intensity
         np.testing.assert_array_equal(slicer.util.arrayFromVolume(volume), expected.array)
         np.testing.assert_allclose(tinyScene.ijkToRAS(volume), expected.ijk_to_reference, atol=1e-6)

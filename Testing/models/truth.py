@@ -124,6 +124,7 @@ def worth_of(
         told = estimator.estimate(frame)
         if told is None:
             continue
+        assert not isinstance(told, np.ndarray), "estimators of the library say what a prediction covers"
         if isinstance(told, BoneEchoes):
             probability = drawn(told, lines)
         else:

@@ -15,7 +15,7 @@ by its angle to bone.
 
 from pathlib import Path
 
-from AIFReconLib import BoneMap, ReconstructionSettings, read_labels, read_sequence, read_transform, reconstruct
+from AIFReconLib import BoneMap, Recipe, read_labels, read_sequence, read_transform, reconstruct
 from AIFReconLib.commands.simulate import write_simulated_patient
 
 patient = Path("patient")
@@ -43,7 +43,7 @@ plt.show()
 # Bone that beams met aslant is dim in most frames, and the mean blurs it away. Blue was not scanned; orange is the
 # outline of bone in the CT.
 
-settings = ReconstructionSettings(method="average", spacing=1.0)
+settings = Recipe(method="average", spacing=1.0)
 average = reconstruct(sequence, settings)
 picture = average.intensity.plot(mask=average.mask, labels=labels)
 picture
@@ -54,7 +54,7 @@ picture
 # The bone map says where the CT expects bone and which way it faces; ``weighted`` believes it where the image agrees.
 
 bone = BoneMap.from_labels(labels, sigma_mm=4.0)
-weighted = reconstruct(sequence, ReconstructionSettings(method="weighted", spacing=1.0), bone)
+weighted = reconstruct(sequence, Recipe(method="weighted", spacing=1.0), bone)
 picture = weighted.intensity.plot(mask=weighted.mask, labels=labels)
 picture
 

@@ -13,7 +13,7 @@ Images and poses that are numpy arrays already, from whatever scanner and tracke
 
 import numpy as np
 
-from AIFReconLib import ReconstructionSettings, TrackedSequence, Volume, reconstruct
+from AIFReconLib import Recipe, TrackedSequence, Volume, reconstruct
 
 rng = np.random.default_rng(0)
 frames, rows, columns, pixel = 80, 120, 160, 0.3
@@ -32,7 +32,7 @@ images = (
 # ``spacing`` is the size of a pixel in mm; leave it out where the poses hold it.
 
 sequence = TrackedSequence.from_arrays(images, image_to_reference, spacing=(pixel, pixel))
-volume = reconstruct(sequence, ReconstructionSettings(spacing=0.5)).intensity
+volume = reconstruct(sequence, Recipe(spacing=0.5)).intensity
 picture = volume.plot(title="A ball of 24 mm")
 picture
 

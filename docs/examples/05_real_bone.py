@@ -17,7 +17,7 @@ are the example record of UltraBones100k, published under CC BY 4.0; they are no
 import os
 from pathlib import Path
 
-from AIFReconLib import BoneMap, ReconstructionSettings, read_labels, read_sequence, reconstruct
+from AIFReconLib import BoneMap, Recipe, read_labels, read_sequence, reconstruct
 from AIFReconLib.sweep.edits import select_frames
 
 folder = Path(os.environ.get("AIFRECON_DATA_DIR") or "../../../shared/data") / "fibula"
@@ -35,12 +35,12 @@ else:
 # ------------------------------------------------------
 
 if is_there:
-    average = reconstruct(sequence, ReconstructionSettings(method="average", spacing=0.6, probe="linear"))
+    average = reconstruct(sequence, Recipe(method="average", spacing=0.6, probe="linear"))
     picture = average.intensity.plot(mask=average.mask, labels=labels, title="average")
 
 # %%
 
 if is_there:
     bone = BoneMap.from_labels(labels, sigma_mm=2.0)
-    weighted = reconstruct(sequence, ReconstructionSettings(method="weighted", spacing=0.6, probe="linear"), bone)
+    weighted = reconstruct(sequence, Recipe(method="weighted", spacing=0.6, probe="linear"), bone)
     picture = weighted.intensity.plot(mask=weighted.mask, labels=labels, title="weighted")

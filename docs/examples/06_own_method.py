@@ -15,7 +15,7 @@ from pathlib import Path
 
 from AIFReconLib import (
     BoneMap,
-    ReconstructionSettings,
+    Recipe,
     read_labels,
     read_sequence,
     read_transform,
@@ -48,12 +48,12 @@ bone = BoneMap.from_labels(labels, sigma_mm=4.0)
 # Beside a built-in one
 # ---------------------
 
-result = reconstruct(sequence, ReconstructionSettings(method=squarely_seen.name, spacing=1.0), bone)
+result = reconstruct(sequence, Recipe(method=squarely_seen.name, spacing=1.0), bone)
 picture = result.intensity.plot(mask=result.mask, labels=labels, title=squarely_seen.name)
 picture
 
 # %%
 
-built_in = reconstruct(sequence, ReconstructionSettings(method="aif", spacing=1.0), bone)
+built_in = reconstruct(sequence, Recipe(method="aif", spacing=1.0), bone)
 picture = built_in.intensity.plot(mask=built_in.mask, labels=labels, title="aif")
 picture

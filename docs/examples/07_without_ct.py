@@ -11,7 +11,7 @@ Bone found in the sweep itself, by its bright echo and the shadow behind, stands
 
 from pathlib import Path
 
-from AIFReconLib import ReconstructionSettings, bone_from_sweep, read_labels, read_sequence, read_transform, reconstruct
+from AIFReconLib import Recipe, bone_from_sweep, read_labels, read_sequence, read_transform, reconstruct
 from AIFReconLib.commands.simulate import write_simulated_patient
 
 patient = Path("patient")
@@ -27,7 +27,7 @@ print(bone)
 # --------
 # The outline is the true bone: this patient has a CT, of which the reconstruction knew nothing.
 
-settings = ReconstructionSettings(method="weighted", spacing=1.0)
+settings = Recipe(method="weighted", spacing=1.0)
 result = reconstruct(sequence, settings, bone)
 truth = read_labels(patient / "lumbar-segmentation.nrrd").placed_by(read_transform(patient / "CTToReference.tfm"))
 picture = result.intensity.plot(mask=result.mask, labels=truth)

@@ -12,7 +12,7 @@ put the host and port of your Plus server in its place.
 
 from pathlib import Path
 
-from AIFReconLib import LiveSession, OpenIGTLinkClient, ReconstructionSettings, ReplayServer, SynchronizerSettings, VoxelGrid, read_sequence
+from AIFReconLib import LiveSession, OpenIGTLinkClient, Recipe, ReplayServer, SynchronizerSettings, VoxelGrid, read_sequence
 from AIFReconLib.commands.simulate import write_simulated_patient
 
 patient = Path("patient")
@@ -39,7 +39,7 @@ grid = VoxelGrid.from_spacing(low, np.ceil(high - low).astype(int).tolist(), 1.0
 
 client = OpenIGTLinkClient("127.0.0.1", server.port)
 trusted = SynchronizerSettings(trust_image_pose=True)
-with LiveSession(client, ReconstructionSettings(method="average"), grid=grid, synchronizer=trusted, frame_limit=40) as session:
+with LiveSession(client, Recipe(method="average"), grid=grid, synchronizer=trusted, frame_limit=40) as session:
     session.start()
     while not session.finished.wait(1.0):
         print(session.statistics.inserted, "frames so far")

@@ -114,7 +114,7 @@ def index_page(library: Path) -> str:
         [
             "API reference\n=============\n",
             "What most programs need is imported from ``AIFReconLib`` itself::\n",
-            "    from AIFReconLib import BoneMap, ReconstructionSettings, read_labels, read_sequence, reconstruct\n",
+            "    from AIFReconLib import BoneMap, Recipe, read_labels, read_sequence, reconstruct\n",
             ".. list-table::\n   :header-rows: 1\n\n   * - Name\n     - What it is\n     - Room",
             *rows,
             "\nEvery public name lies in one of these rooms. Matrices are ``a_to_b`` on column vectors in mm, arrays are [k, j, i];",

@@ -79,6 +79,7 @@ TABLES = {
             "without-ct",
             "motion",
             "cohorts",
+            "for-a-paper",
             "troubleshooting",
         ),
         (

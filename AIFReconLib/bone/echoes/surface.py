@@ -113,12 +113,6 @@ def bone_from_sweep(
     return replace(surface_of(found, part(progress, 0.9, 1.0)), made={"bone_from_sweep": True})
 
 
-def leaves_it_open(sequence: TrackedSequence, recipe: Recipe) -> bool:
-    """Whether neither recipe nor configuration say how pixels are to be combined."""
-    asked = recipe.given("method", "importance_mask", "speed_of_sound") or sequence.configuration.method
-    return not (asked or sequence.configuration.uses_importance_mask)
-
-
 def default_bone(
     sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None
 ) -> tuple[Recipe, BoneMap | None, tuple[str, ...]]:
@@ -126,7 +120,8 @@ def default_bone(
 
     That is `bone_from_sweep` where the images show bone, and nothing of it where they do not or the probe is not known.
     """
-    if not leaves_it_open(sequence, recipe):
+    asked = recipe.given("method", "importance_mask", "speed_of_sound") or sequence.configuration.method
+    if asked or sequence.configuration.uses_importance_mask:
         return recipe, None, ()
     try:
         bone = bone_from_sweep(sequence, recipe, progress)

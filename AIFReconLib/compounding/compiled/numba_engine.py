@@ -67,7 +67,7 @@ class NumbaEngine(SlabEngine):
             matrix, axes = batch.image_to_ijk[frames][frame], batch.axes[frames][frame]
             _, gate, compensation = self._evident[frame]
             self._evidence(layout.pixels(images[frame]), matrix, scan_lines, job.bone, self._evident[frame])
-            begins = np.flatnonzero(gate)
+            begins = np.flatnonzero(gate > 0)
             entered, voxels = layout.voxels(matrix, job.grid_size, job.planes, begins)
             if job.bone is None or not entered.size:
                 return

@@ -59,12 +59,12 @@ class FrameJudge:
 
 @inlined
 def expected(ct: Expected, turn: int, line: int) -> np.float32:
-    """What the CT says of a line at one of the places along it where it is asked."""
-    probability, matrix, at, of_line = ct
+    """What the CT says at one of the places where it is asked: along the lines, and across them."""
+    probability, matrix, at, _of_line = ct
     planes, rows, columns = probability.shape
     if probability.size == 0:
         return ONE
-    column, row = at[0, turn, of_line[line]], at[1, turn, of_line[line]]
+    column, row = at[0, turn, line], at[1, turn, line]
     i = np.floor((matrix[0, 1] * row + (matrix[0, 3] + 0.5)) + matrix[0, 0] * column)
     j = np.floor((matrix[1, 1] * row + (matrix[1, 3] + 0.5)) + matrix[1, 0] * column)
     k = np.floor((matrix[2, 1] * row + (matrix[2, 3] + 0.5)) + matrix[2, 0] * column)
@@ -132,23 +132,32 @@ def judge(
                 level[line] = level[line] * kept + new * here[line]
             for line in range(behind_here.size):
                 behind_here[line] = largest[line]
-    possible = np.empty(count, np.bool_)
+    possible = np.empty(count, np.float32)
     best, strength, place = np.zeros(count, np.float32), np.zeros(count, np.float32), np.zeros(count, np.int64)
+    least_asked, of_line, asked_of = asked_most - unsure, ct[3], -1
+    words = np.empty(ct[2].shape[2], np.float32)
     for turn in range(len(behind) - depth // pace):
         sample = turn * pace
         # With less of the CT's word than all no more is possible, to the last bit: rounding keeps order
-        any_possible, here, there = False, bright[sample], later[turn + depth // pace]
-        for line in range(count):
-            echo, shadow = here[line], there[line]
-            possible[line] = (echo - shadow > (asked_most - unsure) * ((echo + shadow) + dark)) & (shadow * per_span < tissue)
-            any_possible |= possible[line]
-        if not any_possible:
+        found, here, there = np.int32(0), bright[sample], later[turn + depth // pace]
+        for line in range(possible.size):
+            echo, shadow, most_yet = here[line], there[line], best[line]
+            shows = (echo - shadow > least_asked * ((echo + shadow) + dark)) & (shadow * per_span < tissue)
+            worth = ((echo - preference * shadow) + rival) * (ONE + EXTRA)
+            wins = np.int32(shows & (worth > most_yet))
+            possible[line] = wins
+            found += wins
+        if found == 0:
             continue
+        if asked_of != turn // paces:
+            asked_of = turn // paces
+            for column in range(words.size):
+                words[column] = expected(ct, asked_of, column)
         for line in range(count):
-            if not possible[line] or sample >= judged[line]:
+            if possible[line] == ZERO or sample >= judged[line]:
                 continue
             echo, shadow = here[line], there[line]
-            said = expected(ct, turn // paces, line)
+            said = words[of_line[line]]
             asked = asked_most - unsure * said
             worth = max((echo - preference * shadow) + rival, ZERO) * (said + EXTRA)
             if echo - shadow > asked * ((echo + shadow) + dark) and worth > best[line]:
@@ -160,9 +169,10 @@ def judge(
             # The reach, which is above 0, turned to below it marks an onset
             for sample in range(max(place[line] - crest, 0), min(place[line] + crest + 1, samples)):
                 arrived[sample, line] *= -ONE
-    flat_arrived = arrived.reshape(-1)
+                bright[sample, line] = strength[line]
+    flat_arrived, flat_strength = arrived.reshape(-1), bright.reshape(-1)
     for pixel in range(reach.size):
         sample = sample_of_pixel[pixel]
         there = flat_arrived[sample]
         reach[pixel] = abs(there)
-        onset[pixel] = strength[sample % count] if there < ZERO else ZERO
+        onset[pixel] = flat_strength[sample] if there < ZERO else ZERO

@@ -8,6 +8,7 @@ names it.
 from __future__ import annotations
 
 import re
+from typing import Literal
 
 from ...errors import MethodError
 from ...message import listed
@@ -23,6 +24,9 @@ BUILT_IN = (AVERAGE, LATEST, MAXIMUM, AIF, AIF_COMPENSATED, WEIGHTED)
 
 OWN_METHOD = "module:function"
 """How a method of the user's own is called: the function, and the module that holds it."""
+
+MethodName = Literal["average", "latest", "maximum", "aif", "aif-compensated", "weighted"]
+"""Their names, for type checkers; a test compares."""
 
 METHODS = tuple(method.name for method in BUILT_IN)
 BONE_METHODS = tuple(method.name for method in BUILT_IN if method.needs_bone)
@@ -58,8 +62,10 @@ def enter(method: CompoundingMethod) -> None:
     _TABLE[method.name] = method
 
 
-def method_named(name: str) -> CompoundingMethod:
-    """The method of that name, built in or registered; a MethodError when there is none."""
+def method_named(name: str | CompoundingMethod) -> CompoundingMethod:
+    """The method of that name, built in or registered, or itself; a MethodError when there is none."""
+    if isinstance(name, CompoundingMethod):
+        return name
     if name in _TABLE:
         return _TABLE[name]
     if is_own_method(name):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,6 +24,9 @@ from .poses.rotations import PoseFormat, in_millimeters
 from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
+
+FROM_ZERO = 1.0
+"""s. A clock that begins below counts from 0."""
 
 _Place = tuple[Matrix, dict[TransformName, TransformSample], str]
 """Poses, transforms of the header, and in words where the image is."""
@@ -90,6 +93,8 @@ def import_sequence(
 
     Raises SettingsError when images and poses do not fit each other, or something that is needed is not known.
     """
+    zero, clocks = _clocks(images, poses, settings)
+    settings = replace(settings, time_offset=settings.time_offset + zero)
     name = settings.transform
     places_image = IMAGE_FRAME in (name.source, name.target)
     matrices = poses.matrices
@@ -123,7 +128,7 @@ def import_sequence(
         "times: " + ("none; frames are taken in this order" if times is None else _span(times)),
         *_first_frames(samples, times),
         *doubts,
-        *_clocks(images, poses, settings),
+        *clocks,
     )
     return TrackedSequence(stack, records, transforms=header), understood
 
@@ -147,12 +152,23 @@ def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSett
     return {marker: _paired(images, patient, matrices, settings)[0]}
 
 
-def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> list[str]:
-    """What was taken for granted of two clocks that both count from 0."""
-    counted = poses.times is not None and abs(float(poses.times[0])) < 1.0 and poses.images is None and not settings.time_offset
-    if counted and images.times is not None and abs(float(images.times[0])) < 1.0:
-        return [Sentence("note: images and poses both count from 0, and were taken to begin at one moment.", TIME_OFFSET)]
-    return []
+def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> tuple[float, list[str]]:
+    """What makes two clocks begin at one moment, s, where one counts from 0 and nothing overlaps; and what was taken for granted."""
+    taken, offset = _image_times(images, settings), settings.time_offset
+    if taken is None or poses.times is None or poses.images is not None:
+        return 0.0, []
+    begin, first = float(taken[0]), float(np.nanmin(poses.times))
+    from_zero = {abs(begin) < FROM_ZERO, abs(first) < FROM_ZERO}
+    apart = taken[-1] + offset < first or begin + offset > np.nanmax(poses.times)
+    if apart and len(from_zero) > 1 and not (len(taken) == len(poses.times) and _in_step(poses.times, taken)):
+        told = f"note: images and poses count from different moments; the images were taken to begin {offset:g} s after the poses."
+        return first - begin, [Sentence(told, TIME_OFFSET)]
+    told = "note: images and poses both count from 0, and were taken to begin at one moment."
+    return 0.0, [Sentence(told, TIME_OFFSET)] if from_zero == {True} and not offset else []
+
+
+def _image_times(images: ImportedImages, settings: ImportSettings) -> Floats | None:
+    return images.times if settings.rate is None else np.arange(len(images.stack)) / settings.rate
 
 
 def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportSettings) -> bool:
@@ -277,7 +293,7 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
         )
     rate, offset = settings.rate, settings.time_offset
     by_rate = "" if rate is None else f", images {rate:g} times a second"
-    image_times = images.times if rate is None else np.arange(count) / rate
+    image_times = _image_times(images, settings)
     if offset and (image_times is None or poses.times is None):
         raise SettingsError(
             "A time offset needs times of images and poses, and one of them has none.",

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...errors import SettingsError
 from ...message import said, shorten
-from ...recipe.recipe import Branch
+from ...recipe.recipe import AUTOMATIC, Branch
 from ...recipe.rules import FILE, FLAG, NUMBER, NUMBERS, TEXT, WORDS, Rule, checked, rule_of, setting
 from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES
 
@@ -48,8 +48,14 @@ class ImportOptions(Branch):
         metavar="NAME",
         label="Marker on the patient:",
     )
-    time_offset: float = setting(
-        0.0, "how many seconds after the poses the images began", NUMBER, unit="s", metavar="S", label="Images began later by (s):"
+    time_offset: float | str = setting(
+        0.0,
+        f"how long after the poses the images began: 2 where they began 2 s later, -2 where earlier; {AUTOMATIC}: found, and applied",
+        NUMBER,
+        unit="s",
+        word=AUTOMATIC,
+        metavar="S",
+        label="Images began later by (s):",
     )
     quaternion_order: str | None = setting(
         None, "of a quaternion whose numbers have no names", choices=QUATERNION_ORDERS, label="Order of the quaternion:"
@@ -145,7 +151,7 @@ def answer(name: str, text: str) -> Any:
     try:
         if rule["kind"] == NUMBERS:
             return checked(name, [float(word) for word in text.replace(",", " ").split()], rule)
-        return checked(name, float(text) if rule["kind"] == NUMBER else text, rule)
+        return checked(name, float(text) if rule["kind"] == NUMBER and text != rule["word"] else text, rule)
     except ValueError as error:
         if isinstance(error, SettingsError):
             raise

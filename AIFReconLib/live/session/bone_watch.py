@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...arrays import Numbers
 from ...bone.echoes.found import BoneEchoes
 from ...bone.growing_bone import GrowingBone
 from ...bone.predicted_bone import BoneEstimator, PointsOfFrames
@@ -137,7 +138,7 @@ class BoneWatch(Watch):
             if said is not None:
                 self._take(frame, said)
 
-    def _take(self, frame: LiveFrame, said: Prediction | BoneEchoes) -> None:
+    def _take(self, frame: LiveFrame, said: Prediction | BoneEchoes | Numbers) -> None:
         imaging = self._session.imaging()
         self._frames, self._problem = self._frames + 1, None
         if self._recorder is not None and isinstance(said, Prediction):

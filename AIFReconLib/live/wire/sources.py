@@ -41,6 +41,8 @@ class StreamStatistics:
         Why messages were left out, in a sentence: the last one by its type.
     dropped : int
         Messages that nobody got: newer ones pushed them out of the queue, or the source was stopped.
+    late : int
+        Of the dropped: those that came after the end, which nobody waits for.
     dropped_images : int
         Images among them.
     """
@@ -52,6 +54,7 @@ class StreamStatistics:
     refusals: dict[str, str] = field(default_factory=dict)
     dropped: int = 0
     dropped_images: int = 0
+    late: int = 0
 
     def count(self, kind: str, device: str | None = None) -> int:
         """Messages received of a type, of one device or of all."""
@@ -106,7 +109,7 @@ class QueueSource:
         self._changed = threading.Condition()
         self._messages: deque[StreamMessage] = deque()
         self._devices: dict[str, tuple[str, ...]] = {}
-        self._bytes = self._dropped = self._dropped_images = self._reported = 0
+        self._bytes = self._late = self._dropped = self._dropped_images = self._reported = 0
         self._report_time = -REPORT_INTERVAL
         self._open = True
 
@@ -119,7 +122,7 @@ class QueueSource:
     def statistics(self) -> StreamStatistics:
         """How many messages were dropped, and images among them."""
         with self._changed:
-            return StreamStatistics(dropped=self._dropped, dropped_images=self._dropped_images)
+            return StreamStatistics(dropped=self._dropped, dropped_images=self._dropped_images, late=self._late)
 
     def start(self) -> None:
         """Nothing: a queue takes messages from its making on."""
@@ -134,6 +137,7 @@ class QueueSource:
         """Add a message; one that comes after `stop` is dropped."""
         with self._changed:
             if not self._open:
+                self._late += not isinstance(message, StreamEvent)
                 self._count_dropped(message)
                 return
             if isinstance(message, ImageMessage | TransformMessage) and len(self._devices) < DEVICES:

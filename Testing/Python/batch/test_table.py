@@ -16,9 +16,9 @@ HEAD = "case,sweeps,config"
 ROW = "P1,sweep.igs.mha,PlusDeviceSet.xml"
 
 NO_COLUMN = {
-    **dict.fromkeys(("output", "report", "csv", "surface", "labels_output", "dicom_study"), "results, which a case has in its folder"),
+    **dict.fromkeys(("output", "report", "csv", "methods", "surface", "labels_output", "dicom_study"), "results, in a case's folder"),
     **dict.fromkeys(("sequences", "volumes", "sweep"), "recordings and volumes: the column sweeps, and what is made of them"),
-    **dict.fromkeys(("save_settings", "memory", "quiet", "verbose", "log", "help", "help_all"), "of a command as a whole"),
+    **dict.fromkeys(("save_settings", "against", "memory", "quiet", "verbose", "log", "help", "help_all"), "of a command as a whole"),
 }
 """Options that are no columns, and why."""
 

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import tracemalloc
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from files import CONFIGURATION, IMAGE_TO_PROBE, refused, tracked_sequence, write_patient
+from late_sweeps import late_sweep, one_way
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import TransformFileError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.inspection.offset_estimate import estimate_time_offset
 from AIFReconLib.io.foreign.calibration import read_calibration
 from AIFReconLib.io.metafile.metafile import UNFINISHED
 from AIFReconLib.io.sequence import file_images
@@ -248,3 +251,19 @@ def test_a_long_recording_is_never_in_memory_as_a_whole(tmp_path, monkeypatch):
         assert tracemalloc.get_traced_memory()[1] < 6_000_000  # the recording has 26 MB
     finally:
         tracemalloc.stop()
+
+
+def test_an_offset_is_found_and_applied_in_one_run(tmp_path, capsys):
+    write_sequence(late_sweep(late=0.2), tmp_path / "late.mha")
+    assert main(["convert", str(tmp_path / "late.mha"), str(tmp_path / "mended.mha"), "--time-offset", "auto"]) == 0
+    assert re.search(r"Poses are those of 0\.(19|20|21)\d* s after each image's time stamp", capsys.readouterr().out)
+    mended = read_sequence(tmp_path / "mended.mha")
+    assert "in step" in estimate_time_offset(mended, sweep_poses(mended)).to_text()
+
+
+def test_an_offset_that_the_sweep_does_not_tell_is_refused(tmp_path, capsys):
+    write_sequence(late_sweep(one_way), tmp_path / "way.mha")
+    (tmp_path / "out").mkdir()
+    message = refused(["convert", tmp_path / "way.mha", tmp_path / "out" / "mended.mha", "--time-offset", "auto"], capsys, tmp_path / "out")
+    assert "does not go back over the same place" in message
+    assert "Give --time-offset S, or leave it out." in message

@@ -16,7 +16,7 @@ from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
-from AIFReconLib.provenance.record import SETTINGS, VERSION
+from AIFReconLib.provenance.record import INPUTS, METHOD, SETTINGS, VERSION
 
 
 @pytest.fixture
@@ -159,3 +159,43 @@ def test_the_report_names_no_place_on_this_machine(case, tmp_path):
     page = tmp_path / "report.html"
     assert main(command(case, "shell", extra=["--report", page])) == 0
     assert str(tmp_path) not in page.read_text("utf-8")
+
+
+def of_cases(tmp_path, count):
+    """Tables as this command writes them, of cases whose numbers differ."""
+    for case in range(count):
+        rows = [f"average.nrrd,sweep,{case}.5", f"weighted.nrrd,sweep,{2 * case}.75"]
+        (tmp_path / f"P{case}").mkdir()
+        (tmp_path / f"P{case}" / "m.csv").write_text("\n".join(["volume,reachability,bone_cnr", *rows]) + "\n", "utf-8")
+    return [str(tmp_path / f"P{case}" / "m.csv") for case in range(count)]
+
+
+def test_tables_of_many_cases_give_means_and_paired_differences(tmp_path, capsys):
+    outputs = ["--csv", str(tmp_path / "s.csv"), "--methods", str(tmp_path / "m.txt")]
+    assert main(["evaluate", *of_cases(tmp_path, 3), *outputs]) == 0
+    said = capsys.readouterr().out
+    assert "3 cases: mean \N{PLUS-MINUS SIGN} standard deviation" in said
+    assert "minus average.nrrd: mean of paired differences [95% confidence interval, bootstrap over cases]" in said
+    assert "Of fewer than 10 cases such intervals are too narrow." in said
+    [row] = [row for row in rows_of(tmp_path / "s.csv") if row["volume"] == "weighted.nrrd" and row["quantity"] == "bone_cnr"]
+    assert (row["cases"], row["mean"], row["mean_difference"]) == ("3", "2.75", "1.25")
+    assert "over 3 cases" in (tmp_path / "m.txt").read_text("utf-8")
+
+
+@pytest.mark.parametrize("more", [["shell.nrrd"], ["--report", "x.html"]])
+def test_what_does_not_go_with_tables_is_refused(tmp_path, capsys, more):
+    assert "hold numbers of many cases" in refusal(["evaluate", *of_cases(tmp_path, 2), *more], capsys)
+
+
+def test_tables_of_one_case_are_refused(tmp_path, capsys):
+    assert "hold one case" in refusal(["evaluate", *of_cases(tmp_path, 1)], capsys)
+
+
+def test_a_volume_that_its_yardstick_weighted_is_told(case, tmp_path, capsys):
+    inputs = f'[{{"name": "{case.labels.name}", "bytes": {case.labels.stat().st_size}}}]'
+    for name, method in (("shell", "weighted"), ("noise", "average")):
+        volume = read_volume(tmp_path / f"{name}.nrrd")
+        replace(volume, fields={METHOD: method, INPUTS: inputs}).write(tmp_path / f"{name}.nrrd")
+    assert main(command(case, "shell", "noise", extra=["--methods", tmp_path / "m.txt"])) == 0
+    assert "Weighted by the bone that is also the yardstick: shell.nrrd. What is wrong" in capsys.readouterr().out
+    assert "The bone that shell.nrrd was measured against had weighted its frames." in (tmp_path / "m.txt").read_text("utf-8")

@@ -38,7 +38,7 @@ def test_it_is_a_configuration_that_every_command_reads(tmp_path, capsys):
     assert main(["start-calibration", *GIVEN, "--tool", "stylus", "--output", str(path)]) == 0
     matrix = read_plus_configuration(path).transforms[TransformName("Image", "Stylus")].matrix
     np.testing.assert_allclose(pixel_spacing(matrix), 0.15)
-    assert f"--calibration {path}" in capsys.readouterr().out
+    assert f"--config {path}" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 from files import IMAGE_TO_PROBE, SPACING, refused, tracked_sequence
+from late_sweeps import late_sweep
 from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
@@ -378,6 +379,35 @@ def test_images_that_began_later_get_the_poses_of_their_moment(tmp_path, results
     np.testing.assert_allclose(places(sequence), 10 + 20 * (1.025 + 0.05 * np.arange(12)), atol=1e-9)
 
 
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_a_clock_of_another_zero_begins_with_the_images_and_that_is_said(tmp_path, results, twelve, capsys, offset):
+    rows = [[1_700_000_000.0 + float(row[0]), *row[1:]] for row in moving(count=60, step=0.05)]
+    poses = table(tmp_path / "p.csv", COLUMNS, rows)
+    sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20, "--time-offset", offset)
+    np.testing.assert_allclose(places(sequence), 10 + 20 * (offset + 0.05 * np.arange(12)), atol=1e-4)
+    began = f"the images were taken to begin {offset:g} s after the poses"
+    assert f"images and poses count from different moments; {began}" in capsys.readouterr().out
+
+
+def test_images_at_a_rate_and_poses_from_zero_are_told(tmp_path, results, twelve, capsys):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.02))
+    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
+    assert "both count from 0" in capsys.readouterr().out
+
+
+def test_an_offset_that_is_asked_for_is_found_and_applied_in_the_same_run(tmp_path, results, capsys):
+    late = late_sweep(late=0.2)
+    np.save(tmp_path / "a.npy", np.asarray(late.images))
+    matrices = [record.transforms[TransformName("Image", "Reference")].matrix for record in late.records]
+    rows = [[0.05 * n, *matrix.ravel()] for n, matrix in enumerate(matrices)]
+    poses = table(tmp_path / "p.csv", ["time", *(f"m{i}{j}" for i in range(4) for j in range(4))], rows)
+    options = ["--transform", "ImageToTracker", "--spacing", 1, 1, "--rate", 20, "--time-offset"]
+    imported(results, tmp_path / "a.npy", "--poses", poses, *options, "auto")
+    said = capsys.readouterr().out
+    assert float(re.search(r"time offset: (\S+) s, found in the images and applied", said)[1]) == pytest.approx(0.2, abs=0.01)
+    assert "Images and poses are in step" in said
+
+
 def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
     from dicom_samples import write_dicom
@@ -385,4 +415,5 @@ def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
     poses = table(tmp_path / "p.csv", COLUMNS, moving(count=20, step=0.02))
     imported(results, images, "--poses", poses, "--transform", "ProbeToTracker")
-    assert "both count from 0, and were taken to begin at one moment. If the images began S seconds" in capsys.readouterr().out
+    advice = "If the images began 2 s after the poses, give --time-offset 2; if 2 s before, -2"
+    assert f"both count from 0, and were taken to begin at one moment. {advice}" in capsys.readouterr().out

@@ -20,6 +20,7 @@ from made_tables import (
     motive,
     ndi_in_rows,
     ndi_side_by_side,
+    ndi_track,
     polhemus,
     qualisys,
     recording,
@@ -90,6 +91,7 @@ def test_a_table_is_read_right_or_asked_about(tmp_path, first):
 
 WRITERS = {
     "ndi.csv": ndi_side_by_side,
+    "ndi-track.csv": ndi_track,
     "ndi-rows.csv": ndi_in_rows,
     "motive.csv": motive,
     "vicon.csv": vicon,

@@ -290,9 +290,42 @@ def test_a_tool_beside_one_without_a_name_has_the_time_of_both_and_a_status_of_i
     assert [number for number, word in enumerate(poses.statuses) if word != "OK"] == [1]
 
 
+MOTIVE = (
+    "Format Version,1.23,Length Units,Millimeters\n\n,Type,"
+    + ",".join(["Rigid Body"] * 7 + ["Rigid Body Marker"] * 3 + ["Rigid Body"] * 7)
+    + "\n,Name," + ",".join(["USProbe"] * 7 + ["USProbe:Marker 001"] * 3 + ["PatientRef"] * 7)
+    + "\n,ID," + ",".join([f"{8 * 'ABCD'}"] * 7 + [f"{8 * 'ABCE'}"] * 3 + [f"{8 * 'ABCF'}"] * 7)
+    + "\n,," + ",".join([*["Rotation"] * 4, *["Position"] * 6, *["Rotation"] * 4, *["Position"] * 3])
+    + "\nFrame,Time (Seconds),X,Y,Z,W,X,Y,Z,X,Y,Z,X,Y,Z,W,X,Y,Z\n"
+    + "".join(f"{n},{0.1 * n:.1f},0,0,0,1,{n},2,3,9,9,9,0,0,0,1,7,7,7\n" for n in range(4))
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["USProbe", "us probe", "probe", "PROBE", "rob", "1"])
+def test_a_tool_is_known_by_any_part_of_its_name_that_no_other_has(tmp_path, name):
+    poses = read(tmp_path, MOTIVE, PoseFormat(tool=name))
+    assert poses.matrices[:, 0, 3].tolist() == [0, 1, 2, 3]
+    assert "tool: USProbe, of USProbe, PatientRef (columns side by side)" in poses.understood
+
+
+@pytest.mark.parametrize("name", ["re", "xyz", "Rigid Body", "r"])
+def test_a_part_that_several_tools_have_or_none_is_asked_about(tmp_path, name):
+    with pytest.raises(SettingsError, match=f"side by side: USProbe, PatientRef. There is none called '{name}'"):
+        read(tmp_path, MOTIVE, PoseFormat(tool=name))
+
+
+def test_what_was_used_is_told_in_the_words_of_the_table(tmp_path):
+    understood = read(tmp_path, MOTIVE, PoseFormat(tool="probe")).understood
+    assert "used: Frame, Time (Seconds); Rigid Body USProbe Rotation: X, Y, Z, W; Rigid Body USProbe Position: X, Y, Z" in understood
+    assert (
+        "not used: Rigid Body Marker USProbe:Marker 001 Position: X, Y, Z; Rigid Body PatientRef Rotation: X, Y, Z, W; "
+        "Rigid Body PatientRef Position: X, Y, Z" in understood
+    )
+
+
 def test_tools_named_as_headings_stand_above_the_headings(tmp_path):
     text = ",,x:x,,,,,,y:y,,,,,,z:z,,,,,\nFrame,Sub Frame" + ",RX,RY,RZ,TX,TY,TZ" * 3 + "\n" + (",".join(["1"] * 20) + "\n") * 3
-    with pytest.raises(SettingsError, match="3 tools side by side: x x, y y, z z"):
+    with pytest.raises(SettingsError, match="3 tools side by side: x:x, y:y, z:z"):
         read(tmp_path, text)
 
 

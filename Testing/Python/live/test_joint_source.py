@@ -10,7 +10,7 @@ import pytest
 from igtl_streams import packed
 from sweeps import rigid
 
-from AIFReconLib import LiveSession, ReconstructionSettings, SynchronizerSettings, VoxelGrid, reconstruct
+from AIFReconLib import LiveSession, Recipe, SynchronizerSettings, VoxelGrid, reconstruct
 from AIFReconLib.geometry.mechanism import SHIFT, TURN, Axis, Mechanism
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.live.wire.decoding import decode
@@ -116,7 +116,7 @@ def test_images_between_messages_take_the_pose_of_their_time():
     source.stop()
     configuration = PlusConfiguration(transforms={TransformName("Image", "Probe"): TransformSample(CALIBRATION)})
     grid = VoxelGrid.from_spacing((-30.0, -30.0, -30.0), (31, 31, 31), 2.0)
-    settings = ReconstructionSettings(reference="Base", hole_limit=0.0)
+    settings = Recipe(reference="Base", hole_limit=0.0)
     with LiveSession(
         JointSource(source, MECHANISM, NAME),
         settings,
@@ -134,7 +134,7 @@ def test_a_live_scan_by_a_mechanism_gives_the_voxels_of_the_same_poses_offline()
     grid = VoxelGrid.from_spacing((-30.0, -30.0, -30.0), (31, 31, 31), 2.0)
     source = source_of(*({"Slide": str(slide), "Tilt": str(tilt)} for slide, tilt in READINGS))
     configuration = PlusConfiguration(transforms={TransformName("Image", "Probe"): TransformSample(CALIBRATION)})
-    settings = ReconstructionSettings(reference="Base", hole_limit=0.0)
+    settings = Recipe(reference="Base", hole_limit=0.0)
     with LiveSession(
         source, settings, grid=grid, configuration=configuration, synchronizer=SynchronizerSettings(reference="Base"), longest_delay=None
     ) as session:
@@ -143,6 +143,6 @@ def test_a_live_scan_by_a_mechanism_gives_the_voxels_of_the_same_poses_offline()
         assert session.statistics.inserted == 7
     amounts = np.array([(0.01 * (slide - 500), np.radians(tilt)) for slide, tilt in READINGS])
     sweep = TrackedSequence.from_arrays(IMAGES, MECHANISM.poses(amounts) @ CALIBRATION)
-    offline = reconstruct(sweep, ReconstructionSettings(hole_limit=0.0), grid=grid).intensity
+    offline = reconstruct(sweep, Recipe(hole_limit=0.0), grid=grid).intensity
     np.testing.assert_array_equal(live.array, offline.array)
     assert live.array.any()

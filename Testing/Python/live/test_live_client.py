@@ -451,6 +451,15 @@ def test_after_a_stop_every_message_was_taken_or_is_counted_as_dropped(server, c
         assert statistics.count("TRANSFORM") == taken + statistics.dropped
 
 
+def test_what_comes_after_the_end_is_dropped_but_told_apart():
+    queue = QueueSource(2, 10**9)
+    for n in range(3):
+        queue.put(TransformMessage("T", float(n), np.eye(4)))
+    queue.stop()
+    queue.put(TransformMessage("T", 3.0, np.eye(4)))
+    assert (queue.statistics.dropped, queue.statistics.late) == (2, 1)
+
+
 def test_events_outlast_a_full_queue():
     queue = QueueSource(3, 10**9)
     queue.put(StreamEvent("connected", "first"))

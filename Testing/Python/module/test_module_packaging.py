@@ -63,7 +63,9 @@ def module_level_imports(tree: ast.Module) -> set[str]:
 def test_every_script_of_the_library_is_packaged():
     library = REPOSITORY / "AIFReconLib"
     assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_SCRIPTS")) == relative(library, library.rglob("*.py"))
-    assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_RESOURCES")) == relative(library, library.rglob("*.json"))
+    assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_RESOURCES")) == relative(
+        library, (path for kind in ("*.json", "*.css", "*.html") for path in library.rglob(kind))
+    )
 
 
 def test_every_script_of_the_module_is_packaged():

@@ -47,17 +47,27 @@ def test_motion_is_taken_out_of_the_poses_and_the_header_says_so(files):
     still = mended(sequence, bone)
     assert off(still, true) < 0.7
     assert any(note.startswith("Mended: echoes lie ") for note in still.notes)
-    result = reconstruct(sequence, Recipe(spacing=2.0), bone)
+    result = reconstruct(sequence, Recipe(spacing=2.0, motion="auto"), bone)
     assert settings_of(result.intensity)["motion"] == "auto"
     assert any(line.startswith("Mended: echoes lie ") for line in result.said)
     assert any(line.startswith("CT and sweep agree") for line in result.said)
 
 
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
+def test_where_nothing_is_asked_it_is_told_and_what_takes_it_out(files):
+    sequence, bone = read(files["moving"])
+    result = reconstruct(sequence, Recipe(spacing=2.0), bone)
+    assert "motion" not in settings_of(result.intensity)
+    told = [str(line) for line in result.said if "taken out" in str(line)]
+    assert len(told) == 1
+    assert "mm" in told[0]
+
+
 def test_of_a_patient_at_rest_every_voxel_stays(files):
     sequence, bone = read(files["rest"])
-    as_it_is, asked = (reconstruct(sequence, Recipe(spacing=2.0, motion=motion), bone) for motion in ("off", None))
+    as_it_is, asked = (reconstruct(sequence, Recipe(spacing=2.0, motion=motion), bone) for motion in ("off", "auto"))
     assert np.array_equal(as_it_is.intensity.array, asked.intensity.array)
-    assert "motion" not in settings_of(asked.intensity)
+    assert "motion" not in settings_of(as_it_is.intensity)
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
@@ -92,8 +102,9 @@ def test_convert_writes_mended_poses_and_says_so_in_the_header(files, tmp_path, 
 
 def test_info_says_how_the_patient_moved(files, capsys):
     one = files["moving"]
-    assert main(["info", str(one.sequence), "--config", str(one.configuration), "--json"]) == 0
-    assert any(line.startswith("Mended: echoes lie ") for line in json.loads(capsys.readouterr().out)["plan"]["motion"])
+    placed = ["--bone-labels", str(one.labels), "--bone-transform", str(one.ct_to_reference)]
+    assert main(["info", str(one.sequence), "--config", str(one.configuration), *placed, "--json"]) == 0
+    assert any(" mm" in line for line in json.loads(capsys.readouterr().out)["plan"]["motion"])
 
 
 def test_a_live_scan_refuses_it_as_its_frames_are_not_all_there():

@@ -20,7 +20,19 @@ def options_in(text: str) -> set[str]:
     return {word for line in text.splitlines() if line.startswith("  -") for word in line.split() if word.startswith("--")}
 
 
-@pytest.mark.parametrize("command", ["reconstruct", "live"])
+SHORT = ["register", "plan", "calibrate", "paths", "coverage"]
+
+
+@pytest.mark.parametrize("command", SHORT)
+def test_help_is_as_short_as_that_of_reconstruct_and_begins_with_what_is_needed(command, capsys, monkeypatch):
+    lines = help_of(capsys, monkeypatch, command, "--help").splitlines()
+    assert len(lines) <= len(help_of(capsys, monkeypatch, "reconstruct", "--help").splitlines())
+    assert lines[0].startswith(f"usage: aifrecon {command} ")
+    assert lines[0].endswith("[options]")
+    assert "  --help-all" in "\n".join(lines)
+
+
+@pytest.mark.parametrize("command", ["reconstruct", "live", *SHORT])
 def test_the_whole_help_has_every_option(command, capsys, monkeypatch):
     text = help_of(capsys, monkeypatch, command, "--help-all")
     parser = build_parser()._subparsers._group_actions[0].choices[command]

@@ -33,6 +33,7 @@ from .headings import (
     UNORDERED_QUATERNION,
     Column,
     column_of,
+    in_words_of_the_table,
     layout_of,
 )
 from .json_sheet import sheet_of_json
@@ -156,9 +157,10 @@ def _of_sheet(sheet: Sheet, form: PoseFormat) -> PoseTable:
         times = Times((frames - frames[0]) / rate, (f"time: frame numbers at {rate:g} frames/s, as the file says",))
     table = _posed(values, form, length, _unit(track, ANGLES), cells)
     statuses, told_status = _statuses(track, cells, table.matrices, form)
-    unused = [column.heading for place, column in enumerate(columns) if place not in track.described and column.heading not in ("", "-")]
+    unused = in_words_of_the_table(column for place, column in enumerate(columns) if place not in track.described and column.heading != "-")
     understood = [*table.understood, *([f"as {layout['maker']} writes"] if layout and "maker" in layout else []), *told, *told_rows]
-    understood += [*times.told, *told_status, *([f"columns that are not used: {listed(dict.fromkeys(unused))}"] if unused else [])]
+    understood += [*times.told, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
+    understood += [f"not used: {unused}"] if unused else []
     taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
     understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
     images = tuple(cells.words(track.columns[IMAGE])) if IMAGE in track.columns else None
@@ -210,7 +212,8 @@ def _columns(sheet: Sheet, form: PoseFormat, own: dict[str, str]) -> list[Column
     common = set.intersection(*(set(words) for words in above if words)) - _KINDS if any(above) else set()
     columns = []
     for heading, words, unit in zip(headings, above, [*sheet.units, *[""] * len(headings)]):
-        column = column_of(heading, tuple(word for word in words if word not in common), unit)
+        words = tuple(word for word in words if word not in common)
+        column = replace(column_of(heading, words, unit), above=words)
         role, _, known = own.get("".join(filter(str.isalnum, heading)).lower(), "").partition(":")
         columns.append(replace(column, role=role, unit=known or column.unit, words=(role,)) if role else column)
     return columns

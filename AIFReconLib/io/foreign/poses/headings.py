@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from ....message import listed, shorten
 
 TABLES: dict[str, Any] = json.loads(Path(__file__).with_name("pose_tables.json").read_text("utf-8"))
 
@@ -60,16 +62,35 @@ _ALONE = frozenset(TABLES["alone"].split())
 
 _NUMBERED = re.compile(f"({'|'.join({name for each in TABLES['numbered'] for name in each['names'].split()})})" + r"(\d\d?)")
 
+_IDENTITY = re.compile(r"[0-9A-Fa-f]{32}|\d+")
+"""Of a rigid body, as Motive numbers it."""
+
 
 @dataclass(frozen=True)
 class Column:
-    """A column: its heading, what it holds and in which unit, the words of its heading, and its tool where its place tells it."""
+    """A column: its heading, what it holds and in which unit, the words of its heading, its tool where its place tells it, and what is
+    written above it."""
 
     heading: str
     role: str | None = None
     unit: str | None = None
     words: tuple[str, ...] = ()
     tool: str = ""
+    above: tuple[str, ...] = ()
+
+
+def in_words_of_the_table(columns: Iterable[Column]) -> str:
+    """Columns as the table calls them, those under one title together; without numbers that identify a body."""
+    groups: dict[str, list[str]] = {}
+    for column in columns:
+        title = " ".join(word for word in column.above if not _IDENTITY.fullmatch(word))
+        groups.setdefault("" if column.role in (TIME, FRAME) else title, []).append(column.heading)
+    each = (
+        f"{title}: {listed(dict.fromkeys(filter(None, headings)))}".removeprefix(": ")
+        for title, headings in groups.items()
+        if any(headings)
+    )
+    return shorten(listed(each, "; "), 400)
 
 
 def layout_of(headings: Sequence[str], above: Sequence[Sequence[str]]) -> dict[str, Any] | None:

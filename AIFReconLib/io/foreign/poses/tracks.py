@@ -71,8 +71,8 @@ def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_known
         The layout is a maker's: what else is in it is no pose.
     """
     tracks = _tracks(columns, sheet, is_known)
-    names = [track.name for track in tracks]
-    number = 0 if len(tracks) == 1 else _chosen(names, tool)
+    names = _written(tracks)
+    number = 0 if len(tracks) == 1 else _chosen(names, tool, also=[track.name for track in tracks])
     if number is None:
         raise _which(f"The table holds poses of {len(names)} tools side by side: {listed(names)}.", names, tool)
     track = tracks[number]
@@ -84,7 +84,7 @@ def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_known
             raise name_the_columns(f"{len(places)} columns mean {role}: {both}.", sheet)
         # Markers, whose places stand behind the pose of their tool
         track = replace(track, described={p: c for p, c in track.described.items() if p not in places[1:]})
-    told = [f"tool: {track.name}, of {listed(names)} (columns side by side)"] if len(tracks) > 1 else []
+    told = [f"tool: {names[number]}, of {listed(names)} (columns side by side)"] if len(tracks) > 1 else []
     return track, told, len(tracks) > 1
 
 
@@ -118,20 +118,32 @@ def _which(sentence: str, names: Sequence[str], tool: str | None) -> SettingsErr
     return SettingsError(sentence + no_such, WHICH_TOOL, first=names[0], choices=names)
 
 
-def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True) -> int | None:
-    """Which of these is meant: by name (without what all names have), by a word that no other has, or by place from 1 where none has it."""
+def _written(tracks: Sequence[Track]) -> list[str]:
+    """The names of tools as the table has them, where it writes them above the columns; else by their words."""
+    above = [next(column for column in track.described.values() if column.role in POSE).above for track in tracks]
+    written = [next((text for text in mine if sum(text in each for each in above) == 1), "") for mine in above]
+    return written if all(written) else [track.name for track in tracks]
+
+
+def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True, also: Sequence[str] = ()) -> int | None:
+    """Which of these is meant: by name (without what all names have), by words that no other has, by place from 1 where none has them, or
+    by any part of three characters or more; `also` are other names of the same."""
     if tool is None:
         return None
     low = [name.lower() for name in names]
     if low.count(tool.lower()) == 1:
         return low.index(tool.lower())
-    words = [set(name.split()) for name in low]
+    words = [set(name.lower().split()) for name in also or names]
     common, asked = set.intersection(*words), set(tool.lower().split())
     holding = [number for number, each in enumerate(words) if asked <= each]  # Motive names a number too
     alone = [number for number in holding if words[number] - common == asked - common]
     if len(alone) == 1 or len(holding) == 1:
         return (alone or holding)[0]
-    return int(tool) - 1 if by_place and not holding and tool.isdecimal() and 1 <= int(tool) <= len(names) else None
+    if by_place and not holding and tool.isdecimal() and 1 <= int(tool) <= len(names):
+        return int(tool) - 1
+    part = "".join(filter(str.isalnum, tool.lower()))
+    with_part = [number for number, name in enumerate(low) if part in "".join(filter(str.isalnum, name))]
+    return with_part[0] if len(part) > 2 and len(with_part) == 1 else None
 
 
 def _tracks(columns: Sequence[Column], sheet: Sheet, is_known: bool) -> list[Track]:
@@ -208,8 +220,11 @@ def _told_by_place(columns: Sequence[Column], sheet: Sheet) -> list[Column]:
     starts = [place for place, column in enumerate(columns) if column.heading == first]
     ahead = [parts_of(columns[start - 1].words) for start in starts]
     before = [{role: name[0] for name, role in parts if not name[1]}.get("x", "") for parts in ahead]
+    titles = [columns[start - 1].heading for start in starts]
     told = list(columns)
-    if all(before) and starts[0]:
+    if all(":" in title and counts[title] == 1 for title in titles):  # NDI Track: Port 0x01: Probe s/n:3E4C880C
+        before = titles
+    elif all(before) and starts[0]:
         starts = [start - 1 for start in starts]
         for start in starts:
             told[start] = replace(columns[start], words=("x",))

@@ -1,0 +1,104 @@
+"""What volumes of many cases show: mean and spread, and paired differences with a confidence interval by the bootstrap over cases."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import FileFormatError, SettingsError
+from ..io.disk.small_files import read_bytes
+from ..message import listed
+from .quantities import HEADINGS, NOT_KNOWN, QUANTITIES, spreadsheet_cell
+
+LEVEL, DRAWS, FEW = 0.95, 10_000, 10
+"""Of the confidence intervals: their level, how many times cases are drawn anew, and how many cases are enough."""
+
+MOST_BYTES = 2**28
+OWN_BONE, OTHER_BONE = "the bone that weighted it", "other bone"
+"""What a volume was measured against, in the column `yardstick` of a table."""
+
+
+@dataclass(frozen=True)
+class CaseNumbers:
+    """Numbers of many cases.
+
+    Parameters
+    ----------
+    numbers : dict of str to dict of str to dict of str to float
+        By volume or method, case, and key of `QUANTITIES`.
+    volumes : dict of str to Path
+        Each volume of the first case.
+    own_bone : set of str
+        Volumes that were measured against the bone that weighted their frames.
+    """
+
+    numbers: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
+    volumes: dict[str, Path] = field(default_factory=dict)
+    own_bone: set[str] = field(default_factory=set)
+
+    @classmethod
+    def read(cls, tables: Mapping[str, Path]) -> CaseNumbers:
+        """Those in tables of `batch`, with a row for each case and method, or of `evaluate`, each of the case that it is named after.
+
+        Raises FileFormatError when one is no such table.
+        """
+        found = cls()
+        for name, path in tables.items():
+            text = read_bytes(path, MOST_BYTES, FileFormatError).decode("utf-8-sig", errors="replace")
+            try:
+                for row in list(csv.DictReader(io.StringIO(text))) or [{}]:  # a table without rows is none
+                    volume, case = row.get("method") or row["volume"], row.get("case") or name
+                    numbers = {key: float(row[key]) for key in QUANTITIES if row.get(key)}
+                    found.numbers.setdefault(volume, {}).update({case: numbers} if numbers else {})
+                    found.volumes.setdefault(volume, path.parent / row["volume"])
+                    found.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
+            except (KeyError, ValueError, csv.Error):
+                raise FileFormatError(f"{path}: it is no table of numbers that evaluate --csv or batch wrote. Give one.") from None
+        return found
+
+    def reference(self, against: str | None) -> str:
+        """The volume that others are compared with: the one that is asked for, else the average, else the first."""
+        if against is not None and against not in self.numbers:
+            raise SettingsError(f"Input against must be one of {listed(self.numbers)}; got {against}.")
+        return against or next((name for name in self.numbers if name.removesuffix(".nrrd") == "average"), next(iter(self.numbers)))
+
+    def summary(self, key: str, volume: str, against: str) -> tuple[int, float, float, int, float, float, float]:
+        """Of one number: cases, mean and standard deviation; paired cases, mean difference, and the ends of its confidence interval."""
+        mine, others = ({case: row[key] for case, row in self.numbers[name].items() if key in row} for name in (volume, against))
+        values = np.array(list(mine.values()))
+        pairs = np.array([value - others[case] for case, value in mine.items() if case in others])
+        mean, spread = (values.mean() if len(values) else np.nan), (values.std(ddof=1) if len(values) > 1 else np.nan)
+        if len(pairs) < 2 or volume == against:
+            return len(values), mean, spread, len(pairs), (pairs.mean() if len(pairs) else np.nan), np.nan, np.nan
+        drawn = np.random.default_rng(0).integers(0, len(pairs), (DRAWS, len(pairs)))
+        low, high = np.quantile(pairs[drawn].mean(axis=1), [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+        return len(values), mean, spread, len(pairs), pairs.mean(), low, high
+
+    def tables(self, against: str) -> tuple[list[list[str]], list[list[str]]]:
+        """Mean and standard deviation, and paired differences, of every volume: rows of words for a terminal."""
+        means, differences = [["", *self.numbers]], [["", *(name for name in self.numbers if name != against)]]
+        for key, heading in HEADINGS.items():
+            form = QUANTITIES[key].form
+            of = {name: self.summary(key, name, against) for name in self.numbers}
+            means.append([heading, *(f"{s[1]:{form}} \N{PLUS-MINUS SIGN} {s[2]:{form}}" if s[0] > 1 else NOT_KNOWN for s in of.values())])
+            told = (f"{s[4]:+{form}} [{s[5]:+{form}}, {s[6]:+{form}}]" if s[3] > 1 else NOT_KNOWN for n, s in of.items() if n != against)
+            differences.append([heading, *told])
+        return means, differences
+
+    def csv(self, against: str) -> str:
+        """Every number of every volume, a line each; areas in mm2, shares from 0 to 1."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        names = ("cases", "mean", "standard_deviation", "paired_cases", "mean_difference", "confidence_low", "confidence_high")
+        writer.writerow(["volume", "quantity", "unit", "against", *names])
+        for volume in self.numbers:
+            for key, quantity in QUANTITIES.items():
+                numbers = ["" if value != value else spreadsheet_cell(value) for value in self.summary(key, volume, against)]
+                unit = quantity.unit.replace("\N{SUPERSCRIPT TWO}", "2") or ("share" if quantity.form.endswith("%") else "")
+                writer.writerow([spreadsheet_cell(volume), key, unit, spreadsheet_cell(against), *numbers])
+        return text.getvalue()

@@ -1,0 +1,103 @@
+"""Numbers of many cases: means and spreads as they are computed by hand, differences case by case, and what to paste into a paper."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+import pytest
+import scipy
+
+from AIFReconLib.errors import FileFormatError, SettingsError
+from AIFReconLib.evaluation.cases import OWN_BONE, CaseNumbers
+from AIFReconLib.evaluation.paragraph import CITATION, methods_paragraph
+from AIFReconLib.evaluation.quantities import QUANTITIES
+
+CNR = {"average": [1.0, 2.0, 4.0, 3.0], "weighted": [3.0, 3.5, 7.0, 4.0]}
+
+
+@pytest.fixture
+def table(tmp_path):
+    """As batch writes it, the rows of one case beside each other."""
+    rows = ["case,method,bone_cnr,bone_coverage,bone_area,yardstick,volume"]
+    for case in range(4):
+        for method, values in CNR.items():
+            own = OWN_BONE if method == "weighted" else "other bone"
+            rows.append(f"P{case},{method},{values[case]},0.{case + 1},1000,{own},P{case}/{method}.nrrd")
+    (tmp_path / "results.csv").write_text("\n".join(rows) + "\n", "utf-8")
+    return tmp_path / "results.csv"
+
+
+@pytest.fixture
+def found(table):
+    return CaseNumbers.read({"results.csv": table})
+
+
+def test_mean_and_standard_deviation_are_those_of_the_cases(found):
+    cases, mean, deviation, *_ = found.summary("bone_cnr", "weighted", "average")
+    assert (cases, mean) == (4, np.mean(CNR["weighted"]))
+    assert deviation == pytest.approx(np.std(CNR["weighted"], ddof=1))
+
+
+def test_differences_are_taken_case_by_case_with_the_interval_of_the_bootstrap(found):
+    *_, pairs, mean, low, high = found.summary("bone_cnr", "weighted", "average")
+    differences = np.subtract(CNR["weighted"], CNR["average"])
+    assert (pairs, mean) == (4, differences.mean())
+    theirs = scipy.stats.bootstrap((differences,), np.mean, method="percentile", n_resamples=20_000, rng=np.random.default_rng(1))
+    assert (low, high) == pytest.approx(tuple(theirs.confidence_interval), abs=0.05)
+
+
+def test_a_case_that_one_volume_lacks_is_no_pair(table):
+    lines = table.read_text("utf-8").splitlines()
+    table.write_text("\n".join(lines[:-1]) + "\n", "utf-8")
+    cases, *_, pairs, _, _, _ = CaseNumbers.read({"results.csv": table}).summary("bone_cnr", "average", "weighted")
+    assert (cases, pairs) == (4, 3)
+
+
+def test_rows_of_the_terminal_are_quantities(found):
+    means, differences = found.tables("average")
+    assert means[0] == ["", "average", "weighted"]
+    assert means[1][0] == "CNR"
+    assert means[1][1].startswith("2.50 ± 1.29")
+    assert differences[0] == ["", "weighted"]
+    assert differences[1][1].startswith("+1.88 [")
+
+
+def test_the_csv_has_one_unit_for_a_quantity(found):
+    rows = list(csv.DictReader(io.StringIO(found.csv("average"))))
+    assert len(rows) == 2 * len(QUANTITIES)
+    units = {row["quantity"]: row["unit"] for row in rows}
+    assert (units["bone_area"], units["bone_coverage"], units["bone_thickness"]) == ("mm2", "share", "mm")
+    area = next(row for row in rows if row["quantity"] == "bone_area")
+    assert (area["mean"], area["standard_deviation"], area["cases"]) == ("1000", "0", "4")
+
+
+def test_the_others_are_compared_with_the_average_unless_told_otherwise(found):
+    assert found.reference(None) == "average"
+    assert found.reference("weighted") == "weighted"
+    with pytest.raises(SettingsError, match="one of average, weighted; got maximum"):
+        found.reference("maximum")
+
+
+def test_what_was_weighted_by_the_yardstick_is_known(found):
+    assert found.own_bone == {"weighted"}
+
+
+@pytest.mark.parametrize("text", ["a,b\n1,2\n", "volume,bone_cnr\nx.nrrd,much\n", "\0\0"])
+def test_what_is_no_such_table_is_refused(tmp_path, text):
+    (tmp_path / "other.csv").write_text(text, "utf-8")
+    with pytest.raises(FileFormatError, match="it is no table of numbers"):
+        CaseNumbers.read({"other.csv": tmp_path / "other.csv"})
+
+
+def test_the_paragraph_has_all_settings_and_what_to_cite():
+    settings = {"method": "aif", "alpha": 0.1, "spacing": 0.5, "bone_sigma_mm": 4.0, "grid_size": [10, 20, 30], "grid_to_reference": [[1]]}
+    text = methods_paragraph({"a.nrrd": settings, "b.nrrd": {}}, "They were measured against bone.nrrd.", ["a.nrrd"], cases=12)
+    assert "a.nrrd by the method aif (" in text
+    assert "with alpha 0.1, spacing 0.5 mm, bone sigma 4 mm, grid size 10 x 20 x 30." in text
+    assert "How b.nrrd was made is not known. They were measured against bone.nrrd." in text
+    assert "The bone that a.nrrd was measured against had weighted its frames." in text
+    assert "over 12 cases; differences are paired, with 95% confidence intervals by the percentile bootstrap" in text
+    assert text.endswith("BSD-3-Clause.\n")
+    assert f"[1] {CITATION}" in text

@@ -1,0 +1,48 @@
+"""The notebooks of the pages run from the first cell to the last, and are kept without what they answer."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+NOTEBOOKS = sorted((Path(__file__).resolve().parents[3] / "docs" / "examples").glob("*.ipynb"))
+
+
+def cells(path, kind):
+    return [cell for cell in json.loads(path.read_text("utf-8"))["cells"] if cell["cell_type"] == kind]
+
+
+@pytest.fixture(scope="module")
+def own_arrays(tmp_path_factory):
+    """What the cells of the notebook leave behind, and the folder where they ran."""
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    [path] = [path for path in NOTEBOOKS if path.stem == "own_arrays"]
+    folder, names = tmp_path_factory.mktemp("notebook"), {"__name__": "__main__"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for cell in cells(path, "code"):
+            exec(compile("".join(cell["source"]), path.name, "exec"), names)
+    return names, folder
+
+
+def test_own_arrays_become_a_volume_and_a_figure(own_arrays):
+    names, folder = own_arrays
+    assert {path.name for path in folder.iterdir()} == {"weighted.nrrd", "figure.pdf", "figure.png"}
+    assert (folder / "figure.pdf").read_bytes().startswith(b"%PDF")
+    assert names["weighted"].shape == names["volumes"]["average"].shape
+
+
+def test_masks_make_the_bone_of_the_notebook_brighter(own_arrays):
+    names, _ = own_arrays
+    brightest = {name: float(np.percentile(np.asarray(volume), 99.5)) for name, volume in names["volumes"].items()}
+    assert brightest["weighted"] > 1.5 * brightest["average"]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_one_page_without_answers(path):
+    code = cells(path, "code")
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+    assert sum(len(cell["source"]) for cell in json.loads(path.read_text("utf-8"))["cells"]) <= 90
