@@ -58,7 +58,7 @@ class CaseNumbers:
                     found.volumes.setdefault(volume, path.parent / row["volume"])
                     found.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
             except (KeyError, ValueError, csv.Error):
-                raise FileFormatError(f"{path}: it is no table of numbers that evaluate --csv or batch wrote. Give one.") from None
+                raise FileFormatError(f"{path}: it is no table of numbers as evaluate or batch write it. Give one.") from None
         return found
 
     def reference(self, against: str | None) -> str:

@@ -192,7 +192,7 @@ class AIFReconBedsideTest(unittest.TestCase):
         said = self.calibrated(1.7)
         self.assertEqual(self.levels()[3], "caution")
         self.assertIn("shift out of the image -", said)
-        self.assertIn("See “Calibrate on this sweep”", said)
+        self.assertIn("with “Calibrate on this sweep”", said)
 
     # ---- settings
 

@@ -136,7 +136,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
         self.ui.applyButton.click()
         self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking, 60.0))
         self.assertIn("mm off", self.ui.calibrationVerdictLabel.text, self.ui.registrationLabel.text)
-        self.assertIn("See “Calibrate on this sweep”", self.ui.calibrationVerdictLabel.text)
+        self.assertIn("with “Calibrate on this sweep”", self.ui.calibrationVerdictLabel.text)
         self.assertTrue(self.ui.calibrateButton.visible)
         told = {name: getattr(self.ui, f"{name}VerdictLabel").text for name in ("tracking", "registration", "calibration")}
         self.calibrate()

@@ -77,4 +77,4 @@ def test_the_versions_are_those_of_the_library(packages):
     assert f'fast = ["{packages.FAST}"]' in PROJECT
     assert f'ai = ["{packages.MODEL}"]' in PROJECT
     lines = [line for line in packages.REQUIREMENTS.read_text("utf-8").splitlines() if not line.startswith("#")]
-    assert lines == re.findall(r'"((?:pyigtl|pandas)[<=>][^"]*)"', PROJECT.partition("test = [")[0])
+    assert lines == list(dict.fromkeys(re.findall(r'"((?:pyigtl|pandas)[<=>][^"]*)"', PROJECT.partition("test = [")[0])))

@@ -31,8 +31,8 @@ _RECEIVED = "%time"
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?inf", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _NO_VALUE = ("", "missing", "nan", "null", "none", "n/a", "na", "-", "--")
-BAD_FLOAT = 1e20
-"""Beyond this a number stands for none: NDI writes -3.697314E28."""
+BAD_FLOAT = -3.697314e28
+"""What NDI writes where there is no number."""
 _LOOKED_AT = 400
 """Lines by which separators are judged."""
 
@@ -174,7 +174,7 @@ class Cells:
         column = self.frame[place]
         if column.dtype.kind in "iuf":
             values = np.asarray(column.to_numpy(), np.float64)
-            return np.where(np.abs(values) > BAD_FLOAT, np.nan, values)
+            return np.where(np.isclose(values, BAD_FLOAT, rtol=1e-4), np.nan, values)
         plain = column.astype(str).str.strip().str.strip("\"'")
         if self.sheet.separator != ",":
             plain = plain.where(~plain.str.fullmatch(_DECIMAL_COMMA.pattern), plain.str.replace(",", "."))
