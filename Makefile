@@ -83,6 +83,7 @@ screenshots: setup
 figures: setup
 	@$(BIN)/python Testing/figures/parameters.py
 	@$(BIN)/python Testing/figures/shown_bone.py
+	@$(BIN)/python Testing/figures/motion.py
 
 lint: setup
 	@$(BIN)/python -m ruff check --quiet .
@@ -120,6 +121,7 @@ study: setup
 	@$(BIN)/python Testing/study calibration --pages --output "$(STUDY_OUTPUT)/calibration"
 	@$(BIN)/python Testing/study looks --pages --output "$(STUDY_OUTPUT)/looks"
 	@$(BIN)/python Testing/study paths --pages --output "$(STUDY_OUTPUT)/paths"
+	@$(BIN)/python Testing/study motion --pages --output "$(STUDY_OUTPUT)/motion"
 	@$(BIN)/python Testing/study ct_bone --output "$(STUDY_OUTPUT)/ct-bone"
 	@$(BIN)/python Testing/study screens --output "$(STUDY_OUTPUT)/screens"
 

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from .sweep.frames import TrackedFrame as TrackedFrame
     from .sweep.frames import TrackedSequence as TrackedSequence
     from .sweep.time_offset import with_time_offset as with_time_offset
+    from .workflows.reconstruct import mended as mended
 
 __version__ = "0.1.0"
 
@@ -100,6 +101,7 @@ _PUBLIC = {
     "evaluate": "evaluation.metrics",
     "free_paths": "paths.free_paths",
     "labels_from_ct": "bone.ct.from_ct",
+    "mended": "workflows.reconstruct",
     "plan": "guidance.plan",
     "read_ct": "io.volume.dicom_series",
     "read_labels": "io.volume.label_files",

@@ -133,10 +133,15 @@ def checked(
     )
 
 
-def known_without_ct(sequences: TrackedSequence | Iterable[TrackedSequence], recipe: Recipe | None = None) -> tuple[str, ...]:
-    """What the echoes of a sweep tell of its calibration in passing, where there is no CT: a sentence, or nothing."""
+def known_without_ct(
+    sequences: TrackedSequence | Iterable[TrackedSequence], recipe: Recipe | None = None, known: SweepEchoes | None = None
+) -> tuple[str, ...]:
+    """What the echoes of a sweep tell of its calibration in passing, where there is no CT: a sentence, or nothing.
+
+    `known` are echoes of it that were found already.
+    """
     try:
-        echoes = imaged_echoes(sequences, recipe)
+        echoes = imaged_echoes(sequences, recipe, known=known)
     except AIFReconError:
         return ()
     if (contradicted := contradiction(echoes)) is not None:

@@ -16,6 +16,7 @@ from ..io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
 from ..io.sequence.files import IMAGE_FRAME
 from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
 from ..io.transform.files import read_transform
+from ..recipe.recipe import AUTOMATIC
 from ..sweep.edits import (
     corrected,
     crop,
@@ -29,8 +30,10 @@ from ..sweep.edits import (
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, refuse_to_overwrite
+from ..terminal.recipe_options import add_setting
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sequence_options, sequence_from
+from ..workflows.reconstruct import mended
 
 EXAMPLE = """examples:
   aifrecon convert sweep.igs.mha sweep.nrrd
@@ -38,6 +41,7 @@ EXAMPLE = """examples:
   aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
   aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
   aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm --time-offset 0.045
+  aifrecon convert breathed.igs.mha mended.igs.mha --motion auto --config PlusDeviceSet.xml
   aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
 
 
@@ -78,6 +82,7 @@ def add_to(commands: Commands) -> None:
     names.add_argument("--correction", type=Path, metavar="FILE.tfm", help="correct the image plane as aifrecon calibrate found it")
     names.add_argument("--scale", type=float, nargs=2, metavar=("X", "Y"), help="times the size of a pixel across and along")
     names.add_argument("--invert", metavar="NAME", help="take a transform for its inverse, e.g. ProbeToTracker")
+    add_setting(part, "motion")
     part.add_argument("--mirror", action="store_true", help="turn the images left to right; poses stay")
     parser.set_defaults(run=run)
 
@@ -88,6 +93,10 @@ def run(arguments: argparse.Namespace) -> None:
     refuse_to_overwrite(arguments, "output")
     sequence = changed(sequence_from(arguments), arguments)
     with ProgressBar() as progress:
+        if arguments.motion == AUTOMATIC:
+            before = len(sequence.notes)
+            sequence = mended(sequence, progress=progress)
+            sequence = replace(sequence, fields={**sequence.fields, "AIFRecon_motion": " ".join(sequence.notes[before:])})
         write_sequence(sequence, arguments.output, arguments.compress, progress)
     columns, rows = sequence.frame_size
     lines = [f"{len(sequence)} frames of {columns} x {rows} pixels", *map(in_options, sequence.notes), f"wrote {arguments.output}"]

@@ -12,6 +12,7 @@ from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
 from ..io.disk.atomic import write_text
 from ..io.volume.surfaces import check_labels_surface_path, check_surface_path, write_surface
 from ..progress import part
+from ..recipe.recipe import AUTOMATIC
 from ..registration.labeled_bone import LabeledBone
 from ..terminal.console import ProgressBar
 from ..terminal.options import (
@@ -23,9 +24,10 @@ from ..terminal.options import (
     place_from,
     refuse_to_overwrite,
 )
-from ..terminal.recipe_options import recipe_from
+from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
+from ..workflows.reconstruct import mended
 
 EXAMPLE = """examples:
   aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
@@ -51,6 +53,7 @@ def add_to(commands: Commands) -> None:
     result.add_argument("-o", "--output", "--report", dest="report", type=Path, metavar="FILE.json", help="also write the table as JSON")
     add_beam_option(result)
     add_sweep_options(parser)
+    add_setting(parser, "motion")
     parser.show_first("bone_labels", "ct", "bone_transform", "config", "surface", "report", "quiet")
     parser.set_defaults(run=run)
 
@@ -76,7 +79,10 @@ def run(arguments: argparse.Namespace) -> None:
         if labels is None and placed is not None:
             raise SettingsError("A transform places the CT's bone, and there is none. Give --bone-labels or --ct, or no --bone-transform.")
         sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
-        labels = None if labels is None else LabeledBone(labels, placed, sequences, recipe).labels
+        bone = None if labels is None else LabeledBone(labels, placed, sequences, recipe)
+        labels = None if bone is None else bone.labels
+        if recipe.motion == AUTOMATIC:
+            sequences = [mended(sequences, bone, recipe)]
         found = coverage(
             sequences,
             labels,

@@ -21,6 +21,8 @@ from ..inspection.diagnosis import diagnose
 from ..inspection.sweep_drawing import draw_sweep
 from ..io.disk.atomic import write_text
 from ..message import columns
+from ..motion.motion import find_motion
+from ..motion.solve import BoneInPlace
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
@@ -98,9 +100,15 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
-    bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
+    labeled = None if labels is None else LabeledBone(labels, placed, sequence, recipe)
+    bone, places = _bone(labeled, planned.method)
     if labels is not None and places:
         bone += calibration_lines([sequence], labels, placed, recipe)[0]
+    comparison = None if labeled is None else labeled.comparison()
+    moved: list[str] = []
+    if labeled is not None and comparison is not None:
+        motion = find_motion(sequence, BoneInPlace(labeled.field, labeled.place), recipe, None, comparison.echoes)
+        moved = [] if motion is None else [motion.moved] if motion.applied else list(motion.lines)
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
@@ -113,10 +121,11 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         "memory_bytes": planned.memory,
         "hole_limit_mm": planned.hole_limit,
         "bone": bone,
+        "motion": moved,
         "first": first,
         "command": command,
     }
-    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone]
+    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone, *moved]
     if first:
         lines += ["", "First place the CT on the sweep:", f"  {first[0]}"]
     return "\n".join([*lines, "", "Then:" if first else "To do so:", f"  {command}"]), as_dict

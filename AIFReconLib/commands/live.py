@@ -129,8 +129,8 @@ def add_to(commands: Commands) -> None:
     )
     add_setting(parser, "method")
     add_tracking_options(parser)
-    add_preview_option(add_reconstruction_options(parser, without=OF_A_RECORDING))
-    add_settings_options(parser, without=OF_A_RECORDING)
+    add_preview_option(add_reconstruction_options(parser, without=(*OF_A_RECORDING, "motion")))
+    add_settings_options(parser, without=(*OF_A_RECORDING, "motion"))
     parser.show_first("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
     parser.set_defaults(run=run)
 

@@ -32,7 +32,7 @@ from ..terminal.options import (
     refuse_to_overwrite,
     required_labels,
 )
-from ..terminal.recipe_options import recipe_from
+from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
 from .info import calibration_lines, reconstruct_command
@@ -84,6 +84,7 @@ def add_to(commands: Commands) -> None:
     )
     result.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the echoes on the bone (needs matplotlib)")
     add_sweep_options(parser)
+    add_setting(parser, "motion")
     parser.show_first("bone_labels", "ct", "config", "bone_transform", "per_segment", "preview", "report", "quiet")
     parser.set_defaults(run=run)
 
@@ -120,7 +121,8 @@ def run(arguments: argparse.Namespace) -> None:
             told, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe, part(progress, 0.8, 0.95), found.echoes)
             calibration = [] if agrees is None else told
         written = _write(arguments, found, labels, calibration)
-    lines = [found.agreement.sentence(), *map(in_options, labels.notes), *_findings(found, labels), *calibration]
+    moved = [] if found.motion is None else found.motion.lines
+    lines = [found.agreement.sentence(), *moved, *map(in_options, labels.notes), *_findings(found, labels), *calibration]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):
         raise RegistrationRefused(f"No transform is written. {found.said}", said(found.said))

@@ -26,6 +26,7 @@ from ..simulation.scan import (
     FRAME_RATE,
     ProbePath,
     ScannedBack,
+    TrackingErrors,
     freehand_sweep,
     multi_angle_sweep,
     plus_configuration_xml,
@@ -78,6 +79,9 @@ def add_to(commands: Commands) -> None:
     parser.add_argument("--gain", type=float, default=0.0, metavar="DB", help="turn the scanner's gain up by this")
     parser.add_argument("--depth-gain", type=float, default=0.0, metavar="DB", help="the same, little by little down to the last row")
     parser.add_argument("--gray-curve", type=float, default=1.0, metavar="POWER", help="power of the gray scale; above 1 is darker")
+    parser.add_argument("--breathing", type=float, default=0.0, metavar="MM", help="the patient breathes, so far to either side")
+    parser.add_argument("--shifting", type=float, default=0.0, metavar="MM", help="the patient lies elsewhere in each pass, by about this")
+    parser.add_argument("--step", type=float, default=0.0, metavar="MM", help="the patient moves once, in mid-scan, by this")
     parser.set_defaults(run=run)
 
 
@@ -89,8 +93,10 @@ def run(arguments: argparse.Namespace) -> None:
         planned = planned_path(arguments.plan)
     name, frames = ("planned", len(planned)) if planned else (arguments.path, arguments.frames)
     effects = UltrasoundEffects(gain_db=arguments.gain, depth_gain_db=arguments.depth_gain, gray_curve=arguments.gray_curve)
+    errors = TrackingErrors(breathing=arguments.breathing, shifting=arguments.shifting, step=arguments.step)
     with ProgressBar() as progress:
-        files = write_simulated_patient(arguments.output, arguments.seed, arguments.path, arguments.frames, progress, planned, effects)
+        path = planned or arguments.path
+        files = write_simulated_patient(arguments.output, arguments.seed, path, arguments.frames, progress, effects, errors)
     print(f"simulated patient {arguments.seed}, {name} sweep of {frames} frames")
     for path in (files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference):
         print(f"  wrote {path}")
@@ -133,11 +139,11 @@ def check_simulated_folder(folder: Path, names: Sequence[str]) -> None:
 def write_simulated_patient(
     folder: Path,
     seed: int = 0,
-    path: str = "multi-angle",
+    path: str | ProbePath = "multi-angle",
     frames: int = 144,
     progress: Progress | None = None,
-    planned: ProbePath | None = None,
     effects: UltrasoundEffects | None = None,
+    errors: TrackingErrors | None = None,
 ) -> SimulatedFiles:
     """Simulate a patient and a sweep, and write them as a user would have them.
 
@@ -145,12 +151,13 @@ def write_simulated_patient(
     ----------
     folder : Path
     seed, frames : int
-    path : "multi-angle", "single-angle" or "freehand"
+    path : "multi-angle", "single-angle" or "freehand", or a ProbePath
+        By one of one's own, `frames` do not count.
     progress : Progress or None
-    planned : ProbePath or None
-        Instead of `path` and `frames`.
     effects : UltrasoundEffects or None
         Among them the scanner's gain and gray curve.
+    errors : TrackingErrors or None
+        Among them how the patient moves.
 
     Notes
     -----
@@ -171,12 +178,13 @@ def write_simulated_patient(
     # First, because by it a folder is known as one of simulated files
     write_text(files.configuration, plus_configuration_xml(probe))
     phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(seed), ct_to_reference=ct_to_reference, progress=part(progress, 0.0, 0.2))
-    trajectory = planned or PATHS[path](phantom, frames)
+    trajectory = PATHS[path](phantom, frames) if isinstance(path, str) else path
     phantom.ct.write(files.ct)
     phantom.labels.write(files.labels)
     write_transform(phantom.ct_to_reference, files.ct_to_reference)
     drawn = part(progress, 0.25, 0.9)
-    sweep = simulate_sweep(phantom, probe, trajectory, effects=effects, seed=seed, processes=usable_cores(), progress=drawn)
+    cores = usable_cores()
+    sweep = simulate_sweep(phantom, probe, trajectory, errors=errors, effects=effects, seed=seed, processes=cores, progress=drawn)
     write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
     return replace(files, center_ras=junctions[len(junctions) // 2])

@@ -88,6 +88,12 @@ class ReadingSettings(Branch):
         label="Every N-th frame:",
         preset=True,
     )
+    motion: str | None = setting(
+        None,
+        "take out of the poses how the patient moved, as the bone echoes show it; off: not looked for (default: with a CT it is told)",
+        choices=(AUTOMATIC, "off"),
+        label="Motion of the patient:",
+    )
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..bone.echoes.found import SweepEchoes
 from ..message import listed
 
 CLOSE = 2.0
@@ -140,3 +141,4 @@ class Comparison:
 
     agreement: Agreement | None
     lines: tuple[str, ...]  #: The same in words, and what to do where they do not agree
+    echoes: SweepEchoes | None = field(default=None, repr=False, compare=False)  #: That were compared

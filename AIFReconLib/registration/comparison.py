@@ -138,8 +138,8 @@ def compared(
         return Comparison(None, (Sentence(f"CT and sweep were not compared. {said(error)}", error),))
     warning, sentence = agreement.warning(labels.names if isinstance(labels, Labels) else None), agreement.sentence()
     if warning is None:
-        return Comparison(agreement, (sentence,))
-    return Comparison(agreement, (sentence, Sentence(f"WARNING: {warning}", PLACE_THE_CT)))
+        return Comparison(agreement, (sentence,), echoes)
+    return Comparison(agreement, (sentence, Sentence(f"WARNING: {warning}", PLACE_THE_CT)), echoes)
 
 
 def warn_of_disagreement(comparison: Comparison | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
@@ -83,6 +84,17 @@ class LabeledBone(Described):
             return self
         return LabeledBone(self.labels, self.labels_to_reference, sequence, replace(recipe, **self._recipe.given(*OF_LABELS)))
 
+    def seen_by(self, sequence: TrackedSequence) -> LabeledBone:
+        """The same beside another recording of the same scan: where the motion of the patient was taken out of it."""
+        other = copy.copy(self)
+        other._sequence, other._comparison, other._last = sweeps_of(sequence), None, None
+        return other
+
+    @property
+    def place(self) -> Matrix:
+        """labels_to_reference, (4, 4) in mm, where none is given too."""
+        return np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
+
     def in_reference(self) -> Labels:
         """The labels where they lie in Reference."""
         return self.labels.placed_by(self.labels_to_reference)
@@ -144,7 +156,7 @@ class LabeledBone(Described):
                 return BoneMap(Volume(nothing.astype(np.float32), place), Volume(nothing, place), (said(none),))
         voxels, mm = (None if name not in settings else float(settings[name]) for name in ("bone_sigma_voxels", "bone_sigma_mm"))
         if mm is not None and method_named(method).follows_agreement:
-            return BoneMap.from_field(self._field, mm, self.labels_to_reference)
+            return BoneMap.from_field(self.field, mm, self.labels_to_reference)
         return BoneMap.from_labels(self.labels, SIGMA_VOXELS if voxels is None else voxels, mm, self.labels_to_reference, progress)
 
     def _may_be(self, points: Floats) -> Mask:
@@ -152,18 +164,17 @@ class LabeledBone(Described):
         comparison = self.comparison()
         reach = np.inf if comparison is None or comparison.agreement is None else comparison.agreement.reach
         in_labels = points if self.labels_to_reference is None else transform_points(invert(self.labels_to_reference), points)
-        return np.abs(self._field.distances(in_labels)) <= reach
+        return np.abs(self.field.distances(in_labels)) <= reach
 
     @cached_property
-    def _field(self) -> BoneField:
-        """Measured once, for the map and for how CT and sweep agree."""
+    def field(self) -> BoneField:
+        """How far from the bone a place is, measured once: for the map, for how CT and sweep agree, and for the motion."""
         return BoneField.from_labels(self.labels)
 
     def comparison(self, progress: Progress | None = None) -> Comparison | None:
         """How CT and sweep agree, looked at once; None without a sweep."""
         if self._comparison is None and self._sequence is not None:
-            placed = np.eye(4) if self.labels_to_reference is None else self.labels_to_reference
-            self._comparison = compared(self._sequence, self.labels, placed, self._recipe, progress, lambda: self._field)
+            self._comparison = compared(self._sequence, self.labels, self.place, self._recipe, progress, lambda: self.field)
         return self._comparison
 
     def lines(self, method: str, progress: Progress | None = None) -> list[str]:

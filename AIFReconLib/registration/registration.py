@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,10 +15,12 @@ from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..message import Judged, Sentence
+from ..motion.motion import PatientMotion, find_motion
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..remedies import START_NEARER
 from ..sweep.frames import TrackedSequence
+from ..sweep.multi_sweep import sweeps_of
 from .agreement import Agreement
 from .certainty import HELD_MM, UnconstrainedMotion, not_held, restart_spread
 from .comparison import check
@@ -69,6 +71,7 @@ class Registration(Judged):
     moved: float | None  #: mm. How far the bone has moved from the start; None without one.
     segments: Segments | None  #: Each bone's own motion
     echoes: SweepEchoes = field(repr=False)
+    motion: PatientMotion | None = None  #: That was taken out of the echoes before
 
     def _facts(self) -> list[tuple[str, str]]:
         return [("accepted", str(self.accepted)), ("agreement", self.agreement.sentence())]
@@ -117,8 +120,13 @@ def register(
     require_kind("labels", labels, Volume, "Read it first: read_labels(path).")
     start = None if start is None else _rigid(start)
     bone = BoneField.from_labels(labels)
-    echoes = sweep_echoes(sequences, recipe, progress=part(progress, 0.0, 0.5))
-    return register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
+    sweeps, motion = sweeps_of(sequences, recipe), None
+    echoes = sweep_echoes(sweeps, recipe, progress=part(progress, 0.0, 0.4))
+    if recipe is None or recipe.motion != "off":
+        motion = find_motion(sweeps, None, recipe, part(progress, 0.4, 0.5), echoes)
+        echoes = echoes if motion is None or not motion.applied else motion.curve.moved(echoes)
+    found = register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
+    return replace(found, motion=motion)
 
 
 def register_echoes(
@@ -273,6 +281,7 @@ def as_report(found: Registration) -> dict[str, object]:
             for one in found.loose
         ],
         "restarts_mm": round(found.restarts, 3),
+        "motion": [] if found.motion is None else list(found.motion.lines),
         "alternatives": [
             {
                 "transform": other.transform.tolist(),

@@ -30,6 +30,9 @@ FRAME_RATE = 20.0
 AIM_DEPTH = 30.0
 """mm under the skin of the point that every tilt keeps in the middle beam."""
 
+BREATH, BREATHES_ALONG = 3.7, np.array([0.2, 0.81, 0.55])
+"""s from breath to breath, and the way of a patient's back, a unit vector in Reference."""
+
 TRANSVERSE, SAGITTAL = "transverse", "sagittal"
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
@@ -90,6 +93,13 @@ class TrackingErrors:
         Part of the frames in which the probe is out of the tracker's view, in runs.
     drift : float, mm
         How far the probe is recorded beside where it is at the end of the scan, in a direction of the tracker; it grows from 0 with time.
+    breathing : float, mm
+        How far the patient moves to either side of the middle as they breathe, every `BREATH` s: mostly back and forth, and toward the
+        head. The marker does not move with them, nor below.
+    shifting : float, mm
+        Standard deviation, along each axis, of how far the patient lies elsewhere in each pass; turned by half as many degrees.
+    step : float, mm
+        How far the patient moves at once, in the middle of the middle pass.
     """
 
     noise: float = 0.0
@@ -99,9 +109,13 @@ class TrackingErrors:
     time_offset: float = 0.0
     dropout: float = 0.0
     drift: float = 0.0
+    breathing: float = 0.0
+    shifting: float = 0.0
+    step: float = 0.0
 
     def __post_init__(self) -> None:
-        values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg, self.drift)
+        of_patient = (self.breathing, self.shifting, self.step)
+        values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg, self.drift, *of_patient)
         if min(values) < 0 or not math.isfinite(sum(values) + self.time_offset):
             raise SettingsError(f"Input tracking errors must be finite and not negative; got {self}.")
         if not 0.0 <= self.dropout < 1.0:
@@ -320,13 +334,14 @@ def recorded_poses(probe: PhasedArray, path: ProbePath, errors: TrackingErrors |
     statuses = _dropouts(len(path), errors.dropout, rng)
     gone = (path.timestamps - path.timestamps[0]) / max(np.ptp(path.timestamps), 1e-9)
     drift = errors.drift * gone[:, None] * random_rigid(1.0, 0.0, np.random.default_rng([seed, 32]))[:3, 3]
+    moved = patient_motion(path.timestamps, errors, seed)
     records = []
     for n, timestamp in enumerate(path.timestamps):
         shake = np.eye(4)
         shake[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(errors.noise_deg) * rng.standard_normal(3)).as_matrix()
         shake[:3, 3] = errors.noise * rng.standard_normal(3)
         seen = statuses[n] is TransformStatus.OK
-        probe_to_tracker = reference_to_tracker[n] @ late[n] @ shake if seen else np.eye(4)
+        probe_to_tracker = reference_to_tracker[n] @ moved[n] @ late[n] @ shake if seen else np.eye(4)
         probe_to_tracker[:3, 3] += drift[n] if seen else 0.0
         transforms = {
             PROBE_TO_TRACKER: TransformSample(probe_to_tracker, statuses[n]),
@@ -334,6 +349,25 @@ def recorded_poses(probe: PhasedArray, path: ProbePath, errors: TrackingErrors |
         }
         records.append(FrameRecord(float(timestamp), float(timestamp), TransformStatus.OK, transforms))
     return records
+
+
+def patient_motion(timestamps: Floats, errors: TrackingErrors, seed: int = 0) -> Matrix:
+    """Where the patient's bone has moved to in Reference at each time, (n, 4, 4): the probe follows it, and its images stay the same."""
+    rng = np.random.default_rng([seed, 60])
+    moved = np.tile(np.eye(4), (len(timestamps), 1, 1))
+    passes = np.concatenate([[0], np.cumsum(np.diff(timestamps) > 1.0)])
+    about = np.array([0.0, AIM_DEPTH + 10.0, 0.0])
+    for number in range(int(passes[-1]) + 1):
+        turn = np.radians(errors.shifting / 2) * rng.standard_normal(3)
+        one = np.eye(4)
+        one[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(turn).as_matrix()
+        one[:3, 3] = about - one[:3, :3] @ about + errors.shifting * rng.standard_normal(3)
+        moved[passes == number] = one
+    phase = 2 * math.pi * (np.asarray(timestamps) / BREATH + rng.random())
+    moved[:, :3, 3] += errors.breathing * np.sin(phase)[:, None] * BREATHES_ALONG
+    middle = timestamps[np.flatnonzero(passes == passes[-1] // 2)].mean()
+    moved[:, :3, 3] += errors.step * (timestamps > middle)[:, None] * random_rigid(1.0, 0.0, rng)[:3, 3]
+    return moved
 
 
 def _dropouts(frames: int, dropout: float, rng: np.random.Generator) -> list[TransformStatus]:

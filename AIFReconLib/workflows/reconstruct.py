@@ -52,10 +52,14 @@ from ..imaging.sound_speed import depth_factor, depth_scale
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..machine.read_ahead import read_ahead
 from ..machine.threads import usable_cores
+from ..message import Sentence
+from ..motion.motion import PatientMotion, find_motion, taken_out, with_notes
+from ..motion.solve import BoneInPlace
 from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
-from ..recipe.recipe import Recipe
+from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
+from ..remedies import TAKE_MOTION_OUT
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.multi_sweep import joined, shares
 from ..sweep.poses import (
@@ -162,6 +166,7 @@ def plan(
 def planned(job: ReconstructionJob, progress: Progress | None = None) -> ReconstructionPlan:
     """Everything that a job leaves open, decided: where bone is, first of all."""
     report(progress, 0.0, "Looking at the sweep")
+    job, motion = without_motion(job, progress)
     sequence, asked = job.sequence, job.recipe
     said: tuple[str, ...] = ()
     with _about(job.bone.name if isinstance(job.bone, BoneSource) else ""):
@@ -173,9 +178,65 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     require_kinds(bone=bone)
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
-        said = known_without_ct(sequence, asked)
+        said = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
+    if motion is not None and motion.applied and asked.motion is None:
+        said = (*said, Sentence(motion.moved, TAKE_MOTION_OUT))
+    elif motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
+        said = (*said, *motion.lines)
     found = _decided(replace(job, recipe=asked), bone is not None)
     return replace(found, bone=bone, source=source, said=said)
+
+
+def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
+    """The job with the motion of the patient taken out of its sweep, where that is asked for and there is any; and that motion.
+
+    Where nothing is asked it is looked for where a CT makes that quick, and said: a wrong calibration may look like a motion.
+    """
+    recipe, source, sequence = job.recipe, job.bone, job.sequence
+    has_labels = isinstance(source, Volume | LabeledBone) or (isinstance(source, BoneSource) and source.labels is not None)
+    if recipe.motion == "off":
+        return job, None
+    if recipe.motion is None:
+        method = resolve_settings(recipe, sequence.configuration, has_labels).method_for(has_labels)
+        if not (has_labels and method_named(method).follows_agreement):
+            return job, None
+    labeled = found_bone(job) if has_labels else None
+    bone = known = None
+    if isinstance(labeled, LabeledBone):
+        job, comparison = replace(job, bone=labeled), labeled.comparison(progress)
+        bone, known = BoneInPlace(labeled.field, labeled.place), None if comparison is None else comparison.echoes
+    motion = find_motion(sequence, bone, recipe, progress, known)
+    if motion is None or not motion.applied or recipe.motion is None:
+        return job, motion
+    mended = taken_out(sequence, motion, recipe)
+    source = labeled.seen_by(mended) if isinstance(labeled, LabeledBone) else job.bone
+    # The header says it, so that it is done again
+    return replace(job, sequence=mended, bone=source, recipe=replace(recipe, motion=AUTOMATIC)), motion
+
+
+def mended(
+    sequence: TrackedSequence | Iterable[TrackedSequence],
+    bone: LabeledBone | Volume | None = None,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
+) -> TrackedSequence:
+    """A recording with the motion of the patient taken out of its poses, by the echoes of bone that its passes show.
+
+    Its notes say what was found. What the passes do not show closely enough is left as it was: see `find_motion`.
+
+    Parameters
+    ----------
+    sequence : TrackedSequence or several in one Reference
+    bone : LabeledBone, Volume of labels in Reference, or None
+        A CT's bone, on which all is laid.
+    recipe : Recipe or None
+        As in `reconstruct`.
+    """
+    recipe = replace(recipe or Recipe(), motion=AUTOMATIC)
+    job, motion = without_motion(ReconstructionJob(joined(sequence, recipe), recipe, bone), progress)
+    if motion is None or motion.applied or not motion.lines:
+        return job.sequence
+    return with_notes(job.sequence, motion.lines)
 
 
 def found_bone(job: ReconstructionJob, progress: Progress | None = None) -> BoneMap | LabeledBone | None:

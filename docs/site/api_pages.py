@@ -17,6 +17,7 @@ ROOMS = (
         "holes",
         "io",
         "registration",
+        "motion",
         "calibration",
         "guidance",
         "paths",

@@ -77,6 +77,7 @@ TABLES = {
             "paths",
             "own-data",
             "without-ct",
+            "motion",
             "cohorts",
             "for-a-paper",
             "troubleshooting",

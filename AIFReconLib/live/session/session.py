@@ -22,7 +22,7 @@ from ...imaging.sound_speed import depth_factor
 from ...message import said
 from ...progress import Progress, part
 from ...provenance.record import with_origin
-from ...recipe.recipe import OF_READING, Recipe
+from ...recipe.recipe import AUTOMATIC, OF_READING, Recipe
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
@@ -51,13 +51,15 @@ def _read_as_asked(synchronizer: SynchronizerSettings, asked: Recipe) -> tuple[S
 
     Raises SettingsError when both say it and differ, or for what a stream says itself.
     """
-    given = asked.left_open("skip").given(*OF_READING)
+    given = asked.left_open("skip", "motion").given(*OF_READING)
+    if asked.motion == AUTOMATIC:
+        raise SettingsError("Input motion is for recordings, whose frames are all there. Leave it out, and reconstruct the recorded scan.")
     if "orientation" in given:
         raise SettingsError("Input orientation is for files: a stream's server says how its pixels run. Leave it out.")
     for name, value in given.items():
         if getattr(synchronizer, name) not in (value, getattr(SynchronizerSettings, name)):
             raise SettingsError(f"Input {name} must be that of the synchronizer, {getattr(synchronizer, name)!r}; got {value!r}.")
-    return replace(synchronizer, **given), asked.left_open("time_offset", "longest_gap")
+    return replace(synchronizer, **given), asked.left_open("time_offset", "longest_gap", "motion")
 
 
 class LiveSession:

@@ -26,7 +26,7 @@ ROOMS = (
     *("live/replay", "live/session", "live/pairing", "live/wire"),
     *("guidance", "paths"),
     *("evaluation", "simulation", "inspection", "provenance", "compounding"),
-    *("calibration", "registration", "bone", "effective_settings"),
+    *("calibration", "registration", "motion", "bone", "effective_settings"),
     *("io/foreign", "io/sequence", "io/plus", "io/volume", "io/transform", "io/metafile", "io/disk"),
     *("sweep", "imaging", "holes", "recipe", "geometry", "machine"),
     *("compounding/methods", "progress", "errors", "message", "remedies", "arrays"),

@@ -77,6 +77,7 @@ ELSEWHERE = {
     "bone_from_sweep": "a sweep that shows bone, below",
     "bone_frames_px": "a network's predictions, below",
     "engine": "every engine gives the same voxels",
+    "motion": "a patient who moves, in Testing/Python/motion",
     "best_cosine": "another volume, --cosine",
 }
 """Settings that need more than a value, or change no voxel."""

@@ -1,0 +1,114 @@
+"""A simulated patient who moves, through every door: the volume, the registration, the recording that is written, what is said."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from AIFReconLib import LabeledBone, mended, read_labels, read_sequence, read_transform, reconstruct, register
+from AIFReconLib.commands.parser import main
+from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.errors import SettingsError
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.message import Sentence
+from AIFReconLib.provenance.record import settings_of
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.remedies import TAKE_MOTION_OUT
+from AIFReconLib.simulation.scan import TrackingErrors
+from AIFReconLib.sweep.poses import sweep_poses
+
+FRAMES = 297
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """The patient at rest, and the same who lies elsewhere in each pass."""
+    folder = tmp_path_factory.mktemp("patients")
+    errors = {"rest": TrackingErrors(), "moving": TrackingErrors(shifting=3.0)}
+    return {name: write_simulated_patient(folder / name, 0, "multi-angle", FRAMES, errors=of) for name, of in errors.items()}
+
+
+def read(files):
+    sequence = read_sequence(files.sequence, config=files.configuration)
+    return sequence, LabeledBone(read_labels(files.labels), read_transform(files.ct_to_reference))
+
+
+def off(sequence, true) -> float:
+    """mm, root mean square, by which pixels at bone lie beside where they are."""
+    pixels = np.array([[x, y, 0.0, 1.0] for x in (100, 250) for y in (150, 250)])
+    here, there = (sweep_poses(each).image_to_reference @ pixels.T for each in (sequence, true))
+    return float(np.sqrt(((here - there)[:, :3] ** 2).sum(axis=1).mean()))
+
+
+def test_motion_is_taken_out_of_the_poses_and_the_header_says_so(files):
+    true, _ = read(files["rest"])
+    sequence, bone = read(files["moving"])
+    assert off(sequence, true) > 4.0
+    still = mended(sequence, bone)
+    assert off(still, true) < 0.7
+    assert any(note.startswith("Mended: echoes lie ") for note in still.notes)
+    result = reconstruct(sequence, Recipe(spacing=2.0, motion="auto"), bone)
+    assert settings_of(result.intensity)["motion"] == "auto"
+    assert any(line.startswith("Mended: echoes lie ") for line in result.said)
+    assert any(line.startswith("CT and sweep agree") for line in result.said)
+
+
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
+def test_where_nothing_is_asked_it_is_told_and_what_takes_it_out(files):
+    sequence, bone = read(files["moving"])
+    result = reconstruct(sequence, Recipe(spacing=2.0), bone)
+    assert "motion" not in settings_of(result.intensity)
+    told = [line for line in result.said if isinstance(line, Sentence) and TAKE_MOTION_OUT in line.advice]
+    assert len(told) == 1
+    assert " mm" in told[0]
+
+
+def test_of_a_patient_at_rest_every_voxel_stays(files):
+    sequence, bone = read(files["rest"])
+    as_it_is, asked = (reconstruct(sequence, Recipe(spacing=2.0, motion=motion), bone) for motion in ("off", "auto"))
+    assert np.array_equal(as_it_is.intensity.array, asked.intensity.array)
+    assert settings_of(as_it_is.intensity)["motion"] == "off"
+
+
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
+@pytest.mark.parametrize("method", ["average", "aif"])
+def test_other_methods_take_it_out_where_that_is_asked_for_alone(files, method):
+    sequence, bone = read(files["moving"])
+    plain, asked = (reconstruct(sequence, Recipe(method=method, spacing=2.0, motion=motion), bone) for motion in (None, "auto"))
+    assert not any("Mended" in line for line in plain.said)
+    assert any("Mended" in line for line in asked.said)
+
+
+def test_a_scan_that_moved_is_registered(files):
+    sequence, bone = read(files["moving"])
+    found = register(sequence, bone.labels, bone.place)
+    assert found.accepted
+    assert found.motion is not None
+    assert found.motion.applied
+    assert not register(sequence, bone.labels, bone.place, recipe=Recipe(motion="off")).accepted
+
+
+def test_convert_writes_mended_poses_and_says_so_in_the_header(files, tmp_path, capsys):
+    one, out = files["moving"], tmp_path / "mended.igs.mha"
+    assert main(["convert", str(one.sequence), str(out), "--config", str(one.configuration), "--motion", "auto"]) == 0
+    assert "Mended: echoes lie " in capsys.readouterr().out
+    written = read_sequence(out, config=one.configuration)
+    expected = mended(read(one)[0])
+    assert written.fields["AIFRecon_motion"].split("Mended")[1] == expected.notes[-1].split("Mended")[1]
+    assert sweep_poses(written).image_to_reference == pytest.approx(sweep_poses(expected).image_to_reference, abs=1e-3)
+    assert mended(written) is not None
+    assert off(written, expected) < 0.01
+
+
+def test_info_says_how_the_patient_moved(files, capsys):
+    one = files["moving"]
+    placed = ["--bone-labels", str(one.labels), "--bone-transform", str(one.ct_to_reference)]
+    assert main(["info", str(one.sequence), "--config", str(one.configuration), *placed, "--json"]) == 0
+    assert any(" mm" in line for line in json.loads(capsys.readouterr().out)["plan"]["motion"])
+
+
+def test_a_live_scan_refuses_it_as_its_frames_are_not_all_there():
+    with pytest.raises(SettingsError, match="Input motion is for recordings"):
+        LiveSession(iter(()), Recipe(motion="auto"))
