@@ -108,7 +108,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     moved: list[str] = []
     if labeled is not None and comparison is not None:
         motion = find_motion(sequence, BoneInPlace(labeled.field, labeled.place), recipe, None, comparison.echoes)
-        moved = [] if motion is None else [motion.moved] if motion.applied else list(motion.lines)
+        moved = [motion.moved] if motion is not None and motion.applied else []
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)

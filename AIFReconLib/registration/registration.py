@@ -281,7 +281,7 @@ def as_report(found: Registration) -> dict[str, object]:
             for one in found.loose
         ],
         "restarts_mm": round(found.restarts, 3),
-        "motion": [] if found.motion is None else list(found.motion.lines),
+        "motion": list(found.motion.lines) if found.motion is not None and found.motion.applied else [],
         "alternatives": [
             {
                 "transform": other.transform.tolist(),

@@ -181,7 +181,8 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
         said = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
     if motion is not None and motion.applied and asked.motion is None:
         said = (*said, Sentence(motion.moved, TAKE_MOTION_OUT))
-    elif motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
+    elif motion is not None and not motion.applied and asked.motion and not any(line.startswith("WARNING") for line in said):
+        # Passes of few frames lie apart at rest, too: where nobody asked, nobody is warned
         said = (*said, *motion.lines)
     found = _decided(replace(job, recipe=asked), bone is not None)
     return replace(found, bone=bone, source=source, said=said)
