@@ -20,12 +20,13 @@ from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
 from ..inspection.sweep_drawing import draw_sweep
 from ..io.disk.atomic import write_text
-from ..message import columns
+from ..message import Sentence, columns
 from ..motion.motion import find_motion
 from ..motion.solve import BoneInPlace
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
+from ..remedies import TAKE_MOTION_OUT
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, place_from, refuse_to_overwrite
@@ -108,7 +109,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     moved: list[str] = []
     if labeled is not None and comparison is not None:
         motion = find_motion(sequence, BoneInPlace(labeled.field, labeled.place), recipe, None, comparison.echoes)
-        moved = [motion.moved] if motion is not None and motion.applied else []
+        moved = [in_options(Sentence(motion.moved, TAKE_MOTION_OUT))] if motion is not None and motion.applied else []
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)

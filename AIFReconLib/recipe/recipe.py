@@ -90,9 +90,8 @@ class ReadingSettings(Branch):
     )
     motion: str | None = setting(
         None,
-        "take out of the poses how the patient moved, as the bone echoes show it; off: not looked for (default: with a CT it is told)",
+        "take out of the poses how the patient moved, as the bone echoes show it; off: not (default: off; info tells it)",
         choices=(AUTOMATIC, "off"),
-        label="Motion of the patient:",
     )
 
 

@@ -52,14 +52,12 @@ from ..imaging.sound_speed import depth_factor, depth_scale
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..machine.read_ahead import read_ahead
 from ..machine.threads import usable_cores
-from ..message import Sentence
 from ..motion.motion import PatientMotion, find_motion, taken_out, with_notes
 from ..motion.solve import BoneInPlace
 from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..remedies import TAKE_MOTION_OUT
 from ..sweep.frames import TrackedFrame, TrackedSequence
 from ..sweep.multi_sweep import joined, shares
 from ..sweep.poses import (
@@ -179,10 +177,7 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
         said = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
-    if motion is not None and motion.applied and asked.motion is None:
-        said = (*said, Sentence(motion.moved, TAKE_MOTION_OUT))
-    elif motion is not None and not motion.applied and asked.motion and not any(line.startswith("WARNING") for line in said):
-        # Passes of few frames lie apart at rest, too: where nobody asked, nobody is warned
+    if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
         said = (*said, *motion.lines)
     found = _decided(replace(job, recipe=asked), bone is not None)
     return replace(found, bone=bone, source=source, said=said)
@@ -191,23 +186,19 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
 def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
     """The job with the motion of the patient taken out of its sweep, where that is asked for and there is any; and that motion.
 
-    Where nothing is asked it is looked for where a CT makes that quick, and said: a wrong calibration may look like a motion.
+    Not where nothing is asked: a wrong calibration may look like a motion.
     """
     recipe, source, sequence = job.recipe, job.bone, job.sequence
     has_labels = isinstance(source, Volume | LabeledBone) or (isinstance(source, BoneSource) and source.labels is not None)
-    if recipe.motion == "off":
+    if recipe.motion != AUTOMATIC:
         return job, None
-    if recipe.motion is None:
-        method = resolve_settings(recipe, sequence.configuration, has_labels).method_for(has_labels)
-        if not (has_labels and method_named(method).follows_agreement):
-            return job, None
     labeled = found_bone(job) if has_labels else None
     bone = known = None
     if isinstance(labeled, LabeledBone):
         job, comparison = replace(job, bone=labeled), labeled.comparison(progress)
         bone, known = BoneInPlace(labeled.field, labeled.place), None if comparison is None else comparison.echoes
     motion = find_motion(sequence, bone, recipe, progress, known)
-    if motion is None or not motion.applied or recipe.motion is None:
+    if motion is None or not motion.applied:
         return job, motion
     mended = taken_out(sequence, motion, recipe)
     source = labeled.seen_by(mended) if isinstance(labeled, LabeledBone) else job.bone

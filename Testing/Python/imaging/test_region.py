@@ -75,7 +75,8 @@ def test_a_clip_equals_the_plain_loop(origin, size):
 )
 @settings(max_examples=80)
 def test_a_fan_equals_the_plain_loop(apex, angles, radii, pixel_size):
-    angles = tuple(sorted(angles))
+    # A pixel in the very apex has any angle: no apex is closer to one than the last digits tell
+    apex, angles = tuple(round(value, 6) for value in apex), tuple(sorted(round(value, 6) for value in angles))
     assume(angles[0] < angles[1])
     assume(radii[0] < radii[1])
     expected = kept_by_loop(23, 17, fan=(apex, angles, radii, pixel_size))

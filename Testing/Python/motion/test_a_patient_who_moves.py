@@ -12,10 +12,8 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.message import Sentence
 from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import Recipe
-from AIFReconLib.remedies import TAKE_MOTION_OUT
 from AIFReconLib.simulation.scan import TrackingErrors
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -56,13 +54,11 @@ def test_motion_is_taken_out_of_the_poses_and_the_header_says_so(files):
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
-def test_where_nothing_is_asked_it_is_told_and_what_takes_it_out(files):
+def test_where_nothing_is_asked_nothing_is_moved(files):
     sequence, bone = read(files["moving"])
-    result = reconstruct(sequence, Recipe(spacing=2.0), bone)
-    assert "motion" not in settings_of(result.intensity)
-    told = [line for line in result.said if isinstance(line, Sentence) and TAKE_MOTION_OUT in line.advice]
-    assert len(told) == 1
-    assert " mm" in told[0]
+    left_open, off = (reconstruct(sequence, Recipe(spacing=2.0, motion=motion), bone) for motion in (None, "off"))
+    assert "motion" not in settings_of(left_open.intensity)
+    assert np.array_equal(left_open.intensity.array, off.intensity.array)
 
 
 def test_of_a_patient_at_rest_every_voxel_stays(files):
@@ -106,7 +102,7 @@ def test_info_says_how_the_patient_moved(files, capsys):
     one = files["moving"]
     placed = ["--bone-labels", str(one.labels), "--bone-transform", str(one.ct_to_reference)]
     assert main(["info", str(one.sequence), "--config", str(one.configuration), *placed, "--json"]) == 0
-    assert any(" mm" in line for line in json.loads(capsys.readouterr().out)["plan"]["motion"])
+    assert any(" mm" in line and "--motion auto" in line for line in json.loads(capsys.readouterr().out)["plan"]["motion"])
 
 
 def test_a_live_scan_refuses_it_as_its_frames_are_not_all_there():
