@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-TAKE_MOTION_OUT = "It is not taken out: give {motion:auto} for that, once the calibration has been checked."
 NAME_THE_PROBE = "Give {probe:linear}, or {probe:sector} with {apex_px:COLUMN ROW}."
 CHECK_PROBE_AND_CLIP = "Check that the sweep shows bone, and {probe} and {clip_px}."
 

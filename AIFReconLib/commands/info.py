@@ -20,13 +20,10 @@ from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
 from ..inspection.sweep_drawing import draw_sweep
 from ..io.disk.atomic import write_text
-from ..message import Sentence, columns
-from ..motion.motion import find_motion
-from ..motion.solve import BoneInPlace
+from ..message import columns
 from ..progress import Progress, part
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..remedies import TAKE_MOTION_OUT
 from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, place_from, refuse_to_overwrite
@@ -101,15 +98,9 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         planned = plan(sequence, recipe, has_bone=has_bone, poses=report.poses)
     except AIFReconError as error:
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
-    labeled = None if labels is None else LabeledBone(labels, placed, sequence, recipe)
-    bone, places = _bone(labeled, planned.method)
+    bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
     if labels is not None and places:
         bone += calibration_lines([sequence], labels, placed, recipe)[0]
-    comparison = None if labeled is None else labeled.comparison()
-    moved: list[str] = []
-    if labeled is not None and comparison is not None:
-        motion = find_motion(sequence, BoneInPlace(labeled.field, labeled.place), recipe, None, comparison.echoes)
-        moved = [in_options(Sentence(motion.moved, TAKE_MOTION_OUT))] if motion is not None and motion.applied else []
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
@@ -122,11 +113,10 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         "memory_bytes": planned.memory,
         "hole_limit_mm": planned.hole_limit,
         "bone": bone,
-        "motion": moved,
         "first": first,
         "command": command,
     }
-    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone, *moved]
+    lines = [text, "", "As it is, reconstruct would make:", facts, *map(in_options, (*planned.notes, *unasked)), *bone]
     if first:
         lines += ["", "First place the CT on the sweep:", f"  {first[0]}"]
     return "\n".join([*lines, "", "Then:" if first else "To do so:", f"  {command}"]), as_dict

@@ -121,7 +121,7 @@ def run(arguments: argparse.Namespace) -> None:
             told, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe, part(progress, 0.8, 0.95), found.echoes)
             calibration = [] if agrees is None else told
         written = _write(arguments, found, labels, calibration)
-    moved = found.motion.lines if found.motion is not None and found.motion.applied else ()
+    moved = () if found.motion is None else found.motion.lines
     lines = [found.agreement.sentence(), *moved, *map(in_options, labels.notes), *_findings(found, labels), *calibration]
     print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
     if not _is_taken(arguments, found):

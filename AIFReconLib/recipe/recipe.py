@@ -90,7 +90,7 @@ class ReadingSettings(Branch):
     )
     motion: str | None = setting(
         None,
-        "take out of the poses how the patient moved, as the bone echoes show it; off: not (default: off; info tells it)",
+        "take out of the poses how the patient moved, as the bone echoes show it; off: not (default: off)",
         choices=(AUTOMATIC, "off"),
     )
 

@@ -17,7 +17,7 @@ from ..geometry.volume import Volume
 from ..message import Judged, Sentence
 from ..motion.motion import PatientMotion, find_motion
 from ..progress import Progress, part, report
-from ..recipe.recipe import Recipe
+from ..recipe.recipe import AUTOMATIC, Recipe
 from ..remedies import START_NEARER
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
@@ -122,7 +122,7 @@ def register(
     bone = BoneField.from_labels(labels)
     sweeps, motion = sweeps_of(sequences, recipe), None
     echoes = sweep_echoes(sweeps, recipe, progress=part(progress, 0.0, 0.4))
-    if recipe is None or recipe.motion != "off":
+    if recipe is not None and recipe.motion == AUTOMATIC:
         motion = find_motion(sweeps, None, recipe, part(progress, 0.4, 0.5), echoes)
         echoes = echoes if motion is None or not motion.applied else motion.curve.moved(echoes)
     found = register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))
@@ -281,7 +281,7 @@ def as_report(found: Registration) -> dict[str, object]:
             for one in found.loose
         ],
         "restarts_mm": round(found.restarts, 3),
-        "motion": list(found.motion.lines) if found.motion is not None and found.motion.applied else [],
+        "motion": [] if found.motion is None else list(found.motion.lines),
         "alternatives": [
             {
                 "transform": other.transform.tolist(),
