@@ -63,9 +63,12 @@ class CaseNumbers:
 
     def reference(self, against: str | None) -> str:
         """The volume that others are compared with: the one that is asked for, else the average, else the first."""
-        if against is not None and against not in self.numbers:
+        named = {name.removesuffix(".nrrd"): name for name in self.numbers}
+        if against is None:
+            return named.get("average", next(iter(self.numbers)))
+        if against.removesuffix(".nrrd") not in named:
             raise SettingsError(f"Input against must be one of {listed(self.numbers)}; got {against}.")
-        return against or next((name for name in self.numbers if name.removesuffix(".nrrd") == "average"), next(iter(self.numbers)))
+        return named[against.removesuffix(".nrrd")]
 
     def summary(self, key: str, volume: str, against: str) -> tuple[int, float, float, int, float, float, float]:
         """Of one number: cases, mean and standard deviation; paired cases, mean difference, and the ends of its confidence interval."""

@@ -80,6 +80,12 @@ def test_the_others_are_compared_with_the_average_unless_told_otherwise(found):
         found.reference("maximum")
 
 
+@pytest.mark.parametrize("asked", ["average", "average.nrrd"])
+def test_a_volume_that_is_named_by_its_file_is_known_by_its_method_too(asked):
+    found = CaseNumbers({"weighted.nrrd": {}, "average.nrrd": {}})
+    assert found.reference(asked) == found.reference(None) == "average.nrrd"
+
+
 def test_what_was_weighted_by_the_yardstick_is_known(found):
     assert found.own_bone == {"weighted"}
 
