@@ -25,6 +25,9 @@ from .predictions import Prediction, PredictionReader
 from .recorded_predictions import RecordedPredictions, as_prediction
 from .scan_line_reader import ForEachKind
 
+MOST_BONE = 0.5
+"""Share of the pixels that masks may call bone: its surface is thin."""
+
 
 class BoneEstimator(Protocol):
     """What tells where bone is in a frame."""
@@ -155,5 +158,8 @@ def bone_from_masks(
     sequence = joined(sequence, recipe or Recipe())
     if len(masks) != len(sequence):
         raise GeometryError(f"Input masks must be one for each of {len(sequence)} frames, (frames, rows, columns); got {np.shape(masks)}.")
+    share = np.mean([np.mean(np.asarray(mask) > np.max(mask, initial=0) / 2) for mask in masks])
+    if share > MOST_BONE:
+        raise GeometryError(f"Input masks must be set where bone is; {share:.0%} of all pixels are. Turn them round if bone is 0.")
     is_8_bit = any(np.asarray(mask).dtype == np.uint8 and np.max(mask, initial=0) > 1 for mask in masks)
     return bone_from_frames(sequence, _Masks(masks, 255.0 if is_8_bit else 1.0), progress=progress, recipe=recipe)

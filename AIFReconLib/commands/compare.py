@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import ComparisonFigure, require_matplotlib
+from ..evaluation.likeness import why_unlike
 from ..evaluation.preview import middle_of_bone
 from ..io.disk.atomic import check_writable
 from ..io.volume.dicom_series import read_ct
@@ -69,6 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
         place = place_from(arguments)
         given = labels_from(arguments, progress)
         labels = None if given is None else given.told_by(first.grid, place).placed_by(place)
+        doubts = [words for name in names[1:] if (words := why_unlike(first, names[0], volumes[name], name))]
         ct = read_ct(arguments.ct).placed_by(place) if arguments.ct else None
         center = arguments.at
         if center is None:
@@ -77,7 +79,8 @@ def run(arguments: argparse.Namespace) -> None:
         progress(0.6, "Drawing")
         window = tuple(arguments.window) if arguments.window else None
         ComparisonFigure(volumes, center, ct, labels, mask, arguments.title, window, arguments.white).write(arguments.output)
-    print("\n  ".join([f"wrote {arguments.output}", *map(in_options, () if given is None else given.notes)]))
+    notes = [*doubts, *(() if given is None else given.notes)]
+    print("\n  ".join([f"wrote {arguments.output}", *map(in_options, notes)]))
 
 
 def _require_within(corners: np.ndarray, center: np.ndarray, path: Path) -> None:

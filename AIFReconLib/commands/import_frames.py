@@ -20,7 +20,7 @@ GROUPS = {
         *("columns", "tool", "reference_tool", "time_offset", "quaternion_order", "euler_order", "angle_unit", "units", "time_unit"),
         *("status_ok", "column_major", "sure"),
     ),
-    "image": ("spacing", "image_origin_px", "calibration", "calibration_unit", "orientation", "rate"),
+    "image": ("spacing", "image_origin_px", "calibration", "calibration_unit", "orientation", "rate", "times"),
     "mechanism": ("mechanism",),
 }
 """The options by what they are about."""

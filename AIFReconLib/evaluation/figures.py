@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats
-from ..errors import OutputError
+from ..errors import OutputError, require_kind
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
 from ..message import shorten
@@ -138,6 +138,10 @@ class ComparisonFigure:
     title: str = ""
     window: tuple[float, float] | None = None
     white: bool = False
+
+    def __post_init__(self) -> None:
+        for name, volume in {**self.volumes, "ct": self.ct, "bone": self.bone, "mask": self.mask}.items():
+            require_kind(name, volume, (Volume, type(None)), "Of an array make one: Volume(array, ijk_to_reference).")
 
     @own_looks()
     def write(self, path: str | Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import cast
 
 from .. import __version__
 from ..compounding.methods.table import METHODS, built_in
@@ -22,8 +23,8 @@ OVER_CASES = (
     f"percentile bootstrap over cases ({DRAWS:,} draws)."
 )
 
-_LEFT_OUT = ("method", "grid_to_reference", "gray_levels")
-"""Settings that say where a box lies, and what the images' own levels are."""
+_LEFT_OUT = ("method", "frames", "inputs", "grid_to_reference", "gray_levels")
+"""What is told apart, and settings that say where a box lies, and what the images' own levels are."""
 
 
 def made_in_words(name: str, settings: Mapping[str, object]) -> str:
@@ -33,7 +34,12 @@ def made_in_words(name: str, settings: Mapping[str, object]) -> str:
     values = (
         f"{key.removesuffix('_mm').replace('_', ' ')} {_value(key, value)}" for key, value in settings.items() if key not in _LEFT_OUT
     )
-    return f"{name} by the method {method}{words}, with {listed(values)}"
+    made_from = [
+        f"{settings['frames']} frames" if settings.get("frames") else "",
+        listed(map(str, cast("list[str]", settings.get("inputs", [])))),
+    ]
+    whence = " of ".join(filter(None, made_from))
+    return f"{name} by the method {method}{words}, {f'from {whence}, ' if whence else ''}with {listed(values)}"
 
 
 def _value(key: str, value: object) -> str:

@@ -14,11 +14,12 @@ from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import pixel_spacing
 from ..imaging.recognized import recognized
 from ..io.foreign.calibration import read_calibration
+from ..io.foreign.images import timed
 from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, ImportSettings, import_sequence
 from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
 from ..io.foreign.openers import open_images
 from ..io.foreign.options import ImportOptions
-from ..io.foreign.poses.files import read_poses
+from ..io.foreign.poses.files import read_poses, read_times
 from ..io.foreign.poses.rotations import PoseFormat
 from ..message import Sentence, said
 from ..recipe.recipe import AUTOMATIC
@@ -61,6 +62,8 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
     table = read_joint_poses(poses, mechanism, settings.form) if mechanism else read_poses(poses, settings.form)
     patient = read_poses(poses, replace(settings.form, tool=options.reference_tool)) if options.reference_tool else None
     opened = open_images(images)
+    if options.times:
+        opened = timed(opened, *read_times(options.times, options.time_unit))
     sequence, understood = import_sequence(opened, table, settings, patient)
     if options.time_offset == AUTOMATIC:
         settings = replace(settings, time_offset=_found_offset(sequence, settings.transform))

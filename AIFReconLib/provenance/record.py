@@ -22,6 +22,7 @@ from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 
 SETTINGS, INPUTS, VERSION, METHOD = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_version", "AIFRecon_method"
+FRAMES = "AIFRecon_frames"
 """Keys of a volume's header."""
 
 VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
@@ -110,7 +111,7 @@ def signed(
         VERSION: __version__,
         METHOD: result.method,
         "AIFRecon_hole_limit_mm": f"{result.hole_limit:g}",
-        "AIFRecon_frames": str(result.frames_inserted),
+        FRAMES: str(result.frames_inserted),
         SETTINGS: json.dumps(settings, sort_keys=True),
         INPUTS: json.dumps([_named(path) for path in dict.fromkeys(inputs)]),
     }
@@ -131,9 +132,13 @@ def settings_of(volume: Volume) -> dict[str, object]:
 
 
 def made_by(volume: Volume) -> dict[str, object]:
-    """The same with the method, which a configuration may have named; nothing where the volume does not say it."""
-    method = volume.fields.get(METHOD)
-    return {"method": method, **settings_of(volume)} if method else {}
+    """The same with the method, which a configuration may have named, and the number of frames and the files that it was made from; nothing
+    where the volume does not say it."""
+    method, inputs = volume.fields.get(METHOD), _said(volume, INPUTS)
+    if not method:
+        return {}
+    names = [each["name"] for each in inputs if isinstance(each, dict) and "name" in each] if isinstance(inputs, list) else []
+    return {**settings_of(volume), "method": method, "frames": volume.fields.get(FRAMES, ""), "inputs": names}
 
 
 def _said(volume: Volume, key: str) -> object:

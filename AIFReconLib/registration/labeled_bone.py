@@ -17,7 +17,7 @@ from ..bone.widths import SIGMA_VOXELS, UNKNOWN_WIDTH
 from ..compounding.methods.table import method_named
 from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.labels import Labels
-from ..geometry.transforms import as_matrix, invert, transform_points
+from ..geometry.transforms import as_matrix, invert, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..message import Described, said
 from ..progress import Progress, part
@@ -62,6 +62,8 @@ class LabeledBone(Described):
     ):
         require_kind("labels", labels, Volume, "Read it first: read_labels(path); of an array make one: Volume(array, ijk_to_reference).")
         labels_to_reference = None if labels_to_reference is None else as_matrix(labels_to_reference, "labels_to_reference")
+        if labels_to_reference is not None and (problem := why_not_rigid(labels_to_reference)):
+            raise GeometryError(f"Input labels_to_reference must be a rotation and a translation, in mm; it is {problem}.")
         self._recipe = recipe = recipe or Recipe()
         if recipe.bone_belief is not None and not 0 < recipe.bone_belief <= 1:
             raise SettingsError(f"Input bone_belief must be above 0 and at most 1; got {recipe.bone_belief!r}.")

@@ -201,6 +201,12 @@ class TrackedSequence(Described):
         stack = _as_images(images)
         count = len(stack)
         matrices = _as_numbers(image_to_reference, "image_to_reference", (count, 4, 4))
+        turned = [n for n, one in enumerate(matrices) if why_not_affine(one) is not None and why_not_affine(one.T) is None]
+        if turned:
+            raise GeometryError(
+                f"Input image_to_reference must have 0 0 0 1 as its last rows; those of frame {turned[0]} and {len(turned) - 1} more are "
+                "transposed. Give image_to_reference.transpose(0, 2, 1)."
+            )
         times = None if timestamps is None else _as_numbers(timestamps, "timestamps", (count,))
         if times is not None and not np.isfinite(times).all():
             raise GeometryError("Input timestamps must be finite seconds; got NaN or infinity. Leave them out for the order given.")

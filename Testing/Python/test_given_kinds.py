@@ -83,13 +83,17 @@ def test_another_kind_of_thing_is_refused_with_what_to_do(call, words):
             r"of bool. Masks become images by",
         ),
         (lambda: library.TrackedFrame(IMAGES[0], np.eye(4)[:2]), r"image_to_reference must have shape \(4, 4\); got \(2, 4\)"),
+        (lambda: library.TrackedSequence.from_arrays(IMAGES, POSES.transpose(0, 2, 1)), r"those of frame 0 and 2 more are transposed"),
+        (lambda: library.bone_from_masks(SEQUENCE, np.ones(IMAGES.shape, bool), LINEAR), r"set where bone is; 100% of all pixels are"),
+        (lambda: library.LabeledBone(LABELS, np.diag([2.0, 2.0, 2.0, 1.0])), r"a rotation and a translation, in mm; it is not rigid"),
+        (lambda: library.ComparisonFigure({"mine": LABELS.array}, (0, 0, 0)), r"Input mine must be Volume; got ndarray of shape"),
         (lambda: library.LabeledBone(LABELS, np.eye(3)), r"Input labels_to_reference must have 16 numbers .* got shape \(3, 3\)"),
         (
             lambda: library.bone_from_masks(SEQUENCE, IMAGES[:2] > 100),
             r"each of 3 frames, .*; got \(2, 26, 34\)",
         ),
         (lambda: library.bone_from_masks(SEQUENCE, POSES[:, 0], LINEAR), r"mask 0: bone must be \(rows, columns\) .* got \(4,\)"),
-        (lambda: library.bone_from_masks(SEQUENCE, 3.0 * np.ones(IMAGES.shape), LINEAR), r"must be 0 to 1; got 0 to 3"),
+        (lambda: library.bone_from_masks(SEQUENCE, 3.0 * (IMAGES.max() == IMAGES), LINEAR), r"must be 0 to 1; got 0 to 3"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused_with_their_shapes(call, words):

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...arrays import Floats, Numbers, NumberType
+from ...errors import SettingsError
 from ...imaging.images import ImageStack
 from ..sequence.decoded_images import in_pixels
 
@@ -36,6 +37,24 @@ class ImportedImages:
     spacing: tuple[float, float] | None = None
     unknown_spacing: str | None = None
     unknown_order: str | None = None
+
+
+def timed(images: ImportedImages, times: Floats, names: list[str] | None = None) -> ImportedImages:
+    """The images with times (n,) in s, in their order or by their files' names; SettingsError where one has none."""
+    if names is not None and images.names is not None:
+        known = {bare_name(name): time for name, time in zip(names, times.tolist(), strict=True)}
+        missing = next((name for name in images.names if name not in known), None)
+        if missing is not None:
+            raise SettingsError(f"Each image must have a time; {missing} has none.")
+        return replace(images, times=np.array([known[name] for name in images.names]))
+    if len(times) != len(images.stack):
+        raise SettingsError(f"There must be as many times as images; got {len(times)} times for {len(images.stack)} images.")
+    return replace(images, times=times)
+
+
+def bare_name(text: str) -> str:
+    """A file's name without its folders, as any system writes them."""
+    return text.replace("\\", "/").rsplit("/", 1)[-1]
 
 
 class FlippedImages:

@@ -17,13 +17,17 @@ from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
 from ..sequence.orientation import IN_MEMORY, parse_orientation
-from .images import FlippedImages, ImportedImages
+from .images import FlippedImages, ImportedImages, bare_name
 from .poses.files import PoseTable
 from .poses.headings import LENGTHS
 from .poses.rotations import PoseFormat, in_millimeters
+from .poses.sheet import has_none
 from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
+
+LONGER = 1.0
+"""s by which poses may last longer than images at a steady rate before it is said."""
 
 FROM_ZERO = 1.0
 """s. A clock that begins below counts from 0."""
@@ -129,6 +133,7 @@ def import_sequence(
         *_first_frames(samples, times),
         *doubts,
         *clocks,
+        *_lasting(times, poses, settings),
     )
     return TrackedSequence(stack, records, transforms=header), understood
 
@@ -165,6 +170,17 @@ def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) 
         return first - begin, [Sentence(told, TIME_OFFSET)]
     told = "note: images and poses both count from 0, and were taken to begin at one moment."
     return 0.0, [Sentence(told, TIME_OFFSET)] if from_zero == {True} and not offset else []
+
+
+def _lasting(times: Floats | None, poses: PoseTable, settings: ImportSettings) -> list[str]:
+    """That images at a steady rate do not last as long as the poses: they may have paused."""
+    if settings.rate is None or times is None or poses.times is None:
+        return []
+    images_last, poses_last = np.ptp(times), np.nanmax(poses.times) - np.nanmin(poses.times)
+    if poses_last < images_last + LONGER:
+        return []
+    told = f"note: the images last {images_last:.1f} s at {settings.rate:g} a second, the poses {poses_last:.1f} s."
+    return [Sentence(told, "If the images paused, give {times:FILE} instead of {rate}.")]
 
 
 def _image_times(images: ImportedImages, settings: ImportSettings) -> Floats | None:
@@ -356,8 +372,9 @@ def _paired_by_name(
         )
     rows: dict[str, int] = {}
     for number, text in enumerate(names):
-        name = text.replace("\\", "/").rsplit("/", 1)[-1]
-        if rows.setdefault(name, number) != number:
+        name = bare_name(text)
+        # A row that names no image is a pose without one
+        if not has_none(name) and rows.setdefault(name, number) != number:
             raise SettingsError(f"Two poses name the image {name} (poses {rows[name]} and {number}). Remove one of them.")
     twice = next((name for name, count in Counter(images.names).items() if count > 1 and name in rows), None)
     if twice is not None:

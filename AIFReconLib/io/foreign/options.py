@@ -100,6 +100,12 @@ class ImportOptions(Branch):
     rate: float | None = setting(
         None, "frames per second of the images, where no file has their times", unit="Hz", metavar="HZ", label="Images per second:"
     )
+    times: Path | None = setting(  # noqa: RUF009  # it is a field
+        None,
+        "when each image was taken, where its file does not tell: a table of one time an image, with or without its name",
+        FILE,
+        metavar="FILE",
+    )
     mechanism: Path | None = setting(  # noqa: RUF009  # it is a field
         None,
         "axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names",

@@ -351,6 +351,72 @@ def test_a_rate_pairs_images_with_more_poses_by_time(tmp_path, results, twelve):
     np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
 
 
+PAUSED = np.r_[0.0:0.3:0.05, 1.8:2.1:0.05][:12]
+"""s of twelve images with a pause amid them."""
+
+
+@pytest.mark.parametrize(("header", "form"), [(["time"], "{t}"), (["image", "time_ms"], "{n}.png,{ms}"), (None, "{t}")])
+def test_images_that_paused_have_the_times_of_a_table(tmp_path, results, twelve, header, form):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    images = twelve
+    if header and "image" in header:
+        images = tmp_path / "frames"
+        images.mkdir()
+        for n, image in enumerate(np.load(twelve)):
+            pil.fromarray(image).save(images / f"{n}.png")
+    rows = [form.format(n=n, t=f"{t:.3f}", ms=f"{1000 * t:.0f}").split(",") for n, t in enumerate(PAUSED)]
+    times = save(tmp_path / "times.csv", rows if header is None or len(header) == 1 else rows[::-1], header)
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    sequence = imported(results, images, "--poses", poses, "--transform", "ProbeToTracker", "--times", times)
+    np.testing.assert_allclose(places(sequence), 10 + 20 * PAUSED, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("time\n0\n1\n", "There must be as many times as images; got 2 times for 12 images"),
+        ("a,b\n1,2\n", "a column 'time'"),
+        ("", "'time'"),
+    ],
+)
+def test_times_that_do_not_fit_are_refused(tmp_path, results, twelve, capsys, text, message):
+    (tmp_path / "times.csv").write_text(text)
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    words = [
+        "import",
+        twelve,
+        "--poses",
+        poses,
+        "--transform",
+        "ProbeToTracker",
+        "--times",
+        tmp_path / "times.csv",
+        "--output",
+        results / "s.mha",
+    ]
+    assert main([*map(str, words)]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_images_at_a_rate_that_last_less_than_the_poses_are_told(tmp_path, results, twelve, capsys):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "the images last 0.6 s at 20 a second, the poses 3.0 s. If the images paused, give --times FILE instead of --rate." in out
+
+
+def test_rows_without_an_image_are_poses_of_none(tmp_path, results):
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for n, image in enumerate(SEQUENCE.images):
+        pil.fromarray(image).save(folder / f"{n}.png")
+    of_images = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE))]
+    rows = [["", *of_images[0][1:]], *of_images, ["", *of_images[-1][1:]]]
+    poses = save(tmp_path / "p.csv", rows, ["image", *(f"m{r}{c}" for r in range(4) for c in range(4))])
+    assert len(imported(results, folder, "--poses", poses, "--transform", "ImageToReference")) == len(SEQUENCE)
+
+
 def test_clocks_that_began_at_other_times_are_in_step(tmp_path, results, twelve):
     poses = table(tmp_path / "p.csv", COLUMNS, moving(start=1_700_000_000.0))
     sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)

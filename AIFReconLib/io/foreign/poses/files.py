@@ -107,6 +107,27 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
 
 
+def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[str] | None]:
+    """Times in s of a table of one row an image, and the images' names where it has them.
+
+    Without headings the table is of times alone. Raises FileFormatError or SettingsError when the times cannot be told.
+    """
+    path = Path(path)
+    try:
+        sheet = next((sheet for sheet in sheets_of(text_of(path)) if sheet.rows), None)
+        if sheet is None or (sheet.headings is None and sheet.width != 1):
+            raise FileFormatError("times of images must be a table with a column 'time', or one number a line.")
+        columns = dict(enumerate(map(column_of, sheet.headings or [TIME])))
+        named = [place for place, column in columns.items() if column.role == IMAGE]
+        cells = sheet.read(len(columns), named)
+        times = times_of(columns, cells, unit).seconds
+        if times is None or not np.isfinite(times).all():
+            raise FileFormatError("it must have a time in every row, in a column 'time'.")
+    except AIFReconError as error:
+        raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
+    return times, cells.words(named[0]) if named else None
+
+
 def _of_array(path: Path, form: PoseFormat) -> PoseTable:
     """An array of matrices."""
     try:
