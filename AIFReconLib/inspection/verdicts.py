@@ -1,4 +1,5 @@
-"""Four verdicts on a sweep, each in a few words with what to do: tracked, the CT lies on it, bone was met, the calibration is right."""
+"""Verdicts on a sweep, each in a few words with what to do: tracked, the CT lies on it, bone was met, the calibration is right, the patient
+lay still."""
 
 from __future__ import annotations
 
@@ -13,6 +14,7 @@ from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
     from ..calibration.check import CalibrationCheck
+    from ..motion.motion import PatientMotion
     from .tracking_report import TrackingReport
 
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
@@ -33,6 +35,10 @@ that they pass over with 144 to 480 frames and 44% to 48% with 72; where they en
 
 SCANNED = 0.1
 """Share of a vertebra that was met at all, from which on it counts as scanned: the CT may show others, which nobody looked at."""
+
+
+TAKE_OUT = "Take it out and compare, once the calibration is right: a wrong one looks much the same."
+"""What to do about a motion that was found."""
 
 
 class Level(enum.Enum):
@@ -137,6 +143,18 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     name = min(scanned, key=scanned.__getitem__)
     again = move or f"Scan {name} again, from other angles."
     return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, again)
+
+
+def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
+    """How the patient moved, and whether that is out of the volume."""
+    if motion is None:
+        return unknown("this sweep cannot tell whether the patient moved: that takes passes over the same bone")
+    if motion.applied:
+        found = f"{motion.moved} Passes show the bone {motion.before:.1f} mm apart, {motion.after:.1f} with that taken out."
+        return Verdict(Level.GOOD if taken_out else Level.LOOK, found, "" if taken_out else TAKE_OUT)
+    if motion.unexplained:
+        return Verdict(Level.LOOK, f"passes show the bone {motion.before:.1f} mm apart, and no motion explains it", motion.unexplained)
+    return Verdict(Level.GOOD, f"the patient lay still: passes show the bone {motion.before:.1f} mm apart")
 
 
 def calibration_verdict(checked: CalibrationCheck) -> Verdict:

@@ -54,6 +54,11 @@ COMMON = 5.0
 TOLD, PLAINLY = 1.0, 1.0
 """mm from which a pass is named, and between echoes that no motion explains from which there is a warning."""
 
+UNEXPLAINED = (
+    "The reference may have slipped, the depth may have changed, a calibration may be wrong, or the recordings may be of two patients."
+)
+"""What contradicts itself without a motion."""
+
 PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 """s that a breath may last, and the share of the motion that breathing must explain to be named."""
 
@@ -120,15 +125,18 @@ class PatientMotion:
         """All of it, in sentences."""
         if not self.applied:
             words = (
-                f"WARNING: Passes show the bone {self.before:.1f} mm apart, and no motion of the patient explains it. "
-                "The reference may have slipped, the depth may have changed, a calibration may be wrong, or the "
-                "recordings may be of two patients."
+                f"WARNING: Passes show the bone {self.before:.1f} mm apart, and no motion of the patient explains it. {self.unexplained}"
             )
-            return (words,) if self.before > PLAINLY else ()
+            return (words,) if self.unexplained else ()
         lines = [self.moved]
         if self.loose:
             lines.append(f"Along {listed(self.loose)} the echoes do not hold it; there nothing is moved.")
         return (*lines, f"Mended: echoes lie {self.after:.1f} mm apart, before {self.before:.1f}.")
+
+    @property
+    def unexplained(self) -> str:
+        """What it may be where frames contradict each other, and no motion explains it; else empty."""
+        return UNEXPLAINED if not self.applied and self.before > PLAINLY else ""
 
     @property
     def moved(self) -> str:
@@ -238,7 +246,8 @@ def find_motion(
     try:
         passes = passes_in(sweeps, recipe)
         if known is not None and not moves(known, passes, bone):
-            return None
+            rest, off = MotionCurve.none(passes, known), off_at_rest(known, passes, bone)
+            return PatientMotion(rest, off, off, False)
         echoes = sweep_echoes(sweeps, recipe, most_frames=MOST_FRAMES, progress=part(progress, 0.0, 0.4))
     except OperationCanceled:
         raise
@@ -253,10 +262,15 @@ def passes_in(sweeps: list[TrackedSequence], recipe: Recipe | None = None) -> Pa
     return passes_of(sweeps, poses_of_each(sweeps, recipe.image_to_reference, recipe.reference))
 
 
+def off_at_rest(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = None) -> float:
+    """mm that the worst pass lies off the others or, where there is one, off the CT's bone, as it was recorded."""
+    rest = MotionCurve.none(passes, echoes)
+    return apart(echoes, rest) if bone is None else off_the_bone(echoes, rest, bone)
+
+
 def moves(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = None) -> bool:
     """Whether it is worth looking for motion."""
-    rest = MotionCurve.none(passes, echoes)
-    return apart(echoes, rest) > STILL if bone is None else off_the_bone(echoes, rest, bone) > STILL_ON_BONE
+    return off_at_rest(echoes, passes, bone) > (STILL if bone is None else STILL_ON_BONE)
 
 
 def taken_out(sequence: TrackedSequence, motion: PatientMotion, recipe: Recipe | None = None) -> TrackedSequence:

@@ -18,17 +18,18 @@ from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.snapshot import GuidanceSnapshot, Share
-from ..inspection.verdicts import Verdict, calibration_verdict
+from ..inspection.verdicts import Verdict, calibration_verdict, motion_verdict
 from ..io.disk.workspace import workspace
 from ..machine.threads import usable_cores
 from ..message import Sentence, said
 from ..progress import Progress, part, report
-from ..recipe.recipe import Recipe
+from ..recipe.recipe import AUTOMATIC, Recipe
 from ..remedies import ADD_TIME_OFFSET, PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
     from ..calibration.calibration import Calibration
+    from ..workflows.reconstruct import ReconstructionJob
 
 FAR = 0.5
 """mm that the CT may lie from where it belongs by the new calibration until that is told."""
@@ -79,6 +80,14 @@ def calibration_of_sweep(
     from ..calibration.check import checked
 
     return calibration_verdict(checked(sequence, labels, labels_to_reference, recipe=recipe, progress=progress))
+
+
+def motion_of_sweep(job: ReconstructionJob, progress: Progress | None = None) -> Verdict:
+    """Whether the patient moved in the sweep of a job, by its CT where it has one."""
+    from ..workflows.reconstruct import without_motion
+
+    looking = replace(job, recipe=replace(job.recipe, motion=AUTOMATIC))
+    return motion_verdict(without_motion(looking, progress)[1], job.recipe.motion == AUTOMATIC)
 
 
 @dataclass(frozen=True, eq=False)

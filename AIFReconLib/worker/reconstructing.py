@@ -82,7 +82,7 @@ def reconstructed(
     measured = surface = None
     if wished:
         try:
-            measured = plain_mean(job, result, part(progress, 0.8, 0.9))
+            measured = plain_mean(replace(job, sequence=decided.sequence), result, part(progress, 0.8, 0.9))
             surface = _surface(result, labeled, part(progress, 0.9, 0.95))
         except OperationCanceled:
             raise

@@ -382,9 +382,9 @@ def tracking_of(job: ReconstructionJob, result: Reconstruction) -> dict[str, Tra
 
 
 def plain_mean(job: ReconstructionJob, result: Reconstruction, progress: Progress | None = None) -> Volume:
-    """The plain mean of the echoes on the voxels of a result, with the same holes filled."""
+    """The plain mean of the echoes on the voxels of a result, with the same holes filled, of the sweep as it lies."""
     limit = result.hole_limit or job.recipe.hole_limit
-    plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit)
+    plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit, motion=None)
     measured = ReconstructionJob(job.sequence, plain, None, result.grid, beside=())
     return reconstruct_job(measured, progress).result.intensity
 

@@ -1,4 +1,4 @@
-"""Traffic lights below Reconstruct: tracking, registration, coverage and calibration, each with a verdict in words and what to do."""
+"""Traffic lights below Reconstruct: tracking, registration, coverage, calibration and motion, each in words with what to do."""
 
 from html import escape
 
@@ -35,11 +35,16 @@ class Lights(Follower):
             known = name not in self._verdicts.sought
             self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), verdict.advice if known else "")
         ui = self._ui
-        for widget in (ui.calibrationSignalLabel, ui.calibrationVerdictLabel, ui.calibrationMoreButton):
-            widget.visible = self._parameterNode.sweep is not None  # an empty scene's panel is seen whole on a small screen
+        for name in ("calibration", "motion"):
+            for part in ("SignalLabel", "VerdictLabel", "MoreButton"):
+                # An empty scene's panel is seen whole on a small screen
+                getattr(ui, f"{name}{part}").visible = self._parameterNode.sweep is not None
         # At hand where it is needed, and with the rest of its kind else
         isWrong, isPlaced = shown["calibration"].level.value == "look", shown["registration"].level.value == "good"
         ui.placeButton.visible = ui.registrationMoreButton.checked or (ui.placeButton.enabled and not isPlaced)
+        ui.takeOutMotionCheckBox.visible = (
+            ui.motionMoreButton.checked or shown["motion"].level.value == "look" or ui.takeOutMotionCheckBox.checked
+        )
         ui.calibrateButton.visible = ui.calibrationMoreButton.checked or (ui.calibrateButton.enabled and isWrong)
 
     @property
@@ -67,7 +72,13 @@ class Lights(Follower):
             self._timer.stop()
 
     def _show(self, name: str, level: str, finding, advice) -> None:
-        titles = {"tracking": _("Tracking"), "registration": _("Registration"), "coverage": _("Coverage"), "calibration": _("Calibration")}
+        titles = {
+            "tracking": _("Tracking"),
+            "registration": _("Registration"),
+            "coverage": _("Coverage"),
+            "calibration": _("Calibration"),
+            "motion": _("Motion"),
+        }
         sign, label = getattr(self._ui, f"{name}SignalLabel"), getattr(self._ui, f"{name}VerdictLabel")
         word, style = signOf(level)
         if sign.text != word:

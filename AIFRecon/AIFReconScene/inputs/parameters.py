@@ -189,6 +189,7 @@ def settingsFrom(parameterNode) -> Recipe:
         values["spacing"] = None
     return Recipe(
         **{**values, "method": methodOf(parameterNode) or None, **regionFrom(parameterNode)},
+        motion=AUTOMATIC if parameterNode.takeOutMotion else None,
         probe=parameterNode.probe.value or AUTOMATIC,
         apex_px=(parameterNode.apexColumn, parameterNode.apexRow) if parameterNode.probe == ProbeShape.SECTOR else None,
         importance_mask=fileFrom(parameterNode.importanceMaskPath),

@@ -1,4 +1,4 @@
-"""Tracking, registration, coverage and calibration of the sweep that was reconstructed last: verdicts, for as long as they hold."""
+"""Tracking, registration, coverage, calibration and motion of the sweep that was reconstructed last: verdicts, for as long as they hold."""
 
 import json
 
@@ -9,7 +9,7 @@ from AIFReconLib.guidance.snapshot import GuidanceSnapshot
 from AIFReconLib.inspection.verdicts import Level, Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
 from AIFReconLib.message import said
 from AIFReconLib.progress import part
-from AIFReconLib.worker.evaluating import calibration_of_sweep, guidance_in_sweep, met_of_sweep
+from AIFReconLib.worker.evaluating import calibration_of_sweep, guidance_in_sweep, met_of_sweep, motion_of_sweep
 
 from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
@@ -20,7 +20,8 @@ from ..transforms import matrixToWorld
 from ..work import inWorker, worker
 from .ctRegistration import rigidPlace
 
-TRACKING, REGISTRATION, COVERAGE, CALIBRATION = NAMES = ("tracking", "registration", "coverage", "calibration")
+TRACKING, REGISTRATION, COVERAGE, CALIBRATION, MOTION = NAMES = ("tracking", "registration", "coverage", "calibration", "motion")
+WITHOUT_CT = (TRACKING, MOTION)
 
 ATTRIBUTE, ROLE = "AIFRecon.Verdicts", "AIFRecon.Judged"
 """Of the volume that was reconstructed: its verdicts, for whoever opens the scene later, and references to the nodes that they are about,
@@ -50,9 +51,9 @@ class SweepVerdicts:
         """
         self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
+        self._job = job
         if comparison is None:
             return
-        self._job = job
         if comparison.agreement is None:
             self._tell(REGISTRATION, parameters, unknown(comparison.lines[0]))
         else:
@@ -71,8 +72,13 @@ class SweepVerdicts:
     def beginBeside(self, parameters) -> None:
         """Have the worker look at what takes it seconds, of what was reconstructed last, where that can be told and is not."""
         job, self._job = self._job, None
-        if job is None or parameters.bone is None:
+        if job is None:
             return
+        if parameters.bone is not None and REGISTRATION in self._known:
+            self._beginOnCT(parameters, job)
+        self._begin(MOTION, parameters, lambda verdict: verdict, motion_of_sweep, job)
+
+    def _beginOnCT(self, parameters, job) -> None:
         names = boneNames(parameters.bone, list(parameters.boneSegments))
         looks: dict[str, tuple] = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
         if self._known[REGISTRATION][1].level is Level.GOOD:
@@ -81,8 +87,10 @@ class SweepVerdicts:
             advice = "If they do not wherever the CT is placed, the calibration may be wrong: press “More”."
             self._tell(CALIBRATION, parameters, Verdict(Level.UNKNOWN, "known where CT and sweep agree.", advice))
         for name, (look, verdictOf) in looks.items():
-            task = worker.begin(look, job.sequence, job.bone.labels, job.bone.to_reference, job.recipe)
-            self._sought[name] = task, _key(name, parameters), verdictOf, parameters.output
+            self._begin(name, parameters, verdictOf, look, job.sequence, job.bone.labels, job.bone.to_reference, job.recipe)
+
+    def _begin(self, name: str, parameters, verdictOf, look, *given) -> None:
+        self._sought[name] = worker.begin(look, *given), _key(name, parameters), verdictOf, parameters.output
 
     def takeBeside(self) -> bool:
         """Hear of it; whether something was told."""
@@ -137,9 +145,9 @@ class SweepVerdicts:
     def _known_or(self, name: str, parameters) -> Verdict:
         if parameters.sweep is None:
             return unknown("no sweep yet")
-        if name != TRACKING and parameters.bone is None:
+        if name not in WITHOUT_CT and parameters.bone is None:
             return unknown("not known: select the bone of the CT under “Bone of CT”")
-        if name != TRACKING and not isLabeled(parameters.bone):
+        if name not in WITHOUT_CT and not isLabeled(parameters.bone):
             return unknown("not known: select a segmentation of the CT under “Bone of CT”")
         asked = _key(name, parameters)
         key, verdict = self._known.get(name, (None, None))
@@ -154,9 +162,9 @@ class SweepVerdicts:
 def _key(name: str, parameters) -> tuple:
     """What a verdict is about: it does not hold when that changes."""
     sweeps = (sweepKey(parameters.sweep, parameters.imageSequence), *map(sweepKey, furtherSweeps(parameters)))
-    if name == TRACKING:
-        return sweeps, ()
     bone = parameters.bone
+    if name == TRACKING or bone is None:
+        return sweeps, ()
     try:
         place = tuple(map(float, np.round(matrixToWorld(bone), 6).ravel()))
     except AIFReconError:

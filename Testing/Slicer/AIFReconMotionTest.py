@@ -1,0 +1,81 @@
+"""The light for motion, and its checkbox, on a patient who lies elsewhere in each pass."""
+
+import unittest
+from dataclasses import replace
+from unittest import mock
+
+import numpy as np
+import slicer
+from AIFReconLiveTest import waitFor
+from simulatedPatient import simulated
+
+FRAMES, PASSES = 189, 9
+
+
+def moved(sweep, by=3.0):
+    """The sweep of a patient who lies so many mm elsewhere in each pass."""
+    shifts = np.random.default_rng(1).normal(0.0, by / 3**0.5, (PASSES, 3))
+
+    def record(number, each):
+        shift = np.eye(4)
+        shift[:3, 3] = shifts[number * PASSES // FRAMES]
+        transforms = {n: replace(t, matrix=t.matrix @ shift) if n.source == "Reference" else t for n, t in each.transforms.items()}
+        return replace(each, transforms=transforms)
+
+    return replace(sweep, records=[record(n, each) for n, each in enumerate(sweep.records)])
+
+
+class AIFReconMotionTest(unittest.TestCase):
+    """What the panel says of motion, and what it does about it."""
+
+    def setUp(self):
+        from AIFReconScene.volumes import phantomSample
+
+        slicer.mrmlScene.Clear()
+        slicer.util.selectModule("AIFRecon")
+        self.widget = slicer.modules.AIFReconWidget
+        self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.patient = simulated(phantomSample.simulated_patient, 0, FRAMES)
+
+    def tearDown(self):
+        slicer.mrmlScene.Clear()
+
+    def reconstruct(self, sweep):
+        """Add the patient with this sweep, reconstruct, wait for all lights; what that for motion says."""
+        from AIFReconScene.volumes import phantomSample
+
+        patient = self.patient
+        given = mock.Mock(sweep=sweep, ct=patient.ct, labels=patient.labels, ct_to_reference=patient.ct_to_reference)
+        phantomSample.addPatient(given)
+        self.widget.initializeParameterNode()
+        self.parameters.spacing = 2.0
+        return self.press()
+
+    def press(self):
+        """Press Reconstruct, and wait for all lights."""
+        self.ui.applyButton.click()
+        self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking, 60.0))
+        return self.ui.motionSignalLabel.text, self.ui.motionVerdictLabel.text
+
+    def test_a_patient_who_lay_still_is_said_to(self):
+        sign, words = self.reconstruct(self.patient.sweep)
+        self.assertIn("good", sign)
+        self.assertIn("the patient lay still", words)
+        self.assertFalse(self.ui.takeOutMotionCheckBox.isVisibleTo(self.widget.parent))
+
+    def test_who_moved_is_told_and_the_checkbox_takes_it_out_and_back(self):
+        sign, words = self.reconstruct(moved(self.patient.sweep))
+        self.assertIn("caution", sign, words)
+        self.assertIn("mm", words)
+        self.assertTrue(self.ui.takeOutMotionCheckBox.isVisibleTo(self.widget.parent))
+        before = slicer.util.arrayFromVolume(self.parameters.output).copy()
+        self.ui.takeOutMotionCheckBox.click()
+        sign, words = self.press()
+        self.assertIn("good", sign)
+        self.assertIn("with that taken out", words)
+        self.assertIn("Mended", self.ui.statusLabel.text)
+        after = slicer.util.arrayFromVolume(self.parameters.output).copy()
+        self.assertFalse(np.array_equal(before, after))
+        self.ui.takeOutMotionCheckBox.click()
+        self.press()
+        np.testing.assert_array_equal(slicer.util.arrayFromVolume(self.parameters.output), before)
