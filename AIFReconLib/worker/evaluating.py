@@ -29,7 +29,7 @@ from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
     from ..calibration.calibration import Calibration
-    from ..workflows.reconstruct import ReconstructionJob
+    from ..workflows.job import ReconstructionJob
 
 FAR = 0.5
 """mm that the CT may lie from where it belongs by the new calibration until that is told."""
