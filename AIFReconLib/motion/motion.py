@@ -25,7 +25,7 @@ from ..geometry.transforms import invert
 from ..message import listed
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
-from ..sweep.frames import FrameRecord, TrackedSequence, records_from
+from ..sweep.frames import FrameRecord, TrackedSequence
 from ..sweep.multi_sweep import joined, sweeps_of
 from ..sweep.poses import chain_ends, poses_of_each
 from .passes import Passes, passes_of
@@ -292,8 +292,7 @@ def _moved(sweep: TrackedSequence, motions: Matrix, recipe: Recipe) -> TrackedSe
     frame = chain_ends(sweep.configuration, recipe.image_to_reference, recipe.reference)[0].target
     static = {name: sample for name, sample in {**sweep.configured(), **sweep.transforms}.items() if frame in (name.source, name.target)}
 
-    def changed(number: int) -> FrameRecord:
-        record, motion = sweep.records[number], motions[number]
+    def changed(record: FrameRecord, motion: Matrix) -> FrameRecord:
         transforms = {**static, **record.transforms}
         for name, sample in transforms.items():
             if sample.status is TransformStatus.OK and name.target == frame:
@@ -303,4 +302,4 @@ def _moved(sweep: TrackedSequence, motions: Matrix, recipe: Recipe) -> TrackedSe
         return replace(record, transforms=transforms)
 
     kept = {name: sample for name, sample in sweep.transforms.items() if name not in static}
-    return replace(sweep, records=records_from(len(sweep), changed, sweep.records), transforms=kept)
+    return replace(sweep, records=list(map(changed, sweep.records, motions)), transforms=kept)

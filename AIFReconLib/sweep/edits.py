@@ -16,7 +16,7 @@ from ..geometry.transform_graph import TransformName, TransformSample, Transform
 from ..geometry.transforms import as_matrix, invert, with_unit_depth
 from ..imaging.images import ImagesOnDemand, ImageStack
 from ..remedies import CALIBRATION_FILE
-from .frames import CROPPED, FrameRecord, TrackedSequence, records_from
+from .frames import CROPPED, TrackedSequence
 
 Transforms = dict[TransformName, TransformSample]
 
@@ -57,7 +57,7 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
     if every < 1:
         raise SettingsError(f"Input every must be 1 or more; got {every}.")
     numbers = range(first, last + 1, every)
-    records = records_from(len(numbers), lambda number: sequence.records[numbers[number]], sequence.records)
+    records = [sequence.records[number] for number in numbers]
     return replace(sequence, images=ImageView(sequence.images, numbers), records=records)
 
 
@@ -237,12 +237,7 @@ def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_fram
 
 def _map_transforms(sequence: TrackedSequence, change: Callable[[Transforms], Transforms]) -> TrackedSequence:
     """The sequence with `change` done to the transforms of the header and of each frame."""
-
-    def changed(number: int) -> FrameRecord:
-        record = sequence.records[number]
-        return replace(record, transforms=change(record.transforms))
-
-    records = records_from(len(sequence), changed, sequence.records)
+    records = [replace(record, transforms=change(record.transforms)) for record in sequence.records]
     return replace(sequence, records=records, transforms=change(sequence.transforms))
 
 

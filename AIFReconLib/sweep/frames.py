@@ -6,13 +6,12 @@ is at the last column (on the right), the transducer at row 0.
 
 from __future__ import annotations
 
-import operator
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast, overload
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -98,55 +97,12 @@ class RecordsSummary:
         return cls(timestamps, statuses)
 
 
-class RecordsOnDemand(Sequence[FrameRecord]):
-    """The records of a very long recording, each made anew whenever it is asked for.
-
-    `read` makes a record of a frame's number.
-    """
-
-    def __init__(self, count: int, read: Callable[[int], FrameRecord]):
-        self._count, self._read = count, read
-
-    @cached_property
-    def summary(self) -> RecordsSummary:
-        """What is kept of all of them once they were read."""
-        return RecordsSummary.of(self)
-
-    def __len__(self) -> int:
-        return self._count
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # To another process they go as they are
-        return list, (list(self),)
-
-    @overload
-    def __getitem__(self, index: int) -> FrameRecord: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> list[FrameRecord]: ...
-
-    def __getitem__(self, index: int | slice) -> FrameRecord | list[FrameRecord]:
-        if isinstance(index, slice):
-            return [self._read(number) for number in range(*index.indices(self._count))]
-        number = operator.index(index)
-        if not -self._count <= number < self._count:
-            raise IndexError(f"Input frame must be below {self._count}; got {number}.")
-        return self._read(number % self._count)
-
-
-def records_from(count: int, read: Callable[[int], FrameRecord], *sources: Sequence[FrameRecord]) -> Sequence[FrameRecord]:
-    """Records that are made of others, from a frame's number: on demand where the others are."""
-    if any(isinstance(records, RecordsOnDemand) for records in sources):
-        return RecordsOnDemand(count, read)
-    return [read(number) for number in range(count)]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedSequence(Described):
     """A recorded sweep: images, and per frame its transforms, statuses and times."""
 
     images: ImageStack  #: (frames, rows, columns)
-    records: Sequence[FrameRecord]  #: one per image. A list, or `RecordsOnDemand`.
+    records: Sequence[FrameRecord]  #: one per image
     fields: dict[str, str] = field(default_factory=dict)  #: Custom header fields that concern the whole file
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     """Transforms that hold for every frame (from the header, not from a configuration)."""
@@ -269,7 +225,7 @@ class TrackedSequence(Described):
 
     @cached_property
     def _summary(self) -> RecordsSummary:
-        return self.records.summary if isinstance(self.records, RecordsOnDemand) else RecordsSummary.of(self.records)
+        return RecordsSummary.of(self.records)
 
 
 def _as_images(images: ImageStack | ArrayLike) -> ImageStack:

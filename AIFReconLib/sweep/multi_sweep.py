@@ -14,7 +14,7 @@ from ..errors import GeometryError, require_kind
 from ..imaging.images import ImagesOnDemand, ImageStack
 from ..recipe.recipe import ReadingSettings
 from .configuration import PlusConfiguration
-from .frames import FrameRecord, TrackedSequence, records_from
+from .frames import TrackedSequence
 from .time_offset import as_asked
 
 OF_THE_VOLUME = (
@@ -102,7 +102,6 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence], asked: Readin
     if len(sweeps) == 1:
         return sweeps[0]
     first, names = sweeps[0], names_of(sweeps)
-    ends = list(accumulate(map(len, sweeps)))
     notes = []
     for other, name in zip(sweeps[1:], names[1:], strict=True):
         if (first.frame_size, np.dtype(first.images.dtype)) != (other.frame_size, np.dtype(other.images.dtype)):
@@ -114,16 +113,11 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence], asked: Readin
             notes.append(f"What the configuration of {name} says of the volume is not used: that of {names[0]} is.")
     return JoinedSequence(
         JoinedImages([sweep.images for sweep in sweeps]),
-        records_from(ends[-1], lambda number: _record(sweeps, ends, number), *(sweep.records for sweep in sweeps)),
+        [record for sweep in sweeps for record in sweep.records],
         configuration=first.configuration,
         notes=tuple(notes),
         of=sweeps,
     )
-
-
-def _record(sweeps: Sequence[TrackedSequence], ends: Sequence[int], number: int) -> FrameRecord:
-    sweep = bisect_right(ends, number)
-    return sweeps[sweep].records[number - ends[sweep]]
 
 
 def _kind(sequence: TrackedSequence) -> str:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from AIFReconLib.io.disk.atomic import named_data_file
 from AIFReconLib.io.disk.workspace import PREFIX
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.session.recording import Recorder
@@ -82,7 +83,7 @@ def chosen_lines(lines: int, count: int, chance: random.Random) -> list[int]:
 
 def left_in(folder: Path, known: set[str]) -> set[str]:
     """What lies in the folder and does not belong there."""
-    return {path.name for path in folder.iterdir()} - known
+    return {path.name for path in folder.iterdir()} - known - {named_data_file(header) for header in folder.glob("*.mhd")}
 
 
 def names_of(file: str) -> set[str]:

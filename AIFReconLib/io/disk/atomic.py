@@ -8,15 +8,20 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import glob
 import os
+import re
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ...errors import OutputError
-from .header_data_pair import place_pair
-from .workspace import flush_to_disk, workspace
+from .workspace import PREFIX, workspace
+
+_DATA_FILE = re.compile(rb"^ElementDataFile\s*=[ \t]*([^\r\n]*)[\r\n]*\Z", re.MULTILINE)
+_LAST_BYTES = 2**16
+"""Bytes at the end of a header, more than its last line has."""
 
 _REMEDIES = {
     "ENOENT": "its folder does not exist. Create the folder, or choose another path.",
@@ -59,18 +64,24 @@ def atomic_output(path: str | Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
-    """`atomic_output` for files that belong together, in one folder.
+    """`atomic_output` for files that belong together, all in the folder of the last.
 
     Notes
     -----
-    They are renamed in the order given: data first, the header that names it last, and in such a way that an older header never stands
-    beside newer data. A file that the block did not write is left out, but for the last, without which nothing was written. A file keeps
-    the permissions of the one that it replaces.
+    They are renamed in the order given: data first, the header that names it last. A file that the block did not write is left out, but
+    for the last, without which nothing was written. A file keeps the permissions of the one that it replaces.
+
+    A MetaImage header (.mhd) names its data file, and two files cannot be renamed at once. So data whose name is taken get one that no
+    other version has, the rename of the header is the moment at which the new pair holds, and then the older data go. The header must
+    name the data file as it is called here.
     """
-    targets = [_target(path) for path in paths]
-    if len({target.parent for target in targets}) != 1:
-        raise OutputError(f"Cannot write {paths[-1]}: its files must lie in one folder, but one of them is a link. Remove the link.")
-    with output_errors(paths[-1]), workspace(targets[0].parent) as folder:
+    last = _target(paths[-1])
+    with output_errors(paths[-1]), workspace(last.parent) as folder:
+        beside = [last.with_name(Path(path).name) for path in paths[:-1]]
+        is_pair = last.suffix.lower() == ".mhd"
+        if is_pair:
+            beside = [data.with_name(f"{data.stem}{folder.name}{data.suffix}") if data.exists() else data for data in beside]
+        targets = [*beside, last]
         temporaries = tuple(folder / target.name for target in targets)
         yield temporaries
         if not temporaries[-1].exists():
@@ -78,17 +89,49 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
             raise OutputError(f"Cannot write {paths[-1]}: the file did not come about. Try again, or choose another folder.")
         written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
         for temporary, target in written:
-            flush_to_disk(temporary)
+            _flush_to_disk(temporary)
             # The clock of files ticks every few ms, and readers tell versions apart by their times: no two may share one
             with contextlib.suppress(OSError):
                 os.utime(temporary, ns=(time.time_ns(),) * 2)
             if target.exists():
                 shutil.copymode(target, temporary)
-        if len(written) == 2:
-            place_pair(*written[0], *written[1])
-        else:
+        older = named_data_file(last) if is_pair else None
+        try:
             for temporary, target in written:
                 os.replace(temporary, target)
+        except BaseException:
+            _remove_unnamed(last, beside if is_pair else [])
+            raise
+    if is_pair:
+        of_nobody = [path for path in last.parent.glob(f"{glob.escape(last.stem)}{PREFIX}*") if not _is_written(path, last.stem)]
+        # What a .nhdr of the same name keeps there is not ours
+        is_ours = older is not None and Path(older).stem == last.stem and not last.with_suffix(".nhdr").exists()
+        _remove_unnamed(last, [*of_nobody, *([last.with_name(older)] if older and is_ours else [])])
+
+
+def named_data_file(header: Path) -> str | None:
+    """The name of the data file in the last line of a MetaImage header; None where it names none or is not there."""
+    try:
+        with open(header, "rb") as file:
+            file.seek(max(file.seek(0, os.SEEK_END) - _LAST_BYTES, 0))
+            found = _DATA_FILE.search(file.read())
+    except FileNotFoundError:
+        return None
+    return found[1].strip().decode("utf-8", errors="surrogateescape") if found else None
+
+
+def _is_written(data: Path, stem: str) -> bool:
+    """Whether data of a name of their own are still being written: as long as the folder of that name is there."""
+    return data.with_name(data.name.removeprefix(stem).removesuffix(data.suffix)).exists()
+
+
+def _remove_unnamed(header: Path, data: Iterable[Path]) -> None:
+    """Remove those of some data files that the header does not name, and none where it cannot be read now."""
+    with contextlib.suppress(OSError):
+        named = named_data_file(header)
+        for path in data:
+            if path.name != named:
+                path.unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:
@@ -136,3 +179,9 @@ def output_errors(path: str | Path) -> Iterator[None]:
         other = f"{error.strerror or str(error)}. Choose another path."
         cause = _REMEDIES.get(errno.errorcode.get(error.errno or 0, ""), other)
         raise OutputError(f"Cannot write {path}: {cause}") from error
+
+
+def _flush_to_disk(path: Path) -> None:
+    """Wait until the file is on the disk: a rename must not overtake the data, and a full disk may show only now."""
+    with open(path, "rb+") as file:
+        os.fsync(file.fileno())

@@ -29,8 +29,6 @@ _MACHINE_ID = Path("/etc/machine-id")
 LEFT_BEHIND = 24 * 3600.0
 """s without a change after which a folder counts as left behind where folders cannot be locked: Windows, some network disks."""
 
-_TRIES = 10
-
 
 @contextlib.contextmanager
 def workspace(parent: Path) -> Iterator[Path]:
@@ -39,26 +37,24 @@ def workspace(parent: Path) -> Iterator[Path]:
     Raises OSError when no folder can be made.
     """
     remove_left_behind(parent)
-    folders: list[Path] = []
-    lock = None
-    try:
-        lock = _create(parent, folders)
-        yield folders[-1]
-    finally:
+    with contextlib.ExitStack() as after:
+        yield _create(parent, after)
+
+
+def _create(parent: Path, after: contextlib.ExitStack) -> Path:
+    """A new folder that is ours: another program may take one for left behind before it is locked."""
+    while True:
+        folder = parent / f"{PREFIX}{_this_computer()}-{secrets.token_hex(4)}"
+        # Before it is made: a Ctrl-C that comes meanwhile leaves nothing behind
+        after.callback(shutil.rmtree, folder, ignore_errors=True)
+        folder.mkdir(0o700)
         try:
-            # First, because removing takes a descriptor too, and there may be no more; who takes it for left behind now removes it for us
-            _release(lock)
-            _remove(folders)
-        except (KeyboardInterrupt, OSError) as error:
-            # Ctrl-C, just now; within rmtree it may have a descriptor closed twice
-            _remove(folders)
-            interrupt = error.__context__
-            raise (interrupt if isinstance(interrupt, KeyboardInterrupt) else error) from None
-
-
-def _remove(folders: list[Path]) -> None:
-    for folder in folders:
-        shutil.rmtree(folder, ignore_errors=True)
+            # Let go first, because removing takes a descriptor too, and there may be no more
+            after.callback(_release, _lock(folder))
+        except (BlockingIOError, FileNotFoundError):
+            continue
+        if folder.is_dir():
+            return folder
 
 
 def remove_left_behind(parent: Path) -> None:
@@ -94,24 +90,6 @@ def _this_computer() -> str:
     return hashlib.sha256(platform.node().encode() + of_system).hexdigest()[:8]
 
 
-def _create(parent: Path, folders: list[Path]) -> int | None:
-    """Make a new folder, the last of `folders`, and return what holds its lock.
-
-    It is put down there before it is made: a Ctrl-C that comes while it is made leaves nothing behind.
-    """
-    for _ in range(_TRIES):
-        folders.append(parent / f"{PREFIX}{_this_computer()}-{secrets.token_hex(4)}")
-        folders[-1].mkdir(0o700)
-        try:
-            lock = _lock(folders[-1])
-        except (BlockingIOError, FileNotFoundError):
-            continue  # another program took it for one left behind before it was locked
-        if lock is None or folders[-1].is_dir():
-            return lock
-        _release(lock)
-    raise FileNotFoundError(f"folders made in {parent} vanish at once")
-
-
 def _lock(folder: Path) -> int | None:
     """A descriptor that locks the folder until it is closed or the program ends in any way; None where that is not possible.
 
@@ -142,9 +120,3 @@ def _untouched(folder: Path) -> bool:
     except OSError:
         return False
     return time.time() - newest > LEFT_BEHIND
-
-
-def flush_to_disk(path: Path) -> None:
-    """Wait until the file is on the disk: a rename must not overtake the data, and a full disk may show only now."""
-    with open(path, "rb+") as file:
-        os.fsync(file.fileno())

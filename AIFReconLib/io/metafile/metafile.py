@@ -14,11 +14,6 @@ from typing import BinaryIO
 from ...arrays import NumberType
 from ...errors import AIFReconError, FileFormatError
 from ..disk.regular_files import stamp
-from .frame_lines import FrameLines
-
-RAW = "raw"
-COMPRESSED = "compressed"
-"""Either zlib or gzip: decoders tell them apart."""
 
 UNFINISHED = "RecordingUnfinished"
 """A field of recordings that were cut off by a crash: their pixels may go on behind the frames that the header lists."""
@@ -54,8 +49,6 @@ class Metafile:
         What the format itself does not define, by name: custom and per-frame fields.
     entries : dict of str to str
         What the format defines, as written: units of axes, place in space.
-    frame_lines : FrameLines or None
-        Of a long header: where the fields of each frame are, which `fields` then leaves out.
     """
 
     path: Path
@@ -71,8 +64,6 @@ class Metafile:
     fields: dict[str, str] = field(repr=False)
     data_stamp: tuple[int, int] = (0, 0)
     entries: dict[str, str] = field(default_factory=dict, repr=False)
-    frame_lines: FrameLines | None = field(default=None, repr=False)
-    header_stamp: tuple[int, int] = (0, 0)
 
     @property
     def pixel_bytes(self) -> int:
@@ -82,28 +73,6 @@ class Metafile:
     def failure(self, problem: str, advice: str = "") -> FileFormatError:
         """The error to raise for this file."""
         return self.error(f"{self.path}: {problem}", advice)
-
-    def frame_fields(self, number: int) -> list[tuple[str, str]]:
-        """Names and values of the fields of one frame, and some others, of a header with `frame_lines`.
-
-        Raises
-        ------
-        FileFormatError
-            `error`, when the header cannot be read any more, or is another one.
-        """
-        if self.frame_lines is None:
-            return []
-        try:
-            return self.frame_lines.read(self._header_bytes, number)
-        except OSError as error:
-            raise self.failure(f"the header cannot be read ({error.strerror}). Copy the file again.") from error
-
-    def _header_bytes(self, start: int, count: int) -> bytes:
-        with open(self.path, "rb") as file:
-            if stamp(os.fstat(file.fileno())) != self.header_stamp:
-                raise self.failure("the header has changed since it was opened. Read the file again.")
-            file.seek(start)
-            return file.read(count)
 
     @contextlib.contextmanager
     def open_payload(self) -> Iterator[BufferedReader]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
-from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require
-from .metafile import COMPRESSED, RAW, Metafile
+from ...errors import OutputError
+from .header import COMPRESSED, RAW, Format, HeaderLines, StoredPixels, parse_count, require, store
 
 ELEMENT_TYPES = {
     "MET_CHAR": "i1",
@@ -32,15 +34,37 @@ FORMAT_KEYS = frozenset(_FORMAT_KEYS.split())
 """Keys that the format defines. They describe the pixels and are written anew with them; every other key is a field."""
 
 LAST_KEY = "ElementDataFile"
+_SWITCH = {**dict.fromkeys(("true", "t", "1"), True), **dict.fromkeys(("false", "f", "0"), False)}
 
 
-def parse_metaimage(lines: HeaderLines) -> Metafile:
-    """The header and where its payload lies."""
-    entries = read_entries(lines)
+def check_pair_name(path: Path) -> None:
+    """Return if a header and a data file of this name can be read by others.
+
+    Raises OutputError otherwise.
+    """
+    if "%" in path.name:
+        raise OutputError(
+            f"Cannot write {path}: a data file with a percent sign in its name would be read as a pattern of names. Choose another name."
+        )
+
+
+def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
+    entries: dict[str, str] = {}
+    fields: dict[str, str] = {}
+    while LAST_KEY not in entries and (line := lines.next()) is not None:
+        key, equals, value = (word.strip() for word in line.partition("="))
+        if line.strip() and not (key and equals):
+            raise lines.failure("this is not a MetaImage header: a line is not 'Key = value'. Give a MetaImage or NRRD file.")
+        if key:
+            store(lines, entries if key in FORMAT_KEYS else fields, key, value)
+    if LAST_KEY not in entries:
+        raise lines.failure(f"the header ends without {LAST_KEY}: the file is cut short or is no MetaImage. Copy it again.")
+    return entries, fields
+
+
+def _pixels(lines: HeaderLines, entries: dict[str, str]) -> StoredPixels:
     if entries.get("ObjectType", "Image") != "Image":
         raise lines.failure(f"ObjectType must be Image; got {entries['ObjectType']!r}. Give an image file.")
-    dimensions = parse_count(lines, "NDims", require(lines, entries, "NDims"), 2, 4)
-    size = parse_sizes(lines, "DimSize", require(lines, entries, "DimSize"), dimensions)
     if not _is_true(lines, entries, "BinaryData", default=True):
         raise lines.failure("BinaryData must be True: ASCII data are not supported. Write the file again as binary.")
     element_type = require(lines, entries, "ElementType")
@@ -49,71 +73,19 @@ def parse_metaimage(lines: HeaderLines) -> Metafile:
             f"ElementType must be one of {', '.join(ELEMENT_TYPES)}; got {element_type!r}. Convert the file to one of them."
         )
     byte_order_key = "ElementByteOrderMSB" if "ElementByteOrderMSB" in entries else "BinaryDataByteOrderMSB"
-    byte_order = ">" if _is_true(lines, entries, byte_order_key, default=False) else "<"
-    kinds = tuple(entries.get("Kinds", "").lower().split())
-    if kinds and len(kinds) != dimensions:
-        raise lines.failure(f"Kinds must have {dimensions} words, one for each of NDims; got {entries['Kinds']!r}. Correct the header.")
-    compressed = _is_true(lines, entries, "CompressedData", default=False)
-    data_file = _data_file(lines, entries[LAST_KEY])
-    return build_metafile(
-        lines,
-        size_key="DimSize",
-        size=size,
-        channels=parse_count(lines, "ElementNumberOfChannels", entries.get("ElementNumberOfChannels", "1"), 1, 2**16),
-        dtype=np.dtype(byte_order + ELEMENT_TYPES[element_type]),
-        kinds=kinds,
-        encoding=COMPRESSED if compressed else RAW,
-        data_file=data_file,
-        stored_length=_stored_length(lines, entries) if compressed else None,
-        fields={key: value for key, value in entries.items() if key not in FORMAT_KEYS},
-        entries={key: value for key, value in entries.items() if key in FORMAT_KEYS},
-        skip=parse_skip(lines, "HeaderSize", entries.get("HeaderSize", ""), data_file is not None and not compressed),
-    )
+    byte_order = ">" if _is_true(lines, entries, byte_order_key) else "<"
+    compressed = _is_true(lines, entries, "CompressedData")
+    # 0 or nothing: a recorder left its place empty
+    length = parse_count(lines, "CompressedDataSize", entries.get("CompressedDataSize") or "0", 0, 2**62) if compressed else 0
+    channels = parse_count(lines, "ElementNumberOfChannels", entries.get("ElementNumberOfChannels", "1"), 1, 2**16)
+    return StoredPixels(np.dtype(byte_order + ELEMENT_TYPES[element_type]), COMPRESSED if compressed else RAW, channels, length or None)
 
 
-def read_entries(lines: HeaderLines) -> dict[str, str]:
-    """Every key and value up to ElementDataFile."""
-    entries: dict[str, str] = {}
-    while (line := lines.next()) is not None:
-        if not line.strip():
-            continue
-        key, value = _split(line)
-        if "=" not in line or not key:
-            raise lines.failure("this is not a MetaImage header: a line is not 'Key = value'. Give a MetaImage or NRRD file.")
-        lines.keep(entries, key, value, _split)
-        if key == LAST_KEY:
-            return entries
-    raise lines.failure(f"the header ends without {LAST_KEY}: the file is cut short or is no MetaImage. Copy it again.")
+def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: bool = False) -> bool:
+    text = entries.get(key) or str(default)
+    if text.lower() not in _SWITCH:
+        raise lines.failure(f"{key} must be True or False; got {text!r}. Correct the header.")
+    return _SWITCH[text.lower()]
 
 
-def _split(line: str) -> tuple[str, str]:
-    """Key and value."""
-    key, _, value = line.partition("=")
-    return key.strip(), value.strip()
-
-
-def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: bool) -> bool:
-    text = entries.get(key, "")
-    if not text:
-        return default
-    if text.lower() in ("true", "t", "1"):
-        return True
-    if text.lower() in ("false", "f", "0"):
-        return False
-    raise lines.failure(f"{key} must be True or False; got {text!r}. Correct the header.")
-
-
-def _data_file(lines: HeaderLines, text: str) -> str | None:
-    if text.upper() == "LOCAL":
-        return None
-    if text.split()[:1] == ["LIST"] or "%" in text:
-        raise lines.failure(
-            f"ElementDataFile must be LOCAL or one file; got {text!r}. Lists of files are not supported: write it again as one file."
-        )
-    return text
-
-
-def _stored_length(lines: HeaderLines, entries: dict[str, str]) -> int | None:
-    """The declared length of the compressed data; None where a recorder left the place for it empty."""
-    text = entries.get("CompressedDataSize", "")
-    return parse_count(lines, "CompressedDataSize", text, 0, 2**62) or None if text else None
+METAIMAGE = Format((".mha", ".mhd"), "NDims", "DimSize", "Kinds", LAST_KEY, "HeaderSize", 4, _read, _pixels)

@@ -6,8 +6,7 @@ import re
 
 import numpy as np
 
-from .header import HeaderLines, build_metafile, parse_count, parse_sizes, parse_skip, require, store
-from .metafile import COMPRESSED, RAW, Metafile
+from .header import COMPRESSED, RAW, Format, HeaderLines, StoredPixels, parse_count, require, store
 
 _TYPE_NAMES = {
     "i1": "int8, int8_t, signed char",
@@ -24,8 +23,7 @@ _TYPE_NAMES = {
 TYPES = {name: code for code, names in _TYPE_NAMES.items() for name in names.split(", ")}
 """Every spelling of a pixel type in the NRRD definition."""
 
-RAW_ENCODINGS = ("raw",)
-GZIP_ENCODINGS = ("gzip", "gz")
+ENCODINGS = {"raw": RAW, "gzip": COMPRESSED, "gz": COMPRESSED}
 
 _FORMAT_FIELDS = """
 dimension, type, encoding, endian, sizes, kinds, block size, content, min, max, old min, old max, data file, line skip, byte skip, number,
@@ -38,43 +36,6 @@ SPELLINGS = {spelled: name for name in _FORMAT_FIELDS.replace("\n", " ").strip()
 _WRITTEN_TWICE = ("ultrasound image orientation", "ultrasound image type")
 """Plus writes these as key/value pairs, beside the ``name: value`` of the file that it edited: the pair is that of the pixels."""
 
-CHANNEL_KINDS = frozenset(
-    ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
-)
-"""Kinds that make the first axis the channels of a pixel."""
-
-
-def parse_nrrd(lines: HeaderLines) -> Metafile:
-    """The header and where its payload lies."""
-    entries, fields = read_nrrd_entries(lines)
-    dimensions = parse_count(lines, "dimension", require(lines, entries, "dimension"), 2, 5)
-    size = parse_sizes(lines, "sizes", require(lines, entries, "sizes"), dimensions)
-    pixel_type = require(lines, entries, "type").lower()
-    if pixel_type not in TYPES:
-        raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
-    kinds = tuple(entries.get("kinds", "").lower().split())
-    if kinds and len(kinds) != dimensions:
-        raise lines.failure(f"kinds must have {dimensions} words, one for each dimension; got {entries['kinds']!r}. Correct the header.")
-    channels = 1
-    if kinds and kinds[0] in CHANNEL_KINDS:
-        channels, size, kinds = size[0], size[1:], kinds[1:]
-    parse_count(lines, "line skip", entries.get("line skip", "0"), 0, 0)
-    encoding, data_file = _encoding(lines, require(lines, entries, "encoding").lower()), _data_file(lines, entries)
-    return build_metafile(
-        lines,
-        size_key="sizes",
-        size=size,
-        channels=channels,
-        dtype=np.dtype(_byte_order(lines, entries, TYPES[pixel_type]) + TYPES[pixel_type]),
-        kinds=kinds if not {"???", "none"} & set(kinds) else (),
-        encoding=encoding,
-        data_file=data_file,
-        stored_length=None,
-        fields=fields,
-        entries=entries,
-        skip=parse_skip(lines, "byte skip", entries.get("byte skip", ""), data_file is not None and encoding == RAW),
-    )
-
 
 def unescape(text: str) -> str:
     r"""Key or value as meant: NRRD writes a line feed as ``\n`` and a backslash as ``\\``."""
@@ -86,8 +47,8 @@ def escape(text: str) -> str:
     return text.replace("\\", "\\\\")
 
 
-def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
-    """The format's own entries, and all others: key/value pairs, and fields of other names."""
+def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
+    """Fields are key/value pairs, and lines ``name: value`` of other names than the format's."""
     magic = lines.next() or ""
     if not re.fullmatch(r"NRRD000[1-5]\s*", magic):
         raise lines.failure("this is not an NRRD file: it does not begin with NRRD0001 to NRRD0005. Give a MetaImage or NRRD file.")
@@ -101,7 +62,7 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
         if not colon or not key.strip():
             raise lines.failure("this is not an NRRD header: a line is neither 'field: value' nor 'key:=value'. Copy the file again.")
         if value.startswith("="):
-            lines.keep(fields, *_split(line), _split)
+            store(lines, fields, unescape(key.strip()), unescape(value[1:]).strip())
         else:
             name = SPELLINGS.get(key.strip().lower(), "")
             store(lines, entries if name else others, name or key.strip(), value.strip())
@@ -115,31 +76,20 @@ def read_nrrd_entries(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str
     return entries, fields
 
 
-def _split(line: str) -> tuple[str, str]:
-    """Key and value of a line ``key:=value``."""
-    key, _, value = line.partition(":=")
-    return unescape(key.strip()), unescape(value).strip()
-
-
-def _byte_order(lines: HeaderLines, entries: dict[str, str], code: str) -> str:
+def _pixels(lines: HeaderLines, entries: dict[str, str]) -> StoredPixels:
+    pixel_type = require(lines, entries, "type").lower()
+    if pixel_type not in TYPES:
+        raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
+    code = TYPES[pixel_type]
     endian = entries.get("endian", "little" if code.endswith("1") else "").lower()
     if endian not in ("little", "big"):
         raise lines.failure(f"endian must be little or big; got {endian!r}. Correct the header.")
-    return "<" if endian == "little" else ">"
+    encoding = require(lines, entries, "encoding").lower()
+    if encoding not in ENCODINGS:
+        reason = "ASCII data are not supported" if encoding in ("ascii", "txt", "text") else "no other encoding is supported"
+        raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
+    parse_count(lines, "line skip", entries.get("line skip", "0"), 0, 0)
+    return StoredPixels(np.dtype(("<" if endian == "little" else ">") + code), ENCODINGS[encoding])
 
 
-def _encoding(lines: HeaderLines, encoding: str) -> str:
-    if encoding in RAW_ENCODINGS:
-        return RAW
-    if encoding in GZIP_ENCODINGS:
-        return COMPRESSED
-    ascii_data = encoding in ("ascii", "txt", "text")
-    reason = "ASCII data are not supported" if ascii_data else "no other encoding is supported"
-    raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
-
-
-def _data_file(lines: HeaderLines, entries: dict[str, str]) -> str | None:
-    text = entries.get("data file")
-    if text is not None and (text.split()[:1] == ["LIST"] or "%" in text):
-        raise lines.failure(f"data file must be one file; got {text!r}. Lists of files are not supported: write it again as one file.")
-    return text.removeprefix("./") if text is not None else None
+NRRD = Format((".nrrd", ".nhdr"), "dimension", "sizes", "kinds", "data file", "byte skip", 5, _read, _pixels)

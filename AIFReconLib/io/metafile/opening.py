@@ -1,21 +1,54 @@
-"""A MetaImage or NRRD file is opened by its suffix."""
+"""A MetaImage or NRRD file is opened by its suffix.
+
+Everything that a header can get wrong is found here, before anyone allocates memory for what it promises.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import math
 import os
-from dataclasses import replace
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import FileFormatError
+from ...message import shorten
+from ...remedies import TRANSFORM_SEQUENCES
 from ..disk.regular_files import require_regular_file, stamp
-from .frame_lines import OutOfOrder
-from .header import HeaderLines
+from .header import RAW, Format, HeaderLines, parse_count, require
 from .metafile import UNFINISHED, Metafile
-from .metaimage import parse_metaimage
-from .nrrd import parse_nrrd
+from .metaimage import METAIMAGE
+from .nrrd import NRRD
 
-METAIMAGE_SUFFIXES = (".mha", ".mhd")
-NRRD_SUFFIXES = (".nrrd", ".nhdr")
+METAIMAGE_SUFFIXES, NRRD_SUFFIXES = METAIMAGE.suffixes, NRRD.suffixes
+
+TO_THE_END = "-1"
+"""How both formats say that the pixels are the last bytes of a file, whatever comes before."""
+
+LARGEST_DEFLATE_RATIO = 1032
+"""No deflate stream expands by more, so a header that promises more is wrong whatever the stream holds."""
+
+CHANNEL_KINDS = frozenset(
+    ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
+)
+"""Kinds that make the first axis the channels of a pixel."""
+
+
+def format_of(path: Path) -> Format:
+    """NRRD by its suffix, else MetaImage."""
+    return NRRD if path.suffix.lower() in NRRD.suffixes else METAIMAGE
+
+
+@contextlib.contextmanager
+def opened_header(path: Path, error: type[FileFormatError]) -> Iterator[HeaderLines]:
+    """The lines of a file's header, as long as the block runs; an OSError of the block becomes `error`."""
+    require_regular_file(path, error)
+    try:
+        with open(path, "rb") as file:
+            yield HeaderLines(file, path, error)
+    except OSError as cause:
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
 
 def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
@@ -28,24 +61,14 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
         What to raise when the file cannot be used.
     """
     path = Path(path)
-    require_regular_file(path, error)
-    try:
-        with open(path, "rb") as file:
-            before = os.fstat(file.fileno())
-            parse = parse_nrrd if path.suffix.lower() in NRRD_SUFFIXES else parse_metaimage
-            try:
-                metafile = parse(HeaderLines(file, path, error, in_memory=False))
-            except OutOfOrder:
-                file.seek(0)
-                metafile = parse(HeaderLines(file, path, error))
-            metafile = replace(metafile, header_stamp=stamp(before))
-            # The data were looked up after the header was opened: they belong together if its name still leads to the same file
-            after = path.stat()
-            if (not os.path.samestat(before, after) or stamp(before) != stamp(after)) and UNFINISHED not in metafile.fields:
-                raise metafile.failure("the file changed while it was read. Read it again when it is complete.")
-            return metafile
-    except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+    with opened_header(path, error) as lines:
+        before = os.fstat(lines.file.fileno())
+        metafile = _understood(lines, format_of(path))
+        # The data were looked up after the header was opened: they belong together if its name still leads to the same file
+        after = path.stat()
+        if (not os.path.samestat(before, after) or stamp(before) != stamp(after)) and UNFINISHED not in metafile.fields:
+            raise metafile.failure("the file changed while it was read. Read it again when it is complete.")
+        return metafile
 
 
 def data_files(path: Path) -> list[Path]:
@@ -56,3 +79,107 @@ def data_files(path: Path) -> list[Path]:
         return [Path(os.path.realpath(read_metafile(path, FileFormatError).data_path))]
     except FileFormatError:
         return []
+
+
+def _understood(lines: HeaderLines, form: Format) -> Metafile:
+    """The `Metafile` of a header, after checking that the payload is there."""
+    entries, fields = form.read(lines)
+    dimensions = parse_count(lines, form.dimension, require(lines, entries, form.dimension), 2, form.most_dimensions)
+    size = _sizes(lines, form.size, require(lines, entries, form.size), dimensions)
+    dtype, encoding, channels, stored_length = form.pixels(lines, entries)
+    kinds = tuple(entries.get(form.kinds, "").lower().split())
+    if kinds and len(kinds) != dimensions:
+        raise lines.failure(
+            f"{form.kinds} must have {dimensions} words, one for each dimension; got {entries[form.kinds]!r}. Correct the header."
+        )
+    if kinds and kinds[0] in CHANNEL_KINDS:
+        channels, size, kinds = size[0], size[1:], kinds[1:]
+    data_path = _data_path(lines, form.data_file, entries.get(form.data_file, "LOCAL"))
+    skip, may_skip = entries.get(form.skip) or "0", data_path != lines.path and encoding == RAW
+    if skip != "0" and not may_skip:
+        raise lines.failure(
+            f"{form.skip} must be 0 where pixels are compressed or follow the header; got {shorten(skip)!r}. Write the file again."
+        )
+    status = data_path.stat()
+    offset = lines.file.tell() if data_path == lines.path else 0
+    if skip == TO_THE_END:
+        offset = max(status.st_size - math.prod(size) * channels * dtype.itemsize, 0)
+    elif may_skip:
+        offset = parse_count(lines, form.skip, skip, 0, 2**62)
+    metafile = Metafile(
+        lines.path,
+        lines.error,
+        size,
+        channels,
+        dtype,
+        kinds if not {"???", "none"} & set(kinds) else (),
+        encoding,
+        data_path,
+        offset,
+        max(status.st_size - offset, 0),
+        fields,
+        stamp(status),
+        entries,
+    )
+    _check_length(metafile, form.size, stored_length)
+    return metafile
+
+
+def _sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[int, ...]:
+    """The `count` positive whole numbers of a size entry."""
+    words = text.split()
+    if len(words) != count or not all(re.fullmatch(r"[0-9]{1,12}", word) for word in words):
+        raise lines.failure(f"{key} must be {count} whole numbers; got {shorten(text)!r}. The header is damaged.")
+    sizes = tuple(int(word) for word in words)
+    if min(sizes) < 1:
+        raise lines.failure(
+            f"{key} must be positive; got {text!r}. The file holds no image: record or export it again; or it is Slicer's sequence "
+            "of a transform, which goes with the images.",
+            TRANSFORM_SEQUENCES,
+        )
+    return sizes
+
+
+def _data_path(lines: HeaderLines, key: str, text: str) -> Path:
+    """The file of the pixels: the header's own, or one in its folder. Nothing else is opened because a header says so."""
+    if text.upper() == "LOCAL":
+        return lines.path
+    if text.split()[:1] == ["LIST"] or "%" in text:
+        raise lines.failure(f"{key} must be one file; got {text!r}. Lists of files are not supported: write it again as one file.")
+    name = text.removeprefix("./")
+    if not name or name in (".", "..") or re.search(r"[/\\:\0]", name):
+        raise lines.failure(
+            f"its data file must lie beside it and be given by its bare name; got {shorten(name)!r}. Move it there and correct the header."
+        )
+    if not (lines.path.parent / name).is_file():
+        raise lines.failure(f"data file {name} is missing. Put it beside the header.")
+    return lines.path.parent / name
+
+
+def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) -> None:
+    """Compare the length of the payload with what the header promises."""
+    size = " ".join(str(n) for n in metafile.size)
+    there, needed = metafile.data_length, metafile.pixel_bytes
+    if metafile.encoding == RAW:
+        if there < needed:
+            complete = there // (needed // metafile.size[-1])
+            raise metafile.failure(
+                f"the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} ({complete} of "
+                f"{metafile.size[-1]} frames or slices). Copy the file again, or correct {size_key}."
+            )
+        if there > needed and UNFINISHED not in metafile.fields:
+            raise metafile.failure(
+                f"there are {there - needed} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, or write the file "
+                "again."
+            )
+    elif stored_length is not None and there != stored_length:
+        what = "are cut short" if there < stored_length else "go on behind their end"
+        raise metafile.failure(
+            f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy the file again, or write it "
+            "again."
+        )
+    elif needed > LARGEST_DEFLATE_RATIO * there + 4096:
+        raise metafile.failure(
+            f"{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, or correct "
+            f"{size_key}."
+        )

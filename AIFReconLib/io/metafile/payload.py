@@ -5,7 +5,8 @@ from __future__ import annotations
 import zlib
 from typing import BinaryIO
 
-from .metafile import RAW, Metafile, PayloadError
+from .header import RAW
+from .metafile import Metafile, PayloadError
 
 _PIECE = 2**18
 """Bytes read or decoded at a time."""

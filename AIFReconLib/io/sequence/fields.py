@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ...message import shorten
-from ...sweep.frames import FrameRecord, RecordsOnDemand
+from ...sweep.frames import FrameRecord
 from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
@@ -36,7 +36,7 @@ STATUS_SUFFIX = "TransformStatus"
 
 def split_fields(
     metafile: Metafile, frames: int, spacing: tuple[float, float] | None = None
-) -> tuple[Sequence[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
+) -> tuple[list[FrameRecord], dict[str, str], dict[TransformName, TransformSample]]:
     """The records of all frames, and the header's own fields and transforms.
 
     Raises SequenceFormatError, which names the key when a number is none, a matrix has not 16 of them, or a frame does not exist.
@@ -50,18 +50,7 @@ def split_fields(
     """
     per_frame, header = by_frame(metafile, metafile.fields.items(), frames)
     transforms, fields = _take_transforms(metafile, None, header)
-    if metafile.frame_lines is None:
-        return [_record(metafile, number, per_frame.get(number, {}), spacing) for number in range(frames)], fields, transforms
-    if len(metafile.frame_lines) > frames:
-        by_frame(metafile, metafile.frame_fields(len(metafile.frame_lines) - 1), frames)
-
-    def record(number: int) -> FrameRecord:
-        of_frame, _ = by_frame(metafile, metafile.frame_fields(number), frames)
-        return _record(metafile, number, of_frame.get(number, {}), spacing)
-
-    records = RecordsOnDemand(frames, record)
-    records.summary  # noqa: B018 (reads all of them once: what is wrong with one is said now)
-    return records, fields, transforms
+    return [_record(metafile, number, per_frame.pop(number, {}), spacing) for number in range(frames)], fields, transforms
 
 
 def by_frame(

@@ -2,29 +2,24 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
-import tempfile
-import weakref
-from typing import BinaryIO
+from dataclasses import replace
 
 import numpy as np
 
 from ...arrays import Numbers
 from ...imaging.images import ImagesOnDemand, luminance
-from ..metafile.metafile import RAW, Metafile, PayloadError
+from ..metafile.header import RAW
+from ..metafile.metafile import Metafile, PayloadError
 from ..metafile.payload import PayloadStream
 
 MAXIMUM_FRAMES = 1_000_000
 MAXIMUM_FRAME_BYTES = 2**28
-"""Limits of what can be a recording: nine hours at 30 frames/s, or as many frames as a header has lines of, and 256 MB in one image."""
+"""Limits of what can be a recording: nine hours at 30 frames/s, and 256 MB in one image."""
 
 KEPT_BYTES = 2**27
 """Compressed recordings that take no more than this are kept once they are decoded: to look for the probe, for bone and to reconstruct all
 read them from the first frame on."""
-
-_SORTED_BYTES = 2**23
-"""Bytes of interleaved frames that are turned over at a time."""
 
 _SPACE_KINDS = frozenset(("domain", "space"))
 _TIME_KINDS = frozenset(("list", "time"))
@@ -45,21 +40,19 @@ class FileImages(ImagesOnDemand):
     -----
     `images[n]` reads frame n: (rows, columns), in MF orientation, colors reduced to luminance, a new array each time. Compressed
     data are one stream: reading in frame order decodes each byte once, going back starts over, but for recordings of up to `KEPT_BYTES`.
-    No file stays open, but of interleaved frames: when the first is asked for, all are sorted, 8 MB at a time, into a temporary file that
-    goes away with this object.
+    No file stays open. Interleaved frames are read and kept all at once, when the first is asked for.
     """
 
     def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False, interleaved: bool = False):
         self.shape = frames, rows, columns = (_interleaved_layout if interleaved else frame_layout)(metafile)
-        described = len(metafile.frame_lines) if metafile.frame_lines is not None else 0
-        if frames > max(MAXIMUM_FRAMES, described) or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
+        if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
             raise metafile.failure(
                 f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({MAXIMUM_FRAMES} frames, {MAXIMUM_FRAME_BYTES} bytes "
                 "in each). The size in the header is wrong, or the recording must be split."
             )
         if metafile.channels not in (1, 3, 4):
             raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
-        self._metafile = metafile
+        self._metafile = replace(metafile, fields={})
         self.dtype = metafile.dtype.newbyteorder("=")
         self._flips = (slice(None, None, -1 if flip_rows else 1), slice(None, None, -1 if flip_columns else 1))
         self._frame_bytes = metafile.pixel_bytes // frames
@@ -67,11 +60,11 @@ class FileImages(ImagesOnDemand):
         self._keeps_all = metafile.encoding != RAW and metafile.pixel_bytes <= KEPT_BYTES
         self._kept: dict[int, bytes] = {}
         self._interleaved = interleaved
-        self._sorted: BinaryIO | None = None
+        self._all: Numbers | None = None
 
     def _image(self, index: int) -> Numbers:
         _, rows, columns = self.shape
-        image = np.frombuffer(self._read_sorted(index) if self._interleaved else self._read(index), self._metafile.dtype)
+        image = self._interleaved_image(index) if self._interleaved else np.frombuffer(self._read(index), self._metafile.dtype)
         if self._metafile.channels > 1:
             image = luminance(image.reshape(rows, columns, self._metafile.channels))
         return np.array(image.reshape(rows, columns)[self._flips], dtype=self.dtype, order="C")
@@ -100,37 +93,16 @@ class FileImages(ImagesOnDemand):
                 raise
         return self._kept[index]
 
-    def _read_sorted(self, index: int) -> bytes:
-        if self._sorted is None:
-            self._sorted = self._sort()
-        try:
-            self._sorted.seek(index * self._frame_bytes)
-            return self._sorted.read(self._frame_bytes)
-        except OSError as error:
-            raise self._metafile.failure(f"its sorted copy cannot be read ({error.strerror}). Read the file again.") from error
-
-    def _sort(self) -> BinaryIO:
-        """A temporary file that holds frame after frame: reading one from the original would mean reading all of it."""
-        metafile, stream = self._metafile, PayloadStream(self._metafile)
-        frames, rows, columns = self.shape
-        pixel_bytes = frames * metafile.channels * metafile.dtype.itemsize
-        step = max(_SORTED_BYTES // pixel_bytes, 1)
-        with contextlib.ExitStack() as stack, metafile.open_payload() as file:
-            try:
-                by_frame = stack.enter_context(tempfile.TemporaryFile())
-                for start in range(0, rows * columns, step):
-                    count = min(step, rows * columns - start)
-                    pixels = np.frombuffer(stream.read(file, count * pixel_bytes), metafile.dtype).reshape(count, frames, metafile.channels)
-                    for frame in range(frames):
-                        by_frame.seek(frame * self._frame_bytes + start * pixel_bytes // frames)
-                        by_frame.write(pixels[:, frame].tobytes())
+    def _interleaved_image(self, index: int) -> Numbers:
+        """The pixels of one frame of a file in which those of all frames lie together."""
+        if self._all is None:
+            stream, pixels = PayloadStream(self._metafile), np.empty(self._metafile.pixel_bytes, np.uint8)
+            with self._metafile.open_payload() as file:
+                for place in range(0, len(pixels), self._frame_bytes):
+                    pixels[place : place + self._frame_bytes] = np.frombuffer(stream.read(file, self._frame_bytes), np.uint8)
                 stream.finish(file)
-                by_frame.flush()
-            except OSError as error:
-                raise metafile.failure(f"its frames cannot be sorted ({error.strerror}). Free some space on the disk.") from error
-            stack.pop_all()
-            weakref.finalize(self, by_frame.close)
-            return by_frame
+            self._all = pixels.view(self._metafile.dtype).reshape(-1, len(self), self._metafile.channels)
+        return np.ascontiguousarray(self._all[:, index])
 
 
 def _interleaved_layout(metafile: Metafile) -> tuple[int, int, int]:

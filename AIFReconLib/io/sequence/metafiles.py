@@ -35,8 +35,7 @@ def _read(path: Path, orientation: str | None) -> Recorded:
 def _frame_fields(path: Path) -> Set[str] | None:
     metafile = read_metafile(path, SequenceFormatError)
     names = {found[2] for key in metafile.fields if (found := FRAME_KEY.fullmatch(key))}
-    long = metafile.frame_lines is not None
-    return names if names or long or is_slicer_sequence(metafile) else None
+    return names if names or is_slicer_sequence(metafile) else None
 
 
 def _header_spacing(metafile: Metafile) -> tuple[float, float] | None:

@@ -43,7 +43,7 @@ def is_slicer_sequence(metafile: Metafile) -> bool:
 
 def slicer_records(
     metafile: Metafile, records: Sequence[FrameRecord], fields: dict[str, str]
-) -> tuple[Sequence[FrameRecord], dict[str, str], tuple[str, ...]]:
+) -> tuple[list[FrameRecord], dict[str, str], tuple[str, ...]]:
     """Records with Slicer's times and attributes of frames, the fields that are left, and what a user should know.
 
     Raises SequenceFormatError when there is not one index value per frame, or an attribute belongs to a frame that does not exist.

@@ -19,11 +19,8 @@ from ...recipe.recipe import LONGEST_GAP
 from ...remedies import TRANSFORM_SEQUENCES
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import SLICERS_TIME, PoseTrack
-from ..disk.regular_files import require_regular_file
 from ..metafile.header import HeaderLines
-from ..metafile.metaimage import read_entries
-from ..metafile.nrrd import read_nrrd_entries
-from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES
+from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, format_of, opened_header
 from .fields import MATRIX_SUFFIX, STATUS_SUFFIX, by_frame, parsed_matrix, parsed_time
 from .file_images import MAXIMUM_FRAMES
 
@@ -121,17 +118,11 @@ def _pair(
 
 def _frame_fields(path: Path) -> tuple[HeaderLines, dict[int, dict[str, str]]]:
     """Fields per frame of any sequence header, images or not."""
-    suffix = path.suffix.lower()
-    if suffix not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
+    if path.suffix.lower() not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
         raise SequenceFormatError(f"{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.")
-    require_regular_file(path, SequenceFormatError)
-    try:
-        with open(path, "rb") as file:
-            lines = HeaderLines(file, path, SequenceFormatError)
-            entries = read_entries(lines) if suffix in METAIMAGE_SUFFIXES else read_nrrd_entries(lines)[1]
-    except OSError as error:
-        raise SequenceFormatError(f"{path}: the file cannot be read ({error.strerror}). Check its permissions.") from error
-    per_frame, _ = by_frame(lines, entries.items(), MAXIMUM_FRAMES)
+    with opened_header(path, SequenceFormatError) as lines:
+        _, fields = format_of(path).read(lines)
+    per_frame, _ = by_frame(lines, fields.items(), MAXIMUM_FRAMES)
     if not per_frame:
         raise lines.failure("it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")
     return lines, per_frame

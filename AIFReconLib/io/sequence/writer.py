@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import zlib
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
@@ -15,10 +16,9 @@ from ...imaging.images import ImageStack
 from ...message import shorten
 from ...progress import Progress, report
 from ...sweep.frames import TrackedSequence
-from ..disk.atomic import atomic_output, atomic_outputs
-from ..disk.header_pairs import check_pair_name
+from ..disk.atomic import atomic_outputs
 from ..metafile.header import MAXIMUM_LINE
-from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
+from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS, check_pair_name
 from ..metafile.nrrd import escape
 from .fields import IMAGE_STATUS, IMAGE_STATUS_IN_NRRD, frame_entries, header_entries
 from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
@@ -36,13 +36,10 @@ _NRRD_TYPE_OF = {
     "f8": "double",
 }
 
-_SIZE_DIGITS = 20
-"""Places kept free for CompressedDataSize, which is known last and written first."""
+_SIZE, _SIZE_DIGITS = "CompressedDataSize = ", 20
+"""Its places are kept free, for it is known last and written first."""
 
 Entries = Iterable[tuple[str, str]]
-
-
-PixelWriter = Callable[[BinaryIO, "zlib._Compress | None"], None]
 
 
 def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool = True, progress: Progress | None = None) -> None:
@@ -74,24 +71,26 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     path = Path(path)
     check_sequence_name(path)
     suffix = path.suffix.lower()
-    code = _pixel_code(sequence.images)
-    # One at a time: a day's take 6 GB
+    code, is_nrrd = _pixel_code(sequence.images), suffix == ".nrrd"
+    # One at a time: there may be a million
     entries = chain(
-        checked(header_entries(sequence.fields, sequence.transforms), reserved=suffix != ".nrrd"),
-        checked(frame_entries(sequence.records, IMAGE_STATUS_IN_NRRD if suffix == ".nrrd" else IMAGE_STATUS), reserved=False),
+        checked(header_entries(sequence.fields, sequence.transforms), reserved=not is_nrrd),
+        checked(frame_entries(sequence.records, IMAGE_STATUS_IN_NRRD if is_nrrd else IMAGE_STATUS)),
     )
-
-    def write_pixels(file: BinaryIO, encoder: zlib._Compress | None) -> None:
-        _write_pixels(file, sequence.images, code, encoder, lambda fraction: report(progress, fraction, f"Writing {path.name}"))
-
-    if suffix == ".mhd":
-        _write_header_and_data(path, sequence, code, entries, compress, write_pixels)
-    elif suffix == ".mha":
-        _write_metaimage(path, sequence, code, entries, compress, write_pixels)
-    else:
-        with atomic_output(path) as temporary, open(temporary, "wb") as file:
-            _write_lines(file, _nrrd_lines(sequence, code, entries, compress))
-            write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL, wbits=16 + zlib.MAX_WBITS) if compress else None)
+    beside = [path.with_suffix(".zraw" if compress else ".raw")] if suffix == ".mhd" else []
+    encoder = zlib.compressobj(_COMPRESSION_LEVEL, wbits=zlib.MAX_WBITS + 16 * is_nrrd) if compress else None
+    with contextlib.ExitStack() as stack:
+        *data, header = (stack.enter_context(open(each, "wb")) for each in stack.enter_context(atomic_outputs(*beside, path)))
+        pixels = data[0] if data else header
+        names = "LOCAL" if pixels is header else Path(pixels.name).name
+        lines = _nrrd_lines(sequence, code, entries, compress) if is_nrrd else _metaimage_lines(sequence, code, entries, compress, names)
+        place = _write_lines(header, lines)
+        start = pixels.tell()
+        _write_pixels(pixels, sequence.images, code, encoder, lambda fraction: report(progress, fraction, f"Writing {path.name}"))
+        length = pixels.tell() - start
+        if place:
+            header.seek(place)
+            header.write(str(length).ljust(_SIZE_DIGITS).encode("ascii"))
 
 
 def check_sequence_name(path: Path) -> None:
@@ -105,31 +104,7 @@ def check_sequence_name(path: Path) -> None:
         check_pair_name(path)
 
 
-def _write_metaimage(path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter) -> None:
-    with atomic_output(path) as temporary, open(temporary, "wb") as file:
-        blank = " " * _SIZE_DIGITS
-        place = _write_lines(file, _metaimage_lines(sequence, code, entries, blank if compress else None, "LOCAL"), "CompressedDataSize = ")
-        start = file.tell()
-        write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL) if compress else None)
-        if compress:
-            length = file.tell() - start
-            file.seek(place)
-            file.write(str(length).ljust(_SIZE_DIGITS).encode("ascii"))
-
-
-def _write_header_and_data(
-    path: Path, sequence: TrackedSequence, code: str, entries: Entries, compress: bool, write_pixels: PixelWriter
-) -> None:
-    data_path = path.with_suffix(".zraw" if compress else ".raw")
-    with atomic_outputs(data_path, path) as (temporary_data, temporary):
-        with open(temporary_data, "wb") as file:
-            write_pixels(file, zlib.compressobj(_COMPRESSION_LEVEL) if compress else None)
-            length = str(file.tell())
-        with open(temporary, "wb") as file:
-            _write_lines(file, _metaimage_lines(sequence, code, entries, length if compress else None, data_path.name))
-
-
-def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, compressed_size: str | None, data_file: str) -> Iterator[str]:
+def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, compress: bool, data_file: str) -> Iterator[str]:
     columns, rows = sequence.frame_size
     yield "ObjectType = Image"
     yield "NDims = 3"
@@ -137,9 +112,9 @@ def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, com
     yield "BinaryData = True"
     yield "BinaryDataByteOrderMSB = False"
     yield "CenterOfRotation = 0 0 0"
-    yield f"CompressedData = {compressed_size is not None}"
-    if compressed_size is not None:
-        yield f"CompressedDataSize = {compressed_size}"
+    yield f"CompressedData = {compress}"
+    if compress:
+        yield _SIZE + " " * _SIZE_DIGITS
     yield f"DimSize = {columns} {rows} {len(sequence)}"
     yield "Kinds = domain domain list"
     yield "ElementNumberOfChannels = 1"
@@ -175,12 +150,12 @@ def _nrrd_lines(sequence: TrackedSequence, code: str, entries: Entries, compress
     yield ""
 
 
-def _write_lines(file: BinaryIO, lines: Iterable[str], watched: str | None = None) -> int:
-    """Write the lines; the answer is the offset behind the prefix `watched`, where a value can be put in later."""
+def _write_lines(file: BinaryIO, lines: Iterable[str]) -> int:
+    """Write the lines; the answer is where the size of compressed data can be put in later, 0 where it need not be said."""
     place = 0
     for line in lines:
-        if watched and line.startswith(watched):
-            place = file.tell() + len(watched)
+        if line.startswith(_SIZE):
+            place = file.tell() + len(_SIZE)
         file.write(line.encode("utf-8", errors="surrogateescape") + b"\n")
     return place
 

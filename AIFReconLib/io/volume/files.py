@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +15,9 @@ from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ...remedies import TAKE_AS_CT, TAKE_AS_PROBABILITY
 from ..disk.atomic import atomic_output, atomic_outputs, check_writable
-from ..disk.header_pairs import check_pair_name, split_metaimage
 from ..disk.itk import itk_path, short_cause
 from ..disk.small_files import read_bytes
+from ..metafile.metaimage import LAST_KEY, check_pair_name
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..transform.files import read_transform, write_transform
@@ -123,7 +124,7 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
         try:
             sitk.WriteImage(image, itk_path(one_file, OutputError), useCompression=suffix != ".nii")
             if pair:
-                split_metaimage(one_file, temporary, beside[0])
+                _split(one_file, temporary, beside[0])
             elif beside:
                 beside[0].write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
@@ -137,6 +138,20 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
             raise OutputError(
                 f"Cannot write {path}: {short_cause(error)}. Check that the disk is not full, or choose another path."
             ) from error
+
+
+def _split(whole: Path, header: Path, data: Path) -> None:
+    """Write the header of a .mha file as `header`, which names `data`, and its pixels as `data`; then remove it.
+
+    SimpleITK would write the pair itself, but takes a percent sign in its path, or in that of a folder, for a pattern of file names, and
+    ends the program.
+    """
+    with open(whole, "rb") as file, open(header, "wb") as lines, open(data, "wb") as pixels:
+        while (line := file.readline()) and not line.startswith(LAST_KEY.encode()):
+            lines.write(line)
+        lines.write(f"{LAST_KEY} = {data.name}\n".encode("utf-8", errors="surrogateescape"))
+        shutil.copyfileobj(file, pixels)
+    whole.unlink()
 
 
 def check_volume_path(path: str | Path, dtype: str = "uint8") -> None:

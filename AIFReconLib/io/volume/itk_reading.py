@@ -21,7 +21,8 @@ from ...message import shorten
 from ..disk.itk import itk_path, short_cause, without_warnings
 from ..disk.regular_files import file_stamp
 from ..disk.small_files import changed, local_copy
-from ..metafile.metafile import RAW, Metafile
+from ..metafile.header import RAW
+from ..metafile.metafile import Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..metafile.text_values import parse_numbers

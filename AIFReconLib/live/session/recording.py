@@ -361,7 +361,7 @@ class Recorder:
                         break
                     if not line.startswith((FORMER_LAST_LINE.encode(), UNFINISHED.encode())):
                         file.write(self._size(self.frames) + b"\n" if line.startswith(_SIZE.encode()) else line)
-                file.write(_LAST_LINE + f" = {target.name}\n".encode())
+                file.write(_LAST_LINE + f" = {pixels.name}\n".encode())
 
     def _remove(self) -> None:
         """Remove the growing files, if they are ours."""

@@ -151,12 +151,6 @@ def test_a_link_stays_a_link_to_the_new_file(tmp_path):
     assert (tmp_path / "real" / "a.txt").read_text(encoding="utf-8") == "new"
 
 
-def test_files_in_different_folders_do_not_belong_together(tmp_path):
-    (tmp_path / "b").mkdir()
-    with pytest.raises(OutputError, match="one folder"), atomic_outputs(tmp_path / "a.raw", tmp_path / "b" / "a.mhd"):
-        pass
-
-
 def test_no_two_versions_of_a_file_share_a_time(tmp_path, monkeypatch):
     """The system's own clock of files ticks every few ms."""
     monkeypatch.setattr(atomic.time, "time_ns", iter([10**18, 10**18 + 100]).__next__)

@@ -19,7 +19,6 @@ from sweeps import image_pose
 
 from AIFReconLib.errors import OutputError, SequenceFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from AIFReconLib.io.disk import atomic
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session import recording
@@ -335,10 +334,10 @@ def test_a_link_in_the_place_of_a_recorders_file_leads_to_no_other_file(name, tm
 
 
 def test_a_recording_that_cannot_begin_says_why(tmp_path, monkeypatch, record):
-    def full(path):
+    def full(descriptor):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(atomic, "flush_to_disk", full)
+    monkeypatch.setattr(os, "fsync", full)
     recorder = record(tmp_path / "scan.mha", frames())
     assert recorder.failure.startswith("Recording stopped: Cannot write ")
     assert recorder.failure.endswith("the disk is full. Free some space, or choose a folder on another disk. No frame was recorded.")
