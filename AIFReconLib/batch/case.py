@@ -20,7 +20,7 @@ from typing import Any
 from .. import __version__
 from ..compounding.methods.table import is_own_method, method_named
 from ..compounding.state import BESIDE, Reconstruction
-from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError, RegistrationRefused
+from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError
 from ..evaluation.cases import OTHER_BONE, OWN_BONE
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
@@ -35,9 +35,8 @@ from ..io.transform.files import write_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import write_volume
 from ..io.volume.label_files import read_labels
-from ..message import listed, said
-from ..registration.registration import as_report, register
-from ..registration.segments import placed_labels
+from ..message import listed
+from ..registration.registration import as_report
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
 from ..terminal.options import labels_from, place_from, required_labels
@@ -48,6 +47,7 @@ from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
 from ..terminal.settings_options import with_provenance
 from ..workflows.job import ReconstructionJob
 from ..workflows.reconstruct import execute, planned, tracking_of
+from ..workflows.register import RegistrationJob, register_job
 from .engine import held_memory
 from .memory import OVER_PLAN
 from .place import require_results
@@ -183,24 +183,24 @@ class _Work:
 
     def _register(self) -> None:
         """Find the CT's place, and go on as if it had been given: by files, so that the numbers are those of the files."""
-        arguments, labels = self._arguments, required_labels(self._arguments) if self._given is None else self._given
-        found = register(
-            self._parts, labels, self._ct_to_reference, per_segment=arguments.per_segment, level=arguments.level or 0, recipe=self._recipe
-        )
+        arguments, given = self._arguments, required_labels(self._arguments) if self._given is None else self._given
+        place = self._parts, given, self._ct_to_reference, self._recipe
+        done = register_job(RegistrationJob(*place, arguments.per_segment, arguments.level, arguments.accept))
+        found = done.found
         self._report["registration"] = as_report(found)
-        if not (found.accepted or arguments.accept or arguments.level is not None):
+        if not done.is_taken:
             path = self._folder.parents[1] / RECORDS / f"{self._name}{ALTERNATIVES}"
             write_text(path, json.dumps(self._report, indent=1) + "\n")
-            raise RegistrationRefused(f"No transform is written. {found.said} The report is {path}.", said(found.said))
+            done.require_taken(f" The report is {path}.")
         write_transform(found.transform, self._folder / TRANSFORM)
-        self._ct_to_reference = found.transform
-        place: dict[str, object] = {"bone_transform": self._folder / TRANSFORM}
+        self._given, self._ct_to_reference = done.labels, found.transform
+        lies: dict[str, object] = {"bone_transform": self._folder / TRANSFORM}
         if found.segments:
-            moved = placed_labels(labels, found.segments.transforms)
+            moved = done.placed
             write_volume(moved, self._folder / LABELS)
-            self._given = Labels(moved.array, moved.ijk_to_reference, {}, self._given.names if self._given else {})
-            place = {"bone_labels": [self._folder / LABELS], "labels": None, "bone_transform": None}
-        self._arguments = argparse.Namespace(**{**vars(arguments), **place})
+            self._given = Labels(moved.array, moved.ijk_to_reference, {}, given.names)
+            lies = {"bone_labels": [self._folder / LABELS], "labels": None, "bone_transform": None}
+        self._arguments = argparse.Namespace(**{**vars(arguments), **lies})
         self._numbers |= {
             "registration_agreement": float(found.agreement.share),
             "registration_median_distance_mm": float(found.agreement.median_distance),

@@ -4,48 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
-import os
-import platform
-import statistics
-import time
-from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
 from .. import __version__
-from ..bone.map import BoneMap
-from ..compounding.engines import INSTALL_NUMBA, choose_engine
-from ..compounding.methods.table import BONE_METHODS, METHODS
-from ..compounding.numpy_engine import NumpyEngine
-from ..compounding.reconstructor import Reconstructor
-from ..errors import SettingsError
-from ..geometry.volume import Volume, VoxelGrid
-from ..imaging.beams import SECTOR, ProbeGeometry
-from ..imaging.extent import grid_around_sweep
-from ..imaging.region import ImageRegion
 from ..io.disk.atomic import write_text
-from ..live.wire.decoding import decode
-from ..live.wire.encoding import encode_image
-from ..live.wire.framing import Framer
-from ..machine.threads import optional_module, usable_cores
 from ..message import columns
-from ..progress import Progress, part, report
-from ..recipe.recipe import DEFAULT_SPACING, Recipe
-from ..sweep.frames import TrackedFrame
+from ..recipe.recipe import DEFAULT_SPACING
 from ..terminal.console import ProgressBar
 from ..terminal.options import Commands, check_files
-
-DEPTH, APEX, FAN_DEG = 96.0, 20.0, 30.0
-"""mm that an image is deep and that its beams' apex lies above it, and the angle that the sweep is turned through."""
-
-LEAST_SIDE, LARGEST_SIDE = 16, 8192
-AMPLE = 0.5
-"""Share of a frame's time up to which a method keeps up: what is left is for the display, the tracker's messages and a recording."""
-
-KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW = "keeps up", "just keeps up", "does not keep up"
-_ANY = "any method"
+from ..workflows.benchmark import MeasuredSpeed, answer, busy_warning, machine, measured_speed, verdict
 
 
 def add_to(commands: Commands) -> None:
@@ -68,166 +35,37 @@ def add_to(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Measure, print, and answer."""
-    size, rate, spacing = tuple(arguments.size), arguments.rate, arguments.spacing
-    if arguments.frames < 2 or arguments.repeats < 1:
-        raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")
-    if not all(LEAST_SIDE <= n <= LARGEST_SIDE for n in size):
-        raise SettingsError(f"Input --size must be {LEAST_SIDE} to {LARGEST_SIDE} pixels each way; got {size!r}.")
-    for name, value, unit in (("--rate", rate, "frames/s"), ("--spacing", spacing, "mm")):
-        if not (value > 0 and math.isfinite(value)):
-            raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
     check_files(arguments.json)
-    engine, warning = choose_engine("auto")
     with ProgressBar() as progress:
-        busy = busy_share()
-        sweep = fan_sweep(arguments.frames, *size)
-        poses = np.array([frame.image_to_reference for frame in sweep])
-        grid = grid_around_sweep(poses, size, ImageRegion(), (spacing,) * 3)
-        receiving = _seconds_to_receive(sweep[0], arguments.repeats)
-        seconds = {}
-        for number, method in enumerate(METHODS):
-            of_method = part(progress, number / len(METHODS), (number + 1) / len(METHODS))
-            seconds[method] = receiving + _seconds_to_insert(method, sweep, grid, arguments.repeats, of_method)
-    name = "numpy" if engine is NumpyEngine else "numba"
+        found = measured_speed(tuple(arguments.size), arguments.rate, arguments.spacing, arguments.frames, arguments.repeats, progress)
     if arguments.json:
-        found = {
-            "machine": machine(),
-            "version": __version__,
-            "size": size,
-            "rate": rate,
-            "spacing_mm": spacing,
-            "voxels": grid.voxels,
-            "engine": name,
-            "busy": busy,
-            "methods": {
-                method: {"seconds_per_frame": each, "frames_per_second": 1 / each, "live": verdict(each * rate)}
-                for method, each in seconds.items()
-            },
-        }
-        write_text(arguments.json, json.dumps(found, indent=2) + "\n")
-    print(f"{machine()}\nAIFRecon {__version__}; {size[0]} x {size[1]} pixels into {grid.voxels / 1e6:.1f} million voxels, with {name}\n")
-    heading = ("method", "frames/s", f"at {rate:g}/s")
-    print(columns([heading, *((m, f"{1 / s:.0f}", f"{100 * s * rate:.0f}% of the time, {verdict(s * rate)}") for m, s in seconds.items())]))
-    print(f"\n{answer({method: each * rate for method, each in seconds.items()}, size, rate)}")
-    for text in (warning, busy_warning(busy)):
-        if text:
-            print(text)
+        write_text(arguments.json, json.dumps(_report(found, arguments.spacing), indent=2) + "\n")
+    size, millions = " x ".join(map(str, found.size)), found.voxels / 1e6
+    print(f"{machine()}\nAIFRecon {__version__}; {size} pixels into {millions:.1f} million voxels, with {found.engine}\n")
+    rows = [("method", "frames/s", f"at {found.rate:g}/s")]
+    rows += [(m, f"{found.rate / share:.0f}", f"{100 * share:.0f}% of the time, {verdict(share)}") for m, share in found.shares.items()]
+    print(columns(rows))
+    print(f"\n{answer(found.shares, found.size, found.rate)}")
+    for text in filter(None, (found.warning, busy_warning(found.busy))):
+        print(text)
     if arguments.json:
         print(f"\n  wrote {arguments.json}")
 
 
-def verdict(share: float) -> str:
-    """What it means that frames take this share of the time there is."""
-    return KEEPS_UP if share <= AMPLE else JUST_KEEPS_UP if share <= 1 else TOO_SLOW
-
-
-def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:
-    """In words, whether this machine keeps up, and what helps where it does not; `shares` are of the time there is, by method."""
-    by_verdict = {word: [m for m, share in shares.items() if verdict(share) == word] for word in (KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW)}
-    said = [f"{word} with {_ANY if len(ms) == len(shares) else ', '.join(ms)}" for word, ms in by_verdict.items() if ms]
-    text = f"At {rate:g} frames/s of {size[0]} x {size[1]} pixels, this machine {'; '.join(said)}."
-    if len(by_verdict[KEEPS_UP]) == len(shares):
-        return text
-    numba = "" if optional_module("AIFReconLib.compounding.compiled.numba_engine") else f"numba ({INSTALL_NUMBA}), "
-    return (
-        f"{text}\nWhat helps: {numba}larger voxels (--spacing), a smaller part of the image (--clip-px), every second frame (--skip 2).\n"
-        "Frames that do not fit are left out evenly and counted; --record keeps them all, to be reconstructed afterwards."
-    )
-
-
-def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:
-    """For one frame: its OpenIGTLink message, checksum and all."""
-    image, pose = frame.image, frame.image_to_reference
-    if image is None or pose is None:
-        return 0.0
-    message = encode_image("Image_Reference", frame.timestamp, image, pose)
-
-    def receive() -> None:
-        for raw in Framer().feed(message):
-            decode(raw)
-
-    return _median_seconds(receive, max(repeats, 5))
-
-
-def _seconds_to_insert(method: str, sweep: list[TrackedFrame], grid: VoxelGrid, repeats: int, progress: Progress | None) -> float:
-    """For one frame, into a volume that is there already, with its bone map."""
-    rows, across = np.asarray(sweep[0].image).shape
-    bone = slab_of_bone(grid) if method in BONE_METHODS else None
-    reconstructor = Reconstructor(grid, Recipe(method=method), bone, probe=sector_probe(across, rows))
-    return _median_seconds(lambda: reconstructor.insert(sweep), repeats, progress) / len(sweep)
-
-
-def _median_seconds(work: Callable[[], object], repeats: int, progress: Progress | None = None) -> float:
-    """After it was done once, which prepares tables and compiles."""
-    work()
-    taken = []
-    for turn in range(repeats):
-        report(progress, turn / repeats, "Measuring")
-        started = time.perf_counter()
-        work()
-        taken.append(time.perf_counter() - started)
-    return statistics.median(taken)
-
-
-def fan_sweep(frames: int, across: int, rows: int) -> list[TrackedFrame]:
-    """Images of speckle, turned step by step through 30 degrees about the x axis of Reference."""
-    pixel = DEPTH / rows
-    image = np.random.default_rng(1).integers(0, 256, (rows, across), dtype=np.uint8)
-    sweep = []
-    for number, angle in enumerate(np.radians(np.linspace(-FAN_DEG / 2, FAN_DEG / 2, frames))):
-        pose = np.eye(4)
-        pose[:3, 0] = pixel, 0.0, 0.0
-        pose[:3, 1] = 0.0, pixel * np.cos(angle), pixel * np.sin(angle)
-        pose[:3, 2] = 0.0, -pixel * np.sin(angle), pixel * np.cos(angle)
-        pose[0, 3] = -pixel * across / 2
-        sweep.append(TrackedFrame(image, pose, number / 30.0, number=number))
-    return sweep
-
-
-def sector_probe(across: int, rows: int) -> ProbeGeometry:
-    """Beams of the images of `fan_sweep`."""
-    return ProbeGeometry(SECTOR, (across / 2, -APEX * rows / DEPTH))
-
-
-def slab_of_bone(grid: VoxelGrid) -> BoneMap:
-    """A block of bone in the middle of the grid, as a CT of 1 mm voxels would show it."""
-    span = np.array(grid.size) * grid.spacing
-    size = np.maximum(np.ceil(span), 8).astype(int)
-    labels = np.zeros(size[::-1], np.uint8)
-    labels[tuple(slice(n // 3, 2 * n // 3 + 1) for n in labels.shape)] = 1
-    matrix = np.eye(4)
-    matrix[:3, 3] = grid.origin
-    return BoneMap.from_labels(Volume(labels, matrix), sigma_mm=4.0)
-
-
-def busy_share() -> float:
-    """Share of the processor that others use, by a short stretch of work; 0 where it cannot be told."""
-    wall, cpu = time.perf_counter(), time.process_time()
-    total = 0
-    while time.perf_counter() - wall < 0.5:
-        total += 1
-    return max(1.0 - (time.process_time() - cpu) / (time.perf_counter() - wall), 0.0)
-
-
-def busy_warning(busy: float) -> str:
-    """That the numbers are too slow, where they are."""
-    return f"Other work took {100 * busy:.0f} % of the processor meanwhile: these numbers are too slow." if busy > 0.1 else ""
-
-
-def machine() -> str:
-    """System, cores, processor and versions."""
-    names = [platform.system(), platform.machine(), f"{usable_cores()} cores"]
-    if model := _processor():
-        names.append(model)
-    numba = optional_module("AIFReconLib.machine.numba_compile")
-    versions = f"Python {platform.python_version()}, numpy {np.__version__}" + (f", numba {numba.VERSION}" if numba else ", no numba")
-    return ", ".join(names) + "; " + versions
-
-
-def _processor() -> str:
-    """The processor's model, where the system tells."""
-    if os.path.isfile("/proc/cpuinfo"):
-        for line in Path("/proc/cpuinfo").read_text("utf-8", "replace").splitlines():
-            if line.startswith("model name"):
-                return " ".join(line.split(":", 1)[1].split())
-    return platform.processor()
+def _report(found: MeasuredSpeed, spacing: float) -> dict[str, object]:
+    """The numbers, for JSON."""
+    methods = {
+        method: {"seconds_per_frame": seconds, "frames_per_second": 1 / seconds, "live": verdict(seconds * found.rate)}
+        for method, seconds in found.seconds.items()
+    }
+    return {
+        "machine": machine(),
+        "version": __version__,
+        "size": found.size,
+        "rate": found.rate,
+        "spacing_mm": spacing,
+        "voxels": found.voxels,
+        "engine": found.engine,
+        "busy": found.busy,
+        "methods": methods,
+    }

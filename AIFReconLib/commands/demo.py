@@ -35,7 +35,7 @@ from ..registration.labeled_bone import LabeledBone
 from ..simulation.ultrasound import UltrasoundEffects
 from ..terminal.console import ProgressBar, program
 from ..terminal.options import Commands
-from .simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
+from ..workflows.simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
 
 SPACING = 1.0
 """mm; coarse enough for the demo to take seconds."""

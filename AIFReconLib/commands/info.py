@@ -9,12 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arrays import Matrix
-from ..bone.echoes.found import SweepEchoes
 from ..bone.echoes.surface import default_bone
 from ..compounding.methods.table import method_named
 from ..errors import AIFReconError, SettingsError
-from ..geometry.volume import Volume
 from ..imaging.beams import LINEAR, SECTOR
 from ..imaging.region import ClipRectangle
 from ..inspection.diagnosis import diagnose
@@ -22,15 +19,14 @@ from ..inspection.sweep_drawing import draw_sweep
 from ..io.disk.atomic import write_text
 from ..message import columns
 from ..progress import Progress, part
-from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..sweep.frames import TrackedSequence
 from ..terminal.console import ProgressBar, program, shell_words
 from ..terminal.options import Commands, add_labels_options, labels_from, place_from, refuse_to_overwrite
 from ..terminal.recipe_options import recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import OF_A_RECORDING, add_sweep_options, of_each, sequence_from
 from ..workflows.reconstruct import ReconstructionPlan, plan
+from ..workflows.register import calibration_by
 
 NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""
@@ -84,8 +80,8 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
     text, as_dict = report.to_text(), report.to_dict()
     poses = report.poses
     if arguments.drawing and poses is not None and len(poses.usable):
-        placed, reference = poses.image_to_reference[poses.usable], recipe.reference or "Reference"
-        write_text(arguments.drawing, draw_sweep(placed, sequence.frame_size, sequence.name, reference).to_svg())
+        planes, reference = poses.image_to_reference[poses.usable], recipe.reference or "Reference"
+        write_text(arguments.drawing, draw_sweep(planes, sequence.frame_size, sequence.name, reference).to_svg())
         text += f"\ndrew {arguments.drawing}: columns red, rows (into the body) green, first frames light"
     if not report.ready:
         return text, as_dict
@@ -100,7 +96,7 @@ def _report(arguments: argparse.Namespace, progress: Progress | None) -> tuple[s
         return f"{text}\nCannot be reconstructed like this. {in_options(error)}", {**as_dict, "ready": False, "problem": in_options(error)}
     bone, places = _bone(None if labels is None else LabeledBone(labels, placed, sequence, recipe), planned.method)
     if labels is not None and places:
-        bone += calibration_lines([sequence], labels, placed, recipe)[0]
+        bone += map(in_options, calibration_by([sequence], labels, placed, recipe).lines)
     first = [] if places or placed is not None else [register_command(arguments)]
     clip = None if sequence.configuration.imaged_region or planned.region.fan else planned.region.clip
     command = reconstruct_command(arguments, clip, OF_REGISTER if first else None)
@@ -130,27 +126,6 @@ def _bone(labeled: LabeledBone | None, method: str) -> tuple[list[str], bool]:
     agreement = None if comparison is None else comparison.agreement
     lines = labeled.lines(method) if method_named(method).needs_bone else []
     return [*map(in_options, (*labeled.labels.notes, *lines))], agreement is None or agreement.enough
-
-
-def calibration_lines(
-    sequences: list[TrackedSequence],
-    labels: Volume,
-    placed: Matrix | None,
-    recipe: Recipe,
-    progress: Progress | None = None,
-    known: SweepEchoes | None = None,
-) -> tuple[list[str], bool | None]:
-    """What the bone of a CT that lies on sweeps says of their calibration, and whether that agrees; None where it cannot be told.
-
-    `known` are echoes of the sweeps that were found already.
-    """
-    from ..calibration.check import checked
-
-    try:
-        told = checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress, known=known)
-    except AIFReconError as error:
-        return [f"Calibration: cannot be told. {in_options(error)}"], None
-    return list(map(in_options, told.lines)), told.agrees
 
 
 def _facts(planned: ReconstructionPlan) -> list[tuple[str, str]]:

@@ -4,24 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
-from functools import partial
 from pathlib import Path
 
-import numpy as np
-
-from ..errors import RegistrationRefused
-from ..geometry.labels import Labels
+from ..evaluation.figures import require_matplotlib
+from ..evaluation.registration_figure import registration_figure
 from ..geometry.transforms import invert, transform_points
-from ..geometry.volume import Volume
 from ..io.disk.atomic import write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
 from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
-from ..message import said
 from ..progress import part
-from ..registration.labeled_bone import LabeledBone
-from ..registration.registration import Registration, as_report, register
-from ..registration.segments import placed_labels
+from ..registration.registration import as_report
 from ..terminal.console import ProgressBar
 from ..terminal.options import (
     Commands,
@@ -35,7 +28,8 @@ from ..terminal.options import (
 from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import add_sweep_options, of_each, sequence_from
-from .info import calibration_lines, reconstruct_command
+from ..workflows.register import RegistrationJob, RegistrationOutput, calibration_by, register_job
+from .info import reconstruct_command
 
 EXAMPLE = """example:
   aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
@@ -97,88 +91,41 @@ def run(arguments: argparse.Namespace) -> None:
     for path in arguments.labels_output:
         (check_labels_surface_path if is_surface_path(path) else check_volume_path)(path)
     if arguments.preview:
-        from ..evaluation.figures import require_matplotlib
-
         require_matplotlib()
     with ProgressBar() as progress:
         labels = required_labels(arguments, part(progress, 0.0, 0.05))
-        start = place_from(arguments)
-        sequences, recipe = [sequence_from(one) for one in each], recipe_from(arguments)
-        given = labels
-        if given.space_is_guessed:
-            labels = LabeledBone(given, start, sequences, recipe).labels
-        registered = partial(register, sequences, start=start, per_segment=arguments.per_segment, level=arguments.level or 0, recipe=recipe)
-        found = registered(labels, progress=part(progress, 0.05, 0.8))
-        if given.space_is_guessed and not found.accepted:
-            is_lps = np.array_equal(labels.ijk_to_reference, given.ijk_to_reference)
-            turned = given.taken_as("RAS" if is_lps else "LPS", "where the sweep fits better")
-            other = registered(turned)
-            if other.agreement.tightness > found.agreement.tightness:
-                found, labels = other, turned
+        start, recipe = place_from(arguments), recipe_from(arguments)
+        sequences = [sequence_from(one) for one in each]
+        job = RegistrationJob(sequences, labels, start, recipe, arguments.per_segment, arguments.level, arguments.accept)
+        done = register_job(job, part(progress, 0.05, 0.8))
         calibration: list[str] = []
-        if found.accepted:
+        if done.found.accepted:
             # What the bone where it came to lie says; nothing where the sweep cannot tell
-            told, agrees = calibration_lines(sequences, _placed(found, labels), None, recipe, part(progress, 0.8, 0.95), found.echoes)
-            calibration = [] if agrees is None else told
-        written = _write(arguments, found, labels, calibration)
-    moved = () if found.motion is None else found.motion.lines
-    lines = [found.agreement.sentence(), *moved, *map(in_options, labels.notes), *_findings(found, labels), *calibration]
-    print("\n  ".join([*lines, *(f"wrote {path}" for path in written)]))
-    if not _is_taken(arguments, found):
-        raise RegistrationRefused(f"No transform is written. {found.said}", said(found.said))
+            told = calibration_by(sequences, done.placed, None, recipe, part(progress, 0.8, 0.95), done.found.echoes)
+            calibration = [] if told.agrees is None else list(map(in_options, told.lines))
+        written = _write(arguments, done, calibration)
+    print("\n  ".join([*map(in_options, done.lines), *calibration, *(f"wrote {path}" for path in written)]))
+    done.require_taken()
     print(f"next: {reconstruct_command(arguments, bone_transform=arguments.output)}")
 
 
-def _is_taken(arguments: argparse.Namespace, found: Registration) -> bool:
-    """Whether the answer is sure, or the user has chosen it."""
-    return found.accepted or arguments.accept or arguments.level is not None
-
-
-def _write(arguments: argparse.Namespace, found: Registration, labels: Volume, calibration: list[str]) -> list[Path]:
+def _write(arguments: argparse.Namespace, done: RegistrationOutput, calibration: list[str]) -> list[Path]:
     """Write what was asked for; the transform and the labels only when the answer is taken."""
-    written = []
-    if _is_taken(arguments, found):
+    written, found = [], done.found
+    if done.is_taken:
         write_transform(found.transform, arguments.output)
         written.append(arguments.output)
         for path in arguments.labels_output:
-            (write_labels_surface if is_surface_path(path) else write_volume)(_placed(found, labels), path)
+            (write_labels_surface if is_surface_path(path) else write_volume)(done.placed, path)
             written.append(path)
     if arguments.report:
         facts = {**as_report(found), "calibration": calibration, "written": [str(path) for path in written]}
         write_text(arguments.report, json.dumps(facts, indent=2) + "\n")
         written.append(arguments.report)
     if arguments.preview:
-        from ..evaluation.registration_figure import registration_figure
-
         # Bones that moved on their own are drawn where they came to lie, along the axes of the CT all the same
         to_labels = invert(found.transform)
-        shown = _placed(found, labels).placed_by(to_labels)
-        registration_figure(arguments.preview, transform_points(to_labels, found.echoes.points), shown, found.agreement.sentence())
+        echoes = transform_points(to_labels, found.echoes.points)
+        registration_figure(arguments.preview, echoes, done.placed.placed_by(to_labels), found.agreement.sentence())
         written.append(arguments.preview)
     return written
-
-
-def _placed(found: Registration, labels: Volume) -> Volume:
-    """The labels in Reference, where they came to lie."""
-    return placed_labels(labels, found.segments.transforms) if found.segments else labels.placed_by(found.transform)
-
-
-def _findings(found: Registration, labels: Labels) -> list[str]:
-    """What else a user should know, one line each."""
-    lines, all_echoes = [], len(found.echoes)
-    if found.moved is not None:
-        lines.append(f"moved by {found.moved:.1f} mm from the start")
-    lines += [
-        f"{labels.called(label)}: {own.agreement:.0%} of its echoes agree; it has {own.echoes / all_echoes:.0%} of all"
-        for label, own in sorted(found.agreement.per_label.items())
-    ]
-    if found.uncertain:
-        lines.append("not determined by this sweep: " + "; ".join(found.uncertain))
-    if found.agreement.elsewhere:
-        far = found.agreement.elsewhere / all_echoes
-        lines.append(f"{far:.1%} of all echoes lie far from labeled bone: of bone that the labels lack, or of none")
-    if found.alternatives:
-        best = found.alternatives[0]
-        levels = "" if not best.levels else f" ({best.levels:+d} level{'s' if abs(best.levels) > 1 else ''})"
-        lines.append(f"next best place{levels}: {best.agreement.explained:.0%} of all echoes agree, here {found.agreement.explained:.0%}")
-    return lines

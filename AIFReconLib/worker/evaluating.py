@@ -20,7 +20,6 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.snapshot import GuidanceSnapshot, Share
 from ..inspection.verdicts import Verdict, calibration_verdict, motion_verdict
 from ..io.disk.workspace import workspace
-from ..machine.threads import usable_cores
 from ..message import Sentence, said
 from ..progress import Progress, part, report
 from ..recipe.recipe import AUTOMATIC, Recipe
@@ -171,20 +170,16 @@ def simulated_patient(
 ) -> SimulatedPatient:
     """A patient, by `seed`: the CT has voxels of `spacing` mm, 0.2 to 3, the sweep so many frames, 9 or more."""
     from ..io.plus.configuration import read_plus_configuration
-    from ..simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
+    from ..simulation.anatomy import LumbarAnatomy
     from ..simulation.phased_array import PhasedArray
-    from ..simulation.scan import multi_angle_sweep, plus_configuration_xml, random_rigid, simulate_sweep
+    from ..simulation.scan import plus_configuration_xml
+    from ..workflows.simulate import simulated
 
-    place = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     anatomy = LumbarAnatomy.from_seed(seed, vertebrae=vertebrae)
-    phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=place, progress=part(progress, 0.0, 0.55))
-    probe = PhasedArray()
-    sweep = simulate_sweep(
-        phantom, probe, multi_angle_sweep(phantom, frames), seed=seed, processes=usable_cores(), progress=part(progress, 0.55, 1.0)
-    )
+    phantom, sweep = simulated(seed, frames=frames, anatomy=anatomy, spacing=spacing, progress=progress)
     with workspace(Path(tempfile.gettempdir())) as folder:
         path = folder / "PlusDeviceSet.xml"
-        path.write_text(plus_configuration_xml(probe), encoding="utf-8")
+        path.write_text(plus_configuration_xml(PhasedArray()), encoding="utf-8")
         configuration = read_plus_configuration(path)
     sweep = replace(sweep, configuration=configuration, path=Path("lumbar phantom"))
     return SimulatedPatient(phantom.ct, phantom.labels, phantom.ct_to_reference, sweep)

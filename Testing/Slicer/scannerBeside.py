@@ -27,10 +27,10 @@ MEMORY_EVERY = 2.0
 def main(folder: pathlib.Path, application: int) -> None:
     """Simulate and serve until the application has gone."""
     from AIFReconLib import read_sequence, write_sequence
-    from AIFReconLib.commands.simulate import write_simulated_patient
     from AIFReconLib.live.replay.server import ReplayServer
     from AIFReconLib.sweep.frames import TrackedSequence
     from AIFReconLib.sweep.poses import sweep_poses
+    from AIFReconLib.workflows.simulate import write_simulated_patient
 
     files = write_simulated_patient(folder, path="single-angle", frames=FRAMES)
     sweep = read_sequence(files.sequence, config=files.configuration)

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from AIFReconLib.commands.benchmark import sector_probe
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.sweep.frames import FrameRecord, TrackedFrame, TrackedSequence
+from AIFReconLib.workflows.benchmark import sector_probe
 
 COLUMNS, ROWS = 640, 480
 TURN_DEG = 25.0

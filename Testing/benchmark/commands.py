@@ -18,9 +18,9 @@ from pathlib import Path
 
 from measured import keep
 
-from AIFReconLib.commands.benchmark import busy_share, busy_warning, machine
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.message import columns
+from AIFReconLib.workflows.benchmark import busy_share, busy_warning, machine
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 FRAMES = 144
 

@@ -24,7 +24,6 @@ import numpy as np
 
 from AIFReconLib import reconstruction
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.commands.benchmark import busy_share, busy_warning, fan_sweep, machine, sector_probe, slab_of_bone
 from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
@@ -36,6 +35,7 @@ from AIFReconLib.progress import report
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.terminal.console import ProgressBar
+from AIFReconLib.workflows.benchmark import busy_share, busy_warning, fan_sweep, machine, sector_probe, slab_of_bone
 
 METHODS = ("average", "aif-compensated", "weighted")
 FRAMES, SIZE, SPACING = 60, (640, 480), 0.5

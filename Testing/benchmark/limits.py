@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from AIFReconLib.commands.benchmark import busy_share, busy_warning, fan_sweep, machine
 from AIFReconLib.compounding.batch import BATCH_FRAMES
 from AIFReconLib.compounding.compiled.slabs import cut_into_slabs
 from AIFReconLib.compounding.layout import PixelLayout
@@ -35,6 +34,7 @@ from AIFReconLib.progress import report
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
+from AIFReconLib.workflows.benchmark import busy_share, busy_warning, fan_sweep, machine
 
 from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, turned
 from .speed import around

@@ -22,7 +22,6 @@ from measured import keep
 
 from AIFReconLib import __version__
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.commands.benchmark import busy_share, fan_sweep, machine, slab_of_bone
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.compounding.needs import bone_on_grid
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -41,6 +40,7 @@ from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.frames import TrackedFrame
 from AIFReconLib.terminal.console import ProgressBar
+from AIFReconLib.workflows.benchmark import busy_share, fan_sweep, machine, slab_of_bone
 
 from .cases import COLUMNS, PROBE, ROWS, TURN_DEG, half_empty, labels_of_size, recorded, turned
 from .table import BenchmarkResult, Timing

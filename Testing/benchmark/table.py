@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from AIFReconLib.commands.benchmark import busy_warning
+from AIFReconLib.workflows.benchmark import busy_warning
 
 HEADING = ("", "engine", "threads", "voxel", "ns/pixel", "frames/s", "x yardstick", "bytes/voxel", "seconds")
 

@@ -22,7 +22,6 @@ from files import tracked_sequence, write_patient
 from live_messages import streamed
 
 from AIFReconLib import Recipe, VoxelGrid, read_sequence, reconstruct
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.errors import WorkerDiedError
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.session.recording import growing_files
@@ -30,6 +29,7 @@ from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.worker.reconstructing import begin_scan
 from AIFReconLib.worker.worker import Worker
 from AIFReconLib.workflows.job import ScanJob
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 from .ledger import Entry, Ledger
 

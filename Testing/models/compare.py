@@ -26,7 +26,6 @@ from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import bone_from_frames
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.weighted import WEIGHTED
 from AIFReconLib.effective_settings import Imaging, resolve_imaging
@@ -43,6 +42,7 @@ from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses
+from AIFReconLib.workflows.simulate import write_simulated_patient
 from models.truth import TrueBone
 
 FRAMES, EVERY, HOLE_LIMIT = 135, 6, 1.0

@@ -23,7 +23,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import BoneEstimator, EchoEstimator
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.effective_settings import Imaging, resolve_imaging
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR, ProbeGeometry
@@ -33,6 +32,7 @@ from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.label_files import read_labels
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import SweepPoses, sweep_poses, tracked_frames
+from AIFReconLib.workflows.simulate import write_simulated_patient
 from models.truth import TrueBone, worth_of
 
 SIDE, CROP = 256, 128

@@ -16,7 +16,7 @@ by its angle to bone.
 from pathlib import Path
 
 from AIFReconLib import BoneMap, Recipe, read_labels, read_sequence, read_transform, reconstruct
-from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 patient = Path("patient")
 if not (patient / "sweep.igs.mha").exists():

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib import read_labels, read_sequence, read_transform, register
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.simulation.scan import random_rigid
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 patient = Path("patient")
 if not (patient / "sweep.igs.mha").exists():

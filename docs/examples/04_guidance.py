@@ -13,9 +13,9 @@ Which bone a sweep has met, how squarely, and where to look next.
 from pathlib import Path
 
 from AIFReconLib import read_labels, read_sequence, read_transform
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.guidance.coverage import coverage
 from AIFReconLib.sweep.edits import select_frames
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 patient = Path("patient")
 if not (patient / "sweep.igs.mha").exists():

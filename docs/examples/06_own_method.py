@@ -22,7 +22,7 @@ from AIFReconLib import (
     reconstruct,
     register_method,
 )
-from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 
 @register_method

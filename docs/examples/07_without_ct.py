@@ -12,7 +12,7 @@ Bone found in the sweep itself, by its bright echo and the shadow behind, stands
 from pathlib import Path
 
 from AIFReconLib import Recipe, bone_from_sweep, read_labels, read_sequence, read_transform, reconstruct
-from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 patient = Path("patient")
 if not (patient / "sweep.igs.mha").exists():

@@ -13,7 +13,7 @@ put the host and port of your Plus server in its place.
 from pathlib import Path
 
 from AIFReconLib import LiveSession, OpenIGTLinkClient, Recipe, ReplayServer, SynchronizerSettings, VoxelGrid, read_sequence
-from AIFReconLib.commands.simulate import write_simulated_patient
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 patient = Path("patient")
 if not (patient / "sweep.igs.mha").exists():

@@ -8,8 +8,8 @@ import pytest
 from AIFReconLib.bone.echoes import search as echo_search
 from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.echoes.search import sweep_echoes
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.io.sequence.files import read_sequence
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 
 def scattered(count=700) -> SweepEchoes:

@@ -10,7 +10,6 @@ import pytest
 
 from AIFReconLib.calibration import calibration, crossing
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.io.plus.calibration import write_calibrated
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -18,6 +17,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.simulation.scan import random_rigid
 from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 IMAGE_TO_PROBE = TransformName("Image", "Probe")
 

@@ -15,7 +15,6 @@ from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.calibration.check import CalibrationCheck
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.errors import AIFReconError, DisagreementWarning
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
@@ -31,6 +30,7 @@ from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.registration.labeled_bone import LabeledBone
 from AIFReconLib.remedies import CALIBRATE
 from AIFReconLib.simulation.scan import random_rigid
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +107,7 @@ def test_register_says_what_bone_tells_of_the_calibration_and_nothing_where_it_c
             raise found
         return found
 
-    monkeypatch.setattr("AIFReconLib.calibration.check.checked", checked)
+    monkeypatch.setattr("AIFReconLib.workflows.register.checked", checked)
     assert command(patient, tmp_path / "found.tfm", "--bone-transform", patient.ct_to_reference, "--report", tmp_path / "report.json") == 0
     out, told = capsys.readouterr().out, json.loads((tmp_path / "report.json").read_text())["calibration"]
     assert (tmp_path / "found.tfm").exists()
@@ -142,7 +142,7 @@ def test_the_surface_lies_around_the_placed_labels(done):
 
 
 def test_a_start_that_leads_nowhere_is_exit_code_1_and_one_line_and_no_file(patient, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("AIFReconLib.calibration.check.checked", None)  # not asked for
+    monkeypatch.setattr("AIFReconLib.workflows.register.checked", None)  # not asked for
     far, output = tmp_path / "far.tfm", tmp_path / "found.tfm"
     matrix = np.eye(4)
     matrix[:3, 3] = 800.0

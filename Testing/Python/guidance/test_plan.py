@@ -10,7 +10,6 @@ from sweeps import rigid, two_vertebrae
 
 from AIFReconLib import plan as public_plan
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.simulate import planned_path
 from AIFReconLib.evaluation.visibility import SweepBeams, look
 from AIFReconLib.geometry.transforms import invert, transform_points
 from AIFReconLib.guidance.bone import guided_bone
@@ -21,6 +20,7 @@ from AIFReconLib.guidance.plan import WEARABLE, plan_scan
 from AIFReconLib.guidance.probe import AIM_DEPTH, FARTHEST, ProbeImages, ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import contact_pose
+from AIFReconLib.workflows.simulate import planned_path
 
 PLACE = rigid((5.0, -8.0, 12.0), (20.0, 10.0, -5.0))
 FRAMES = 40

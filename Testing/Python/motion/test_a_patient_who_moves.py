@@ -7,13 +7,13 @@ import pytest
 
 from AIFReconLib import LabeledBone, mended, read_labels, read_sequence, read_transform, reconstruct, register
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.simulate import write_simulated_patient
 from AIFReconLib.errors import SettingsError
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.scan import TrackingErrors
 from AIFReconLib.sweep.poses import sweep_poses
+from AIFReconLib.workflows.simulate import write_simulated_patient
 
 FRAMES = 297
 
