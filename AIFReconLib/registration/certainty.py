@@ -6,10 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 
 from ..arrays import Floats
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
+from ..geometry.transforms import invert, transform_points
 from .refine import MOST_ECHOES, SCALES, _Cost, refine, robust_cost, vector_motion
 
 LOSS = 0.02
@@ -36,6 +38,7 @@ class UnconstrainedMotion:
     axis: Floats  #: (3,), unit vector, Reference. Along which it slides, or about which it turns.
     amount: float  #: mm or degrees, either way, until `LOSS` is reached
     ct_axis: Floats  #: (3,). The same axis in the CT's own axes: right, front, head.
+    reach: Floats  #: (6,). The motion by that amount as `vector_motion` has it, turns in mm of the lever
 
     @property
     def sentence(self) -> str:
@@ -85,12 +88,33 @@ def not_held(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) 
             if min(costs) > least + LOSS:
                 amount = float(size)
                 break
+        reach = amount * unit
         amount = amount if slides else math.degrees(amount)
         if amount > (HELD_MM if slides else HELD_DEG):
             axis = axis / length
             axis = axis * np.sign(axis[np.abs(axis).argmax()])
-            found.append(UnconstrainedMotion("slide" if slides else "turn", axis, float(amount), axis @ labels_to_reference[:3, :3]))
+            found.append(UnconstrainedMotion("slide" if slides else "turn", axis, float(amount), axis @ labels_to_reference[:3, :3], reach))
     return sorted(found, key=lambda one: -one.amount / (HELD_MM if one.kind == "slide" else HELD_DEG))
+
+
+def as_given(echoes: SweepEchoes, bone: BoneField, place: Floats, start: Floats, loose: list[UnconstrainedMotion]) -> Floats:
+    """The place without what it differs from the start by motions that the sweep does not hold, as far as it does not hold them.
+
+    It is `place` itself where the echoes do not bear that out.
+    """
+    chosen = echoes.thinned(MOST_ECHOES)
+    cost = _Cost(chosen, bone, place)
+    motion = place @ invert(start)
+    turn = scipy.spatial.transform.Rotation.from_matrix(motion[:3, :3]).as_rotvec()
+    vector = np.concatenate([transform_points(motion, cost.center) - cost.center, cost.lever * turn])
+    for one in loose:
+        limit = np.linalg.norm(one.reach)
+        along = one.reach / limit
+        vector = vector - np.clip(vector @ along, -limit, limit) * along
+    held = scipy.linalg.null_space(np.array([one.reach for one in loose]))
+    kept = refine(echoes, bone, vector_motion(vector, cost.center, cost.lever) @ start, SCALES[-1:], free=held)
+    allowed = robust_cost(chosen, bone, place) + len(loose) * LOSS
+    return kept if robust_cost(chosen, bone, kept) <= allowed else place
 
 
 def restart_spread(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) -> float:

@@ -103,6 +103,7 @@ def refine(
     start: Floats,
     scales: tuple[float, ...] = SCALES,
     most: int = MOST_ECHOES,
+    free: Floats | None = None,
 ) -> Floats:
     """The best place of bone near a start, labels_to_reference, (4, 4) in mm.
 
@@ -110,23 +111,25 @@ def refine(
     An echo far from all bone, or whose sound would leave bone, costs 1 and pulls nowhere: gas, fascia, and bone that the labels lack do
     no harm. The turn about the echoes' center is composed anew at each scale, so that its vector stays small.
 
-    `start` is a rigid labels_to_reference, (4, 4) in mm; `most` echoes take part; `scales` are mm.
+    `start` is a rigid labels_to_reference, (4, 4) in mm; `most` echoes take part; `scales` are mm. `free`, (6, n), leads to the motions
+    that are followed, as `vector_motion` takes them; None: all.
     """
     chosen = echoes.thinned(most)
     place = np.array(start, dtype=np.float64)
+    free = np.eye(6) if free is None else free
     for scale in scales:
         cost = _Cost(chosen, bone, place)
 
         def residuals(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
-            return cost(vector)[0] / scale
+            return cost(free @ vector)[0] / scale
 
         def slopes_of(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
-            return cost(vector)[1] / scale
+            return cost(free @ vector)[1] @ free / scale
 
         # Typed in another way from one release of the stubs to the next
         solution = cast("Any", scipy.optimize.least_squares)(
             residuals,
-            np.zeros(6),
+            np.zeros(free.shape[1]),
             jac=slopes_of,
             loss=welsch(len(chosen)),
             x_scale=1.0,
@@ -135,7 +138,7 @@ def refine(
             gtol=1e-6,
             max_nfev=30,
         )
-        place = vector_motion(solution.x, cost.center, cost.lever) @ place
+        place = vector_motion(free @ solution.x, cost.center, cost.lever) @ place
     return place
 
 

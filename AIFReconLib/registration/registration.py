@@ -22,7 +22,7 @@ from ..remedies import START_NEARER
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
 from .agreement import Agreement
-from .certainty import HELD_MM, UnconstrainedMotion, not_held, restart_spread
+from .certainty import HELD_MM, UnconstrainedMotion, as_given, not_held, restart_spread
 from .comparison import check
 from .search import Place, anywhere, around, beside, distinct, finished, level_shifts, mirrored, motion_between, search, shifted
 from .segments import Segments, fields_of_labels, fit_segments
@@ -145,6 +145,10 @@ def register_echoes(
     shifts = level_shifts(bone)
     if level and not shifts:
         raise SettingsError(f"Input level must be 0 for labels of a single bone; got {level}. Give one label per vertebra.")
+    given = start
+    if start is None and check(echoes, bone, np.eye(4)).enough:
+        # The CT lies on the sweep as it is
+        start = np.eye(4)
     places = _places(echoes, bone, start, part(progress, 0.0, 0.6))
     places = distinct([*places, *beside(echoes, bone, places[0].labels_to_reference)], echoes)
     fields = fields_of_labels(bone.labels) if per_segment else {}
@@ -178,7 +182,11 @@ def register_echoes(
     if chosen.agreement.share >= WORTH_JUDGING:
         place = chosen.labels_to_reference
         loose, restarts = not_held(echoes, bone, place), restart_spread(echoes, bone, place)
-    moved = None if start is None else motion_between(start, chosen.labels_to_reference, echoes.thinned(200).points)
+    if loose and start is not None and not level and segments is None:
+        place = as_given(echoes, bone, chosen.labels_to_reference, start, loose)
+        chosen = Place(place, check(echoes, bone, place))
+        agreement = chosen.agreement
+    moved = None if given is None else motion_between(given, chosen.labels_to_reference, echoes.thinned(200).points)
     refusal = _disagreement(agreement) or (None if level else _ambiguity(agreement, alternatives))
     if refusal is None and mirrored(echoes, bone, chosen.labels_to_reference).agreement.tightness > chosen.agreement.tightness:
         words = "The CT fits more closely mirrored: its left and right, or those of the images, may be swapped."
@@ -188,9 +196,6 @@ def register_echoes(
 
 
 def _places(echoes: SweepEchoes, bone: BoneField, start: Floats | None, progress: Progress | None) -> list[Place]:
-    if start is None and check(echoes, bone, np.eye(4)).enough:
-        # The CT lies on the sweep as it is
-        start = np.eye(4)
     if start is None:
         return search(echoes, bone, anywhere(echoes, bone), progress)
     report(progress, 0.0, "Refining the CT's place")
