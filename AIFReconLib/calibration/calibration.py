@@ -249,7 +249,8 @@ def findings(found: Calibration) -> list[str]:
         f"calibrated on one half of the sweep, the other half lies {found.halves.after:.2f} mm off instead of {found.halves.before:.2f} mm",
     ]
     if found.accepted:
-        lines.append(f"image points are placed within {found.uncertainty:.1f} mm in the median; the change is {found.changed:.1f} mm")
+        within = f"image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median"
+        lines.append(f"{within}; the change is {found.changed:.1f} mm")
         if found.changed <= found.uncertainty:
             lines.append("the calibration as given agrees with this sweep: there is no need to change it")
     for name, value, deviation, unit, held in zip(PARAMETERS, values, deviations, UNITS, found.held, strict=True):

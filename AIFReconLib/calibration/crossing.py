@@ -49,6 +49,25 @@ NOT_IN_COMMON = Sentence("Frames of different angles show no bone in common. Sca
 HELD = 0.35
 """Part of what is expected of a number within which crossing frames must tell it, one standard deviation; tilts about one axis do not."""
 
+TILT, ROUGH_STEPS, STILL = np.radians(10.0), 3, 0.2
+"""Turns from which a calibration that was measured by hand is begun, and how often it is begun again, until it changes by no more mm."""
+
+ROUGH_SCALES, ROUGH_KNOWN = (24.0, 24.0, 16.0, 16.0, 8.0, 8.0, 4.0, 4.0, 2.0, 2.0, 1.0), KNOWN / 16
+"""mm, and what is known beforehand of its numbers. Six rulers, 18 mm and 10 degrees off, were all mended from one of the starts at least;
+with the scales and the knowledge of others two of them were."""
+
+REVERSED = {
+    "": np.zeros(3),
+    "--right points": np.array([0.0, np.pi, 0.0]),
+    "--down points": np.array([np.pi, 0.0, 0.0]),
+    "--right and --down point": np.array([0.0, 0.0, np.pi]),
+}
+"""Turns of the image about its face by which axes of `start-calibration` are confused with their opposites."""
+
+AS_GOOD, ELSEWHERE = 1.25, 2.0
+"""Times the cost of the best up to which another solution may be the right one, and mm from which it is another. Of two patients and ten
+rulers it was 0.35 to 0.41 where the end was right, elsewhere 0.63 to 0.73."""
+
 CONTRADICTED, PLAINLY, WIDE = 3.0, 1.0, 4.0
 """How many times as far as angles, and mm, parts of a recording lie apart that contradict each other; mm, the scale of neighbors there."""
 
@@ -80,13 +99,19 @@ class CrossedCalibration(Mending):
 
 
 def calibrate_by_crossing(
-    sequences: TrackedSequence | Iterable[TrackedSequence], *, recipe: Recipe | None = None, progress: Progress | None = None
+    sequences: TrackedSequence | Iterable[TrackedSequence],
+    *,
+    rough: bool = False,
+    recipe: Recipe | None = None,
+    progress: Progress | None = None,
 ) -> CrossedCalibration:
     """What is wrong with a sweep's calibration and delay, but for the sizes of pixels, from bone of any shape seen from several angles.
 
     Parameters
     ----------
     sequences : TrackedSequence or several in one Reference, all of one calibration
+    rough : bool
+        Whether it was measured by hand, and may be 20 mm and 12 degrees off: several starts are tried.
     recipe : Recipe or None
         As in `reconstruct`.
 
@@ -95,11 +120,11 @@ def calibrate_by_crossing(
     AIFReconError
         For input that cannot be used. A calibration that must not be used is no error: see `CrossedCalibration.refusal`.
     """
-    echoes = imaged_echoes(sequences, recipe, part(progress, 0.0, 0.6))
-    return calibrate_crossing_echoes(echoes, part(progress, 0.6, 1.0))
+    echoes = imaged_echoes(sequences, recipe, part(progress, 0.0, 0.2 if rough else 0.6))
+    return calibrate_crossing_echoes(echoes, part(progress, 0.2 if rough else 0.6, 1.0), rough)
 
 
-def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = None) -> CrossedCalibration:
+def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = None, rough: bool = False) -> CrossedCalibration:
     """`calibrate_by_crossing`, for echoes that are there already."""
     none = Correction.none(echoes.center)
     if len(np.unique(echoes.angles)) < FEWEST_ANGLES:
@@ -107,6 +132,12 @@ def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = 
     report(progress, 0.0, "Solving the calibration")
     if not np.isfinite(off_the_surface(echoes, none)):
         return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, NOT_IN_COMMON, echoes)
+    given, begun = echoes, none
+    if rough:
+        begun, doubt = _begun(echoes, part(progress, 0.0, 0.7))
+        if doubt is not None:
+            return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, doubt, echoes)
+        echoes = echoes.corrected(begun)
     asked = ASKED if echoes.timed else ASKED & (np.arange(len(ASKED)) < len(ASKED) - 1)
     found, deviation = _solve(echoes, asked)
     held = asked & (deviation <= HELD)
@@ -119,7 +150,7 @@ def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = 
     sides = halves(echoes)
     ends = [_solve(side, held)[0] for side in sides]
     report(progress, 0.8, "Judging the calibration")
-    before = float(np.mean([off_the_surface(side, none) for side in sides]))
+    before = float(np.mean([off_the_surface(side, none) for side in halves(given)]))
     after = float(np.mean([off_the_surface(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
     compared = Halves(before, after, _apart(echoes, *ends))
     said = doubt_of_halves(compared.apart) or doubt_of_size(found, held)
@@ -127,11 +158,50 @@ def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = 
         said = NOT_IN_COMMON
     elif after > GAIN * before:
         said = Sentence(
-            f"Frames of other angles bear the calibration as given out as well: {before:.2f} mm between them, {after:.2f} mm with another."
+            f"No better one is found: frames of other angles lie {before:.2f} mm apart as given, {after:.2f} mm by another calibration."
         )
     report(progress, 1.0, "Calibrated")
-    changed = _apart(echoes, none, found)
-    return CrossedCalibration(found, off_the_surface(echoes, none), off_the_surface(echoes, found), compared, changed, said, echoes, held)
+    off = off_the_surface(given, none), off_the_surface(echoes, found)
+    whole = replace(begun.then(found), delay=found.delay) if rough else found
+    return CrossedCalibration(whole, *off, compared, _apart(given, none, whole), said, given, held)
+
+
+def _begun(echoes: ImagedEchoes, progress: Progress | None) -> tuple[Correction, Sentence | None]:
+    """Near which correction the right one is, of a calibration that was measured by hand; and why that must not be used."""
+    center, asked = echoes.center, ASKED & (np.arange(len(ASKED)) < len(ASKED) - 1)
+    face = np.array([echoes.frame_size[0] / 2 * echoes.spacing[0], 0.0, 0.0])
+    starts = [(axes, Correction(_turned(by), np.zeros(3), np.ones(2), 0.0, face)) for axes, by in REVERSED.items()]
+    tilts = [sign * TILT * axis for axis in np.eye(3) for sign in (-1, 1)]
+    starts += [("", Correction(_turned(by), np.zeros(3), np.ones(2), 0.0, center)) for by in tilts]
+    ends = []
+    for number, (axes, start) in enumerate(starts):
+        by = Correction.of_plane(start.plane, center)
+        for step in range(ROUGH_STEPS):
+            report(progress, (number + step / ROUGH_STEPS) / len(starts), "Looking for the calibration from several starts")
+            before, by = by, by.then(_solve(echoes.corrected(by), asked, ROUGH_SCALES, ROUGH_KNOWN)[0])
+            if _apart(echoes, before, by) < STILL:
+                break
+        ends.append((_cost(echoes.corrected(by)), axes, by))
+    least, axes, best = min(ends, key=lambda end: end[0])
+    if axes:
+        words = f"Echoes of other angles lie closer when {axes} to the opposite side. Look at the marker's axes once more."
+        return best, Sentence(words, "Then write the start anew with aifrecon start-calibration.")
+    apart = [_apart(echoes, best, by) for cost, _, by in ends if cost < AS_GOOD * least]
+    if max(apart) > ELSEWHERE:
+        return best, Sentence(f"Calibrations that fit nearly as well lie {max(apart):.0f} mm apart. Scan the same bone from more angles.")
+    return best, None
+
+
+def _turned(by: Floats) -> Floats:
+    turn: Floats = scipy.spatial.transform.Rotation.from_rotvec(by).as_matrix()
+    return turn
+
+
+def _cost(echoes: ImagedEchoes) -> float:
+    """The mean of 1 - exp(-d^2 / 2 s^2) over the echoes, s the finest scale; where no other angle shows a surface it is 1."""
+    few, none = echoes.spread(FINE_ECHOES), Correction.none(echoes.center)
+    off = _off(few.placed(none).points, *_planes(few, none, SCALES[-1]))
+    return 1.0 - float(np.exp(-0.5 * (off / SCALES[-1]) ** 2).sum()) / len(few)
 
 
 def crossing(echoes: ImagedEchoes) -> float:
@@ -168,15 +238,15 @@ def _names(chosen: Mask) -> list[str]:
     return [name for name, one in zip(PARAMETERS, chosen, strict=True) if one]
 
 
-def _solve(echoes: ImagedEchoes, asked: Mask) -> tuple[Correction, Floats]:
+def _solve(echoes: ImagedEchoes, asked: Mask, scales: tuple[float, ...] = SCALES, known: float = KNOWN) -> tuple[Correction, Floats]:
     """The numbers that are asked for with which each echo lies on the plane through its neighbors of other angles.
 
     Beside them their standard deviations, (9,), in units of `EXPECTED`; infinite where nothing was asked.
     """
     few, center = echoes.spread(FINE_ECHOES), echoes.center
     vector = np.zeros(len(asked))
-    pull = np.sqrt(KNOWN * SEEN_TOGETHER * NOISE)
-    for scale in SCALES:
+    pull = np.sqrt(known * SEEN_TOGETHER * NOISE)
+    for scale in scales:
         rows, neighbors, normals = _planes(few, as_correction(vector, center), scale)
 
         def residuals(
@@ -250,6 +320,8 @@ def _apart(echoes: ImagedEchoes, one: Correction, other: Correction) -> float:
 
 def crossing_findings(found: CrossedCalibration) -> list[str]:
     """What a user should know, one line each."""
+    if not np.isfinite(found.after):
+        return []
     lines = [
         f"without a CT: echoes lie {found.before:.2f} mm off the surface that other angles show as given, {found.after:.2f} mm calibrated",
         f"calibrated on one half of the sweep, the other half lies {found.halves.after:.2f} mm off instead of {found.halves.before:.2f} mm",
@@ -262,7 +334,7 @@ def crossing_findings(found: CrossedCalibration) -> list[str]:
     advice = advice_for(_names(ASKED & ~found.held))
     lines += [] if advice is None else [advice]
     if found.changed > LAST_CHANGE:
-        lines.append("a change this large is seldom the last: calibrate again from the new one, until that is refused for being no nearer")
+        lines.append("a change this large is seldom the last: calibrate again from the new one, until no better one is found")
     if abs(found.correction.delay) > 0.005:
         lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.correction.delay:.3f}"))
     return lines

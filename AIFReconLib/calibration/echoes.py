@@ -49,6 +49,15 @@ class Correction:
         """That of a calibration in which nothing is wrong."""
         return cls(np.eye(3), np.zeros(3), np.ones(2), 0.0, center)
 
+    @classmethod
+    def of_plane(cls, plane: Matrix, center: Floats) -> Correction:
+        """That of a rigid `plane`, (4, 4), with no delay."""
+        return cls(plane[:3, :3], plane[:3, :3] @ center + plane[:3, 3] - center, np.ones(2), 0.0, center)
+
+    def then(self, other: Correction) -> Correction:
+        """Of the calibration that this corrects, what corrects it further; both but for sizes and delay."""
+        return Correction.of_plane(self.plane @ other.plane, self.center)
+
     @property
     def plane(self) -> Matrix:
         """(4, 4): of the image plane in mm, from where the new calibration is applied to where the old one would have it."""
@@ -126,6 +135,11 @@ class ImagedEchoes:
         """(3,), mm. The middle of the echoes in the image plane."""
         center: Floats = self.points.mean(axis=0)
         return center
+
+    def corrected(self, by: Correction) -> ImagedEchoes:
+        """The same by the calibration that a rigid correction makes."""
+        tracks = tuple(replace(track, planes=track.planes @ by.plane) for track in self.tracks)
+        return replace(self, planes=self.planes @ by.plane, tracks=tracks)
 
     @property
     def timed(self) -> bool:

@@ -11,6 +11,9 @@ from ..io.disk.atomic import write_text
 from ..terminal.console import program
 from ..terminal.options import Commands, refuse_to_overwrite
 
+ERROR = 20.0
+"""mm by which a ruler may be off."""
+
 EXAMPLE = """example: 60 mm of the depth scale take rows 40 to 440; the face is 118 mm before the marker along its -z, 4 mm beside
 along its x; in the image the marked side is on the right
   aifrecon start-calibration --depth 60 40 440 --face-px 320 38 --face-mm 4 0 -118 --right x --down=-z --output Probe.xml"""
@@ -75,13 +78,14 @@ def run(arguments: argparse.Namespace) -> None:
         f"""<PlusConfiguration version="2.9">
   <!-- Measured by hand: make it exact with aifrecon calibrate -->
   <CoordinateDefinitions>
-    <Transform From="Image" To="{tool}" Matrix="
+    <Transform From="Image" To="{tool}" Error="{ERROR:g}" Matrix="
 {rows}" />
   </CoordinateDefinitions>
 </PlusConfiguration>
 """,
     )
     print(f"pixels of {pixel:.4g} mm; wrote {output}")
-    print("Next, with a sweep that sees the same bone from several angles; then again from what that writes, until nothing changes:")
-    print(f"  {program()} import IMAGES --poses POSES --transform {tool}ToTracker --output sweep.igs.mha")
+    tools = f"--tool {tool} --reference-tool PATIENT --transform {tool}ToTracker"
+    print("Next, with a sweep that sees the same bone from several angles; then again from what that writes, until no better one is found:")
+    print(f"  {program()} import IMAGES --poses POSES {tools} --output sweep.igs.mha")
     print(f"  {program()} calibrate sweep.igs.mha --config {output} --output Calibrated.xml")

@@ -84,7 +84,11 @@ def _reference(sequence: TrackedSequence, name: TransformName) -> str:
 
 def _found_offset(sequence: TrackedSequence, name: TransformName) -> float:
     """How far images and poses are out of step, s; SettingsError where the sweep does not tell."""
-    found = estimate_time_offset(sequence, sweep_poses(sequence, reference=_reference(sequence, name)))
+    try:
+        poses = sweep_poses(sequence, reference=_reference(sequence, name))
+    except AIFReconError as error:
+        raise SettingsError(f"{error}", "To find the time offset, give the calibration with {calibration:[ImageToProbe=]FILE}.") from None
+    found = estimate_time_offset(sequence, poses)
     if found.time_offset is None:
         raise SettingsError(f"{found.to_text()}", "Give the seconds as {time_offset:S}, or leave it out.")
     return found.time_offset if found.out_of_step else 0.0

@@ -22,6 +22,7 @@ class PlusConfiguration:
     path: Path | None = None  #: None where there is no file
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     """From CoordinateDefinitions: the calibration and other fixed relations."""
+    rough: tuple[TransformName, ...] = ()  #: Those that may be many mm off, as they say themselves
     image_frame: str | None = None
     reference_frame: str | None = None
     """Names of the coordinate frames, None when not given."""

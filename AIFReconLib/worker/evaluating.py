@@ -110,7 +110,8 @@ def calibrated_by(
         agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
         return Calibrated((agrees, *_more(found)), None)
     lines = (
-        f"Calibrated: image points are placed within {found.uncertainty:.1f} mm in the median; the change is {found.changed:.1f} mm.",
+        f"Calibrated: image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median; "
+        f"the change is {found.changed:.1f} mm.",
         f"{found.after.share:.0%} of the echoes agree with the CT's bone, {found.after.median_distance:.2f} mm off in the median; "
         f"before it was {found.before.share:.0%} and {found.before.median_distance:.2f} mm.",
         *_belongs(found, labels_to_reference),

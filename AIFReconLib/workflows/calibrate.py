@@ -79,8 +79,11 @@ def calibration_of(
     Raises SettingsError where it `replaces` one in a configuration, and none is there.
     """
     name = _configured(sequences[0], recipe) if replaces else None
+    rough = sequences[0].configuration.rough
+    if rough and labels is not None:
+        raise SettingsError(f"{rough[0]} was measured by hand. Calibrate without the CT first, then from what that writes with it.")
     if labels is None:
-        found = calibrate_by_crossing(sequences, recipe=recipe, progress=progress)
+        found = calibrate_by_crossing(sequences, rough=bool(rough), recipe=recipe, progress=progress)
         titles = f"before: {found.before:.2f} mm between angles", f"after: {found.after:.2f} mm"
         draw = partial(_draw, found, found.placed_echoes, titles, None)
         return CalibrationOutput(sequences, found, crossing_findings(found), crossing_report(found), draw, name)

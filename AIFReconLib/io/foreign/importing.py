@@ -333,7 +333,7 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
     raise SettingsError(
         f"There must be as many poses as images; got {len(matrices)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both.",
-        "If images were taken at a steady rate, give {rate:HZ}." if poses.times is not None else "",
+        "If images were taken at a steady rate, give {rate:HZ}, else {times:FILE}." if poses.times is not None else "",
     )
 
 

@@ -13,6 +13,7 @@ from ..disk.small_files import read_bytes
 from .configuration import read_plus_configuration
 
 _TAGS = re.compile(rb"""<!--.*?-->|<!\[CDATA\[.*?\]\]>|</?(Transform|CoordinateDefinitions)\b(?:"[^"]*"|'[^']*'|[^"'>])*>""", re.DOTALL)
+_ERROR = re.compile(rb"""\s\bError\s*=\s*(["']).*?\1""", re.DOTALL)
 _MATRIX = re.compile(rb"""(\bMatrix\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
 
 
@@ -38,6 +39,8 @@ def write_calibrated(configuration: Path, output: Path, name: TransformName, mat
         old = _MATRIX.search(data, found[0].start(), found[0].end()) if len(found) == 1 else None
         if old is None:
             raise ConfigurationError(f"{configuration}: it does not hold {name} in CoordinateDefinitions. Write a .tfm instead.")
+        # What the file said of the old one's error does not hold for the new one
+        data = data[: found[0].start()] + _ERROR.sub(lambda match: b" " * len(match[0]), found[0][0]) + data[found[0].end() :]
         stop = found[0].end()
         comment = _comment(f"{name} before ({note}): {' '.join(old[3].decode('ascii', 'replace').split())}")
         written = data[: old.start(3)] + rows + data[old.end(3) : stop] + comment + data[stop:]

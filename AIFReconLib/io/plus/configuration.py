@@ -18,6 +18,10 @@ from ..disk.xml_tree import parse_xml
 from .reconstruction import read_reconstruction
 from .xml_attributes import Attributes
 
+ROUGH = 5.0
+"""mm that a transform must say that it may be off (Plus's attribute Error) to be called measured by hand. Calibrations by a phantom say 0.1
+to 2."""
+
 
 def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     """The configuration in a file. Elements that do not concern a reconstruction are not looked at.
@@ -34,7 +38,10 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     transforms = _read_transforms(path, root)
     reconstruction = _find_reconstruction(root)
     configuration = NO_CONFIGURATION if reconstruction is None else read_reconstruction(path, reconstruction)
-    configuration = replace(configuration, path=path, transforms=transforms)
+    rough = tuple(name for name, error in _read_errors(path, root).items() if error > ROUGH)
+    told = tuple(f"{name} was measured by hand: make it exact with aifrecon calibrate before you believe a volume." for name in rough)
+    warnings = (*configuration.warnings, *told)
+    configuration = replace(configuration, path=path, transforms=transforms, rough=rough, warnings=warnings)
     conversion = root.find("ScanConversion")
     conversion = next(root.iter("ScanConversion"), None) if conversion is None else conversion
     if conversion is not None:
@@ -64,6 +71,17 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
             matrix = np.full((4, 4), np.nan)
         transforms[name] = TransformSample(matrix, status)
     return transforms
+
+
+def _read_errors(path: Path, root: Element) -> dict[TransformName, float]:
+    """mm by which transforms may be off, where they say it."""
+    found = {}
+    for element in root.iterfind("CoordinateDefinitions/Transform"):
+        attributes = Attributes(path, element, "CoordinateDefinitions/Transform")
+        error = attributes.number("Error")
+        if error is not None:
+            found[capitalized(TransformName(attributes.text("From") or "", attributes.text("To") or ""))] = error
+    return found
 
 
 def _find_reconstruction(root: Element) -> Element | None:

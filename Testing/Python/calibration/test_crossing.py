@@ -20,10 +20,10 @@ def true():
     return made_echoes()
 
 
-def calibrated(echoes):
+def calibrated(echoes, rough=False):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(crossing, "imaged_echoes", lambda *given: echoes)
-        return calibrate_by_crossing([])
+        return calibrate_by_crossing([], rough=rough)
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +49,31 @@ def test_echoes_of_all_angles_lie_as_they_do_on_the_bone(true, wrong, found):
     assert misplaced(true, wrong, found.correction) < 0.2
 
 
+def test_from_a_ruler_it_is_found_in_one_run(true):
+    by_ruler = wrongly_calibrated(true, 18.0, 10.0, seed=3)
+    found = calibrated(by_ruler, rough=True)
+    assert found.accepted, found.refusal
+    assert misplaced(true, by_ruler, found.correction) < 0.3
+
+
+def test_where_no_start_leads_to_one_that_stands_out_nothing_is_written(true, monkeypatch):
+    monkeypatch.setattr(crossing, "ROUGH_SCALES", (1.0,))
+    assert "Calibrations that fit nearly as well lie" in (
+        calibrated(wrongly_calibrated(true, 18.0, 10.0, seed=3), rough=True).refusal or ""
+    )
+
+
+@pytest.mark.parametrize(
+    ("axes", "turn"), [("--right points", (0, 180, 0)), ("--down points", (180, 0, 0)), ("--right and --down point", (0, 0, 180))]
+)
+def test_an_axis_that_was_taken_for_its_opposite_is_told(true, axes, turn):
+    face = np.array([true.frame_size[0] / 2 * true.spacing[0], 0.0, 0.0])
+    other_way = Correction(Rotation.from_euler("xyz", turn, degrees=True).as_matrix(), np.zeros(3), np.ones(2), 0.0, face)
+    found = calibrated(true.corrected(other_way), rough=True)
+    assert f"when {axes} to the opposite side" in (found.refusal or "")
+    assert crossing_findings(found) == []
+
+
 def test_sizes_stay_as_given_and_that_is_said(found):
     assert as_vector(found.correction)[~ASKED] == pytest.approx(0.0)
     assert any("sizes of pixels stay as given" in line for line in crossing_findings(found))
@@ -62,7 +87,7 @@ def test_it_is_measured_on_frames_that_it_has_not_seen(found):
 
 
 def test_a_right_calibration_is_left_as_it_is(true):
-    assert "bear the calibration as given out as well" in (calibrated(true).refusal or "")
+    assert "No better one is found" in (calibrated(true).refusal or "")
 
 
 def test_one_angle_is_refused():

@@ -9,6 +9,7 @@ from AIFReconLib.calibration.measured import measured_calibration
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.geometry.transforms import pixel_spacing
+from AIFReconLib.io.plus.calibration import write_calibrated
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 
 GIVEN = ["--depth", "60", "40", "440", "--face-px", "320", "38", "--face-mm", "4", "0", "-118", "--right", "x", "--down=-z"]
@@ -39,6 +40,10 @@ def test_it_is_a_configuration_that_every_command_reads(tmp_path, capsys):
     matrix = read_plus_configuration(path).transforms[TransformName("Image", "Stylus")].matrix
     np.testing.assert_allclose(pixel_spacing(matrix), 0.15)
     assert f"--config {path}" in capsys.readouterr().out
+    assert read_plus_configuration(path).rough == (TransformName("Image", "Stylus"),)
+    assert "ImageToStylus was measured by hand" in read_plus_configuration(path).warnings[-1]
+    write_calibrated(path, path.with_name("exact.xml"), TransformName("Image", "Stylus"), matrix, "a test")
+    assert read_plus_configuration(path.with_name("exact.xml")).rough == ()
 
 
 @pytest.mark.parametrize(
