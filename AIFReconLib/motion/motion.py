@@ -29,7 +29,7 @@ from ..sweep.frames import FrameRecord, TrackedSequence
 from ..sweep.multi_sweep import joined, sweeps_of
 from ..sweep.poses import chain_ends, poses_of_each
 from .passes import Passes, passes_of
-from .solve import FINE, MOST_ECHOES, BoneInPlace, MotionCurve, planes_of, solved
+from .solve import FINE, MOST_ECHOES, BoneInPlace, MotionCurve, onto_bone, planes_of, solved
 
 MOST_FRAMES = 600
 """Frames of all sweeps together whose echoes are looked at."""
@@ -171,11 +171,23 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
         bone is None or off_the_bone(asked, half, bone) <= min(GAIN * off_the_bone(asked, rest, bone), CLOSE_TO_BONE)
     )
     if not borne_out or PatientMotion(half, before, after, False).size < LEAST:
-        return still if bone is None else motion_of(echoes, passes, None, part(progress, 0.6, 1.0))
+        return still if bone is None else _by_echoes_first(echoes, passes, bone, part(progress, 0.6, 1.0))
     curve, _ = solved(echoes, half, bone, loose, FINE, part(progress, 0.7, 1.0))
     curve = _in_the_middle(curve, echoes, bone)
     names = tuple(name for name, free in zip(AXES, np.median(loose, axis=0).diagonal(), strict=True) if free > HALF)
     return PatientMotion(curve, before, after, True, names, curve.moved(echoes))
+
+
+def _by_echoes_first(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace, progress: Progress | None) -> PatientMotion:
+    """Passes laid on each other alone, and then, where that bears it out, all of them on the CT's bone."""
+    found = motion_of(echoes, passes, None, progress)
+    if found.echoes is None or not found.applied:
+        return found
+    laid = found.curve.then(onto_bone(found.echoes, passes, bone))
+    curve = _in_the_middle(solved(echoes, laid, bone, stages=FINE)[0], echoes, bone)
+    if off_the_bone(echoes, curve, bone) > CLOSE_TO_BONE or apart(echoes, curve) > max(CLOSE, found.after):
+        return found
+    return replace(found, curve=curve, echoes=curve.moved(echoes))
 
 
 def apart(echoes: SweepEchoes, curve: MotionCurve, bone: BoneInPlace | None = None) -> float:
