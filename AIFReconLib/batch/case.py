@@ -6,7 +6,6 @@ measured against made once for all methods.
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import time
@@ -39,12 +38,11 @@ from ..message import listed
 from ..registration.registration import as_report
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
-from ..terminal.options import labels_from, place_from, required_labels
-from ..terminal.recipe_options import load_method_here, recipe_from
-from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_inputs, bone_source_from, grid_from
+from ..terminal.arguments import load_method_here, with_values
+from ..terminal.labels_options import labels_from, place_from, required_labels
+from ..terminal.reconstruction_options import SIDE_OUTPUTS, bone_inputs, bone_source_from, grid_from, with_provenance
 from ..terminal.remedies import in_columns
-from ..terminal.sequence_options import of_each, sequence_from, sequence_inputs
-from ..terminal.settings_options import with_provenance
+from ..terminal.sequence_options import sequence_inputs, sequences_from
 from ..workflows.job import ReconstructionJob
 from ..workflows.reconstruct import execute, planned, tracking_of
 from ..workflows.register import RegistrationJob, register_job
@@ -151,11 +149,10 @@ class _Work:
     def __init__(self, case: Case, folder: Path, memory: int | None):
         self._name, self._methods, self._memory, self._folder = case.name, case.methods, memory, folder
         self._arguments = case.arguments
-        each = of_each(self._arguments, self._arguments.sequences)
-        self._sequence_files = [path for one in each for path in sequence_inputs(one)]
-        self._parts = [sequence_from(one) for one in each]
+        self._sequence_files = sequence_inputs(self._arguments, self._arguments.sweeps)
+        self._parts = sequences_from(self._arguments, self._arguments.sweeps)
         self._sequence: TrackedSequence = joined(self._parts)
-        self._recipe = recipe_from(self._arguments)
+        self._recipe = self._arguments.recipe
         self._ct_to_reference = place_from(self._arguments)
         self._report: dict[str, Any] = {}
         self._numbers: Row = {}
@@ -200,7 +197,7 @@ class _Work:
             write_volume(moved, self._folder / LABELS)
             self._given = Labels(moved.array, moved.ijk_to_reference, {}, given.names)
             lies = {"bone_labels": [self._folder / LABELS], "labels": None, "bone_transform": None}
-        self._arguments = argparse.Namespace(**{**vars(arguments), **lies})
+        self._arguments = with_values(arguments, **lies)
         self._numbers |= {
             "registration_agreement": float(found.agreement.share),
             "registration_median_distance_mm": float(found.agreement.median_distance),
@@ -235,7 +232,7 @@ class _Work:
             load_method_here(method)
         beside = [name for name in BESIDE if getattr(arguments, name)]
         memory = None if self._memory is None else max(int((self._memory - held_memory()) / OVER_PLAN), 1)
-        decided = planned(replace(job, recipe=recipe_from(arguments), beside=beside))
+        decided = planned(replace(job, recipe=arguments.recipe, beside=beside))
         job = replace(job, bone=decided.source)
         result = execute(decided, beside, memory).result
         files = [*self._sequence_files, *bone_inputs(arguments), arguments.importance_mask]

@@ -12,10 +12,9 @@ from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafi
 from ..machine.memory import SAFETY, available_memory
 from ..machine.threads import usable_cores
 from ..recipe.recipe import DEFAULT_SPACING
-from ..terminal.options import labels_inputs, names_labels
-from ..terminal.recipe_options import recipe_from
+from ..terminal.labels_options import labels_inputs, names_labels
 from ..terminal.reconstruction_options import seen_source
-from ..terminal.sequence_options import of_each, sequence_from
+from ..terminal.sequence_options import sequences_from
 from ..workflows.reconstruct import plan
 from .table import Case, with_method
 
@@ -103,8 +102,8 @@ def _of_case(case: Case) -> int:
     arguments = with_method(case.arguments, case.methods[0])
     has_bone = bool(names_labels(arguments) or arguments.bone_probability or seen_source(arguments))
     with suppress(AIFReconError, OSError):
-        sequences = [sequence_from(one) for one in of_each(arguments, arguments.sequences)]
-        planned = plan(sequences, recipe_from(arguments), has_bone=has_bone).memory
+        sequences = sequences_from(arguments, arguments.sweeps)
+        planned = plan(sequences, arguments.recipe, has_bone=has_bone).memory
         headers = [path for path in labels_inputs(arguments) if path.suffix.lower() in (*METAIMAGE_SUFFIXES, *NRRD_SUFFIXES)]
         largest = max((math.prod(read_metafile(path, FileFormatError).size) for path in headers), default=0)
         return int(OVER_PLAN * (planned + PER_LABEL * largest))

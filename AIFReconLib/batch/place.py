@@ -8,7 +8,7 @@ from pathlib import Path
 from ..errors import OutputError
 from ..io.disk.atomic import output_errors
 from ..terminal.console import real_path
-from ..terminal.options import as_compared
+from ..terminal.outputs import as_compared
 from .page import PAGE
 from .records import ALTERNATIVES, RECORDS, read_record, record_path
 from .results import CSV, PARQUET

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import csv
 import difflib
 import io
@@ -23,12 +22,12 @@ from ..io.disk.regular_files import require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..message import said
-from ..terminal.options import names_labels
-from ..terminal.recipe_options import recipe_from
+from ..terminal.arguments import with_values
+from ..terminal.labels_options import names_labels
 from ..terminal.reconstruction_options import check_bone_options, seen_source
 from ..terminal.remedies import in_columns
-from ..terminal.sequence_options import of_each
-from .columns import CASE, METHOD, REQUIRED, SWEEPS, Columns
+from ..terminal.sequence_options import configured
+from .columns import CASE, METHOD, REQUIRED, SWEEPS, CaseOptions, Columns
 
 MOST_BYTES = 2**28
 LONGEST_NAME = 100
@@ -62,7 +61,7 @@ class Case:
         Of the folder of its results.
     folder : Path
         Of the table.
-    arguments : Namespace
+    arguments : CaseOptions
         The options that the row fills, and the defaults of the others; paths are whole.
     methods : tuple of str or None
         None: the default.
@@ -76,7 +75,7 @@ class Case:
 
     name: str
     folder: Path
-    arguments: argparse.Namespace
+    arguments: CaseOptions
     methods: tuple[str | None, ...]
     given: dict[str, str]
     inputs: tuple[Path, ...]
@@ -207,19 +206,19 @@ class _Reading:
         problems += [Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
         files = [path for _, path in named]
         detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
-        arguments = argparse.Namespace(**{**vars(self._columns.defaults), **values, "sequences": values.get(SWEEPS, [])})
+        arguments = CaseOptions()
+        vars(arguments).update(values)
         if readable:
             # What a file of settings says is known only now
-            if "settings" in values and self._columns.kept_settings is not None and self._looked_at(arguments.settings) is None:
+            if arguments.settings is not None and self._looked_at(arguments.settings) is None:
                 with _told(problems, row, "settings"):
-                    kept = self._columns.kept_settings(arguments)
-                    arguments = argparse.Namespace(**{**vars(arguments), **kept, **values})
+                    arguments.complete()
             self._contradict(problems, row, arguments, methods, values)
         inputs = tuple(dict.fromkeys([*files, *detached]))
         return Case(given.get(CASE, ""), self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
 
     def _contradict(
-        self, problems: list[Problem], row: int, arguments: argparse.Namespace, methods: Iterable[str | None], values: Mapping[str, object]
+        self, problems: list[Problem], row: int, arguments: CaseOptions, methods: Iterable[str | None], values: Mapping[str, object]
     ) -> None:
         """Add what does not go together."""
         for rivals in self._columns.rivals():
@@ -235,14 +234,14 @@ class _Reading:
         if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
             problems.append(Problem(row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}."))
         with _told(problems, row, "config"):
-            of_each(arguments, arguments.sequences)
+            configured(arguments, arguments.sweeps)
         source = seen_source(arguments)
         with _told(problems, row, "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")):
             check_bone_options(arguments)
         has_bone = bool(names_labels(arguments) or arguments.bone_probability or source)
         for method in methods:
             try:
-                recipe = recipe_from(with_method(arguments, method))
+                recipe = with_method(arguments, method).recipe
                 require_bone(recipe.method_for(has_bone), recipe, has_bone)
             except AIFReconError as error:
                 about = str(error).partition("Input ")[2].partition(" ")[0]
@@ -251,13 +250,14 @@ class _Reading:
 
 def _paths(value: object) -> list[Path]:
     """The paths of a cell."""
-    each = value.values() if isinstance(value, dict) else value if isinstance(value, list) else [value]
-    return [path for path in each if isinstance(path, Path)]
+    if isinstance(value, list | tuple):
+        return [path for each in value for path in _paths(each)]
+    return [value] if isinstance(value, Path) else []
 
 
-def with_method(arguments: argparse.Namespace, method: str | None) -> argparse.Namespace:
+def with_method(arguments: CaseOptions, method: str | None) -> CaseOptions:
     """The same options with one of the methods; None leaves it as it is."""
-    return arguments if method is None else argparse.Namespace(**{**vars(arguments), METHOD: method})
+    return arguments if method is None else with_values(arguments, method=method)
 
 
 def method_files(case: Case) -> Iterator[Path]:

@@ -2,44 +2,64 @@
 
 from __future__ import annotations
 
-import argparse
 import json
-from pathlib import Path
+import math
 
 from .. import __version__
+from ..compounding.engines import INSTALL_NUMBA
+from ..errors import SettingsError
 from ..io.disk.atomic import write_text
+from ..machine.threads import optional_module
 from ..message import columns
 from ..recipe.recipe import DEFAULT_SPACING
+from ..terminal.arguments import Options, Output
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, check_files
-from ..workflows.benchmark import MeasuredSpeed, answer, busy_warning, machine, measured_speed, verdict
+from ..workflows.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, MeasuredSpeed, busy_warning, machine, measured_speed, verdict
+
+LEAST_SIDE, LARGEST_SIDE = 16, 8192
+_ANY = "any method"
 
 
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "benchmark",
-        description="Receive and insert made-up images with every method, and say whether this machine keeps up with a live scan of that "
-        "size and rate.",
-    )
-    parser.add_argument(
-        "--size", type=int, nargs=2, default=[640, 480], metavar=("COLUMNS", "ROWS"), help="of your images (default: 640 480)"
-    )
-    parser.add_argument("--rate", type=float, default=30.0, metavar="FPS", help="frames/s of your scan (default: %(default)g)")
-    parser.add_argument("--spacing", type=float, default=DEFAULT_SPACING, metavar="MM", help="distance of voxels (default: %(default)s)")
-    parser.add_argument("--frames", type=int, default=120, metavar="N", help="frames per repeat (default: %(default)s)")
-    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the median of this many is shown (default: %(default)s)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
-    parser.set_defaults(run=run)
+class BenchmarkOptions(Options):
+    """Receive and insert made-up images with every method, and say whether this machine keeps up with a live scan of that size and rate.
+
+    Parameters
+    ----------
+    size : COLUMNS ROWS
+        of your images
+    rate : FPS
+        frames/s of your scan
+    spacing : MM
+        distance of voxels
+    frames : N
+        frames per repeat
+    repeats : N
+        the median of this many is shown
+    json : FILE
+        also write the numbers here, to compare later
+    """
+
+    size: tuple[int, int] = (640, 480)
+    rate: float = 30.0
+    spacing: float = DEFAULT_SPACING
+    frames: int = 120
+    repeats: int = 5
+    json: Output | None = None
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(asked: BenchmarkOptions) -> None:
     """Measure, print, and answer."""
-    check_files(arguments.json)
+    if asked.frames < 2 or asked.repeats < 1:
+        raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")
+    if not all(LEAST_SIDE <= n <= LARGEST_SIDE for n in asked.size):
+        raise SettingsError(f"Input --size must be {LEAST_SIDE} to {LARGEST_SIDE} pixels each way; got {asked.size!r}.")
+    for name, value, unit in (("--rate", asked.rate, "frames/s"), ("--spacing", asked.spacing, "mm")):
+        if not (value > 0 and math.isfinite(value)):
+            raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
     with ProgressBar() as progress:
-        found = measured_speed(tuple(arguments.size), arguments.rate, arguments.spacing, arguments.frames, arguments.repeats, progress)
-    if arguments.json:
-        write_text(arguments.json, json.dumps(_report(found, arguments.spacing), indent=2) + "\n")
+        found = measured_speed(asked.size, asked.rate, asked.spacing, asked.frames, asked.repeats, progress)
+    if asked.json:
+        write_text(asked.json, json.dumps(_report(found, asked.spacing), indent=2) + "\n")
     size, millions = " x ".join(map(str, found.size)), found.voxels / 1e6
     print(f"{machine()}\nAIFRecon {__version__}; {size} pixels into {millions:.1f} million voxels, with {found.engine}\n")
     rows = [("method", "frames/s", f"at {found.rate:g}/s")]
@@ -48,8 +68,8 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"\n{answer(found.shares, found.size, found.rate)}")
     for text in filter(None, (found.warning, busy_warning(found.busy))):
         print(text)
-    if arguments.json:
-        print(f"\n  wrote {arguments.json}")
+    if asked.json:
+        print(f"\n  wrote {asked.json}")
 
 
 def _report(found: MeasuredSpeed, spacing: float) -> dict[str, object]:
@@ -69,3 +89,17 @@ def _report(found: MeasuredSpeed, spacing: float) -> dict[str, object]:
         "busy": found.busy,
         "methods": methods,
     }
+
+
+def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:
+    """In words, whether this machine keeps up, and what helps where it does not; `shares` are of the time there is, by method."""
+    by_verdict = {word: [m for m, share in shares.items() if verdict(share) == word] for word in (KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW)}
+    said = [f"{word} with {_ANY if len(ms) == len(shares) else ', '.join(ms)}" for word, ms in by_verdict.items() if ms]
+    text = f"At {rate:g} frames/s of {size[0]} x {size[1]} pixels, this machine {'; '.join(said)}."
+    if len(by_verdict[KEEPS_UP]) == len(shares):
+        return text
+    numba = "" if optional_module("AIFReconLib.compounding.compiled.numba_engine") else f"numba ({INSTALL_NUMBA}), "
+    return (
+        f"{text}\nWhat helps: {numba}larger voxels (--spacing), a smaller part of the image (--clip-px), every second frame (--skip 2).\n"
+        "Frames that do not fit are left out evenly and counted; --record keeps them all, to be reconstructed afterwards."
+    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import textwrap
 import time
 from dataclasses import replace
@@ -33,8 +32,8 @@ from ..recipe.recipe import Recipe
 from ..reconstruction import reconstruct
 from ..registration.labeled_bone import LabeledBone
 from ..simulation.ultrasound import UltrasoundEffects
+from ..terminal.arguments import Options
 from ..terminal.console import ProgressBar, program
-from ..terminal.options import Commands
 from ..workflows.simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
 
 SPACING = 1.0
@@ -72,29 +71,31 @@ WITHOUT_CT = "weighted, no CT"
 """What the picture calls the volume whose bone the sweep tells by itself."""
 
 
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "demo",
-        description="Simulate a patient with a registered CT and a tracked sweep, write them as files, reconstruct the sweep with every "
-        "method, draw the results beside the CT, and measure how well each shows bone.",
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, default=Path("demo-output"), metavar="DIR", help="folder to write into (default: %(default)s)"
-    )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="which patient (default: 0)")
-    parser.set_defaults(run=run)
+class DemoOptions(Options):
+    """Simulate a patient with a registered CT and a tracked sweep, write them as files, reconstruct the sweep with every method, draw the
+    results beside the CT, and measure how well each shows bone.
+
+    Parameters
+    ----------
+    output : DIR
+        folder to write into
+    seed : N
+        which patient
+    """
+
+    output: Path = Path("demo-output")
+    seed: int = 0
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(asked: DemoOptions) -> None:
     """Simulate, reconstruct, measure, draw."""
     started = time.perf_counter()
     require_matplotlib()
-    folder: Path = arguments.output
+    folder: Path = asked.output
     check_simulated_folder(folder, [*FILES, "comparison.png", "metrics.csv", "report.html", *(f"reconstruction-{m}.nrrd" for m in METHODS)])
     bar = ProgressBar()
     with bar as progress:
-        files = write_simulated_patient(folder, arguments.seed, PATH, FRAMES, part(progress, 0.0, 0.5), effects=KNOBS)
+        files = write_simulated_patient(folder, asked.seed, PATH, FRAMES, part(progress, 0.0, 0.5), effects=KNOBS)
         sequence = read_sequence(files.sequence, config=files.configuration)
         ct_to_reference = read_transform(files.ct_to_reference)
         labels = read_labels(files.labels).placed_by(ct_to_reference)
@@ -132,7 +133,7 @@ def run(arguments: argparse.Namespace) -> None:
         metrics = {method: metrics[method] for method in METHODS}
         write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted))
         size = " x ".join(str(n) for n in result.grid.size)
-        report = _report(arguments.seed, files, metrics, settings, result.frames_inserted, size, met)
+        report = _report(asked.seed, files, metrics, settings, result.frames_inserted, size, met)
         write_report(folder / "report.html", replace(report, figure_png=figure.read_bytes()))
     seconds = time.perf_counter() - started
     print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s\n")

@@ -2,74 +2,73 @@
 
 from __future__ import annotations
 
-import argparse
+from collections.abc import Mapping
 from pathlib import Path
+from typing import ClassVar
 
 from ..inspection.imported import check_import, import_files
-from ..io.disk.atomic import check_writable, write_text
+from ..io.disk.atomic import write_text
 from ..io.foreign.importing import REFERENCE_FRAME
 from ..io.foreign.options import RULES, ImportOptions
-from ..io.sequence.writer import SUFFIXES, check_sequence_name, write_sequence
+from ..io.sequence.writer import check_sequence_name, write_sequence
+from ..recipe.rules import Rule
+from ..terminal.arguments import Names, Options, Output, Settings
 from ..terminal.console import ProgressBar, program
-from ..terminal.options import Commands, refuse_to_overwrite
-from ..terminal.recipe_options import add_setting
+from ..terminal.outputs import check_outputs
 from ..terminal.remedies import in_options
 
-GROUPS = {
-    "poses": (
-        *("columns", "tool", "reference_tool", "time_offset", "quaternion_order", "euler_order", "angle_unit", "units", "time_unit"),
-        *("status_ok", "column_major", "sure"),
-    ),
-    "image": ("spacing", "image_origin_px", "calibration", "calibration_unit", "orientation", "rate", "times"),
-    "mechanism": ("mechanism",),
-}
-"""The options by what they are about."""
 
-EXAMPLE = """examples:
+class ImportedOptions(Options):
+    """Write a tracked sequence from images (PNG, JPEG, TIFF, BMP, DICOM, video, .npy) and poses (CSV, TXT, JSON). Prints how everything
+    was understood, and draws the sweep for a check.
+
+    Parameters
+    ----------
+    images : IMAGES
+        files or a folder, in natural order (2 before 10)
+    poses : FILE
+        one pose per image, or with times or names of images
+    output : SEQUENCE
+        where to write (.mha, .mhd, .nrrd)
+    transform : NAME
+        what the poses are, direction included: ImageToTracker, ProbeToTracker, or an inverse such as TrackerToProbe
+    drawing : FILE.svg
+        where to draw the sweep (default: beside the output)
+    compress
+        compress the images (default: yes)
+    """
+
+    images: tuple[Path, ...]
+    poses: Path
+    output: Output
+    transform: str
+    drawing: Output | None = None
+    compress: bool = True
+
+    WORDS: ClassVar[Names] = ("images",)
+    SETTINGS: ClassVar[Settings] = tuple(RULES)
+    RULES: ClassVar[Mapping[str, Rule]] = RULES
+    EXAMPLES: ClassVar[str] = """examples:
   aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
   aifrecon import sweep.mp4 --poses tracker.txt --columns "time x y z qx qy qz qw" --units m \\
       --transform ProbeToTracker --calibration ImageToProbe.tfm --output sweep.igs.mha
   aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
 
 
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "import",
-        description="Write a tracked sequence from images (PNG, JPEG, TIFF, BMP, DICOM, video, .npy) and poses (CSV, TXT, JSON).\n"
-        "Prints how everything was understood, and draws the sweep for a check.",
-        examples=EXAMPLE,
-    )
-    parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES", help="files or a folder, in natural order (2 before 10)")
-    parser.add_argument("--poses", type=Path, required=True, metavar="FILE", help="one pose per image, or with times or names of images")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="SEQUENCE", help=f"where to write ({', '.join(SUFFIXES)})")
-    add_setting(parser, "transform", rules=RULES)
-    parser._option_string_actions["--transform"].required = True
-    for title, names in GROUPS.items():
-        group = parser.add_argument_group(title)
-        for name in names:
-            add_setting(group, name, rules=RULES)
-    output = parser.add_argument_group("output")
-    output.add_argument("--drawing", type=Path, metavar="FILE.svg", help="where to draw the sweep (default: beside the output)")
-    output.add_argument("--compress", action=argparse.BooleanOptionalAction, default=True, help="compress the images (default: yes)")
-    parser.set_defaults(run=run)
-
-
-def run(arguments: argparse.Namespace) -> None:
+def run(asked: ImportedOptions) -> None:
     """Read, pair, write, draw, and say how everything was understood."""
-    check_sequence_name(arguments.output)
-    drawing = arguments.drawing or arguments.output.with_name(arguments.output.name.split(".")[0] + "-sweep.svg")
-    options = ImportOptions(**{name: getattr(arguments, name) for name in RULES if getattr(arguments, name) is not None})
-    refuse_to_overwrite(arguments, "output", "drawing", more=[drawing])
-    check_writable(drawing)
-    imported = import_files(arguments.images, arguments.poses, options)
+    check_sequence_name(asked.output)
+    options = ImportOptions(**{name: getattr(asked, name) for name in RULES if getattr(asked, name) is not None})
+    asked.drawing = drawing = asked.drawing or Output(asked.output.with_name(asked.output.name.split(".")[0] + "-sweep.svg"))
+    check_outputs(asked)
+    imported = import_files(asked.images, asked.poses, options)
     with ProgressBar() as progress:
-        write_sequence(imported.sequence, arguments.output, arguments.compress, progress)
-    seen = check_import(imported, arguments.output.name)
+        write_sequence(imported.sequence, asked.output, asked.compress, progress)
+    seen = check_import(imported, asked.output.name)
     lines = [*map(in_options, (*imported.understood, *seen.lines))]
     if seen.drawing is not None:
         option = "" if seen.reference == REFERENCE_FRAME else f" --reference {seen.reference}"
-        lines.append(f"to reconstruct: {program()} reconstruct {arguments.output.name}{option} --output volume.nrrd")
+        lines.append(f"to reconstruct: {program()} reconstruct {asked.output.name}{option} --output volume.nrrd")
         write_text(drawing, seen.drawing.to_svg())
         lines.append(f"drew {drawing}")
-    print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {arguments.output}"]))
+    print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {asked.output}"]))

@@ -10,22 +10,27 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import difflib
 import errno
 import os
 import sys
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from importlib import import_module
 from types import ModuleType
+from typing import TYPE_CHECKING, get_type_hints
 
 from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
-from ..message import one_line
+from ..message import LONGEST_QUOTE, one_line, shorten
 from ..terminal.console import not_loaded, prepare_streams
-from ..terminal.guard import last_opened
-from ..terminal.log import add_log_options, logging_as_asked, quiet_as_asked
-from ..terminal.one_line_parser import BAD_INPUT, OneLineParser
+from ..terminal.guard import BAD_INPUT, INTERRUPTED, last_opened
+from ..terminal.log import logging_as_asked, quiet_as_asked
+from ..terminal.refusing import RefusingParser, WrongArguments
 from ..terminal.remedies import in_options
 from ..terminal.signals import OrderlyEnd, orderly_end
+
+if TYPE_CHECKING:
+    from ..terminal.arguments import OneLineParser, Options
 
 COMMANDS = {
     "demo": ("demo", "simulate a lumbar scan, reconstruct it with every method, measure and draw it"),
@@ -56,16 +61,14 @@ SUCCESS, REFUSED = 0, 1
 _OF_PRINTING = (errno.ENOSPC, errno.EIO)
 """Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
 
-_INTERRUPTED = "Interrupted. No file is left half-written."
-
 _NO_MEMORY = (
     "There is not enough memory. End other programs, or use a larger --spacing, a smaller part of the image (--clip-px) or of the sweep."
 )
 
 
 def named(words: Sequence[str]) -> tuple[str, ...]:
-    """The commands whose options must be known to understand these words: the one that is named, if any."""
-    return tuple(word for word in words if word in COMMANDS)[:1]
+    """The command that is named, if any."""
+    return tuple(words[:1]) if words and words[0] in COMMANDS else ()
 
 
 def load(names: Iterable[str] = COMMANDS) -> list[ModuleType]:
@@ -73,23 +76,42 @@ def load(names: Iterable[str] = COMMANDS) -> list[ModuleType]:
     return [import_module(f".{COMMANDS[name][0]}", __package__) for name in names]
 
 
-def build_parser(names: Collection[str] = COMMANDS) -> argparse.ArgumentParser:
-    """The parser of these commands; the others are known by their names only."""
-    parser = OneLineParser(
+def options_of(name: str) -> type[Options]:
+    """What the function of a command is asked by."""
+    options: type[Options] = get_type_hints(load([name])[0].run)["asked"]
+    return options
+
+
+def parser_of(name: str) -> OneLineParser:
+    """The parser of a command."""
+    from ..terminal.arguments import OneLineParser
+
+    return OneLineParser(options_of(name), f"aifrecon {name}")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser of what stands before a command, with the names of all commands."""
+    parser = RefusingParser(
         prog="aifrecon",
         description="3D ultrasound of the spine from tracked 2D frames, weighted by the angle of incidence to bone. "
         "Research software, not a medical device.",
         epilog="'aifrecon COMMAND --help' tells what a command takes. 'aifrecon demo' shows the whole on a simulated patient.",
     )
     parser.add_argument("--version", action="version", version=f"aifrecon {__version__}")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=OneLineParser)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True, parser_class=RefusingParser)
     for name, (_file, purpose) in COMMANDS.items():
-        if name in names:
-            load([name])[0].add_to(commands)
-        else:
-            commands.add_parser(name, help=purpose)
-    for each in commands.choices.values():
-        add_log_options(each)
+        commands.add_parser(name, help=purpose)
+    return parser
+
+
+def completed() -> argparse.ArgumentParser:
+    """The same with the options of all commands, for a shell that asks how a line may go on."""
+    from ..terminal.arguments import OneLineParser
+
+    parser = RefusingParser(prog="aifrecon")
+    commands = parser.add_subparsers(parser_class=OneLineParser)
+    for name in COMMANDS:
+        commands.add_parser(name, options=options_of(name))
     return parser
 
 
@@ -97,21 +119,29 @@ def main(argv: list[str] | None = None) -> int:
     """Run the command line, of the process by default; the answer is the exit code: 0, 1, 2, or 128 and the signal that ended it."""
     if "_ARGCOMPLETE" in os.environ:
         # A shell asks how a line may go on; this ends the program
-        import_module("argcomplete").autocomplete(build_parser())
+        import_module("argcomplete").autocomplete(completed())
     prepare_streams()
     words = sys.argv[1:] if argv is None else argv
+    prog = " ".join(["aifrecon", *named(words)])
     try:
-        arguments = build_parser(named(words)).parse_args(words or ["--help"])
-    except SystemExit as stop:  # argparse has printed help, the version or its one line
+        if not named(words):
+            _without_command(words)
+        asked = parser_of(words[0]).parse(words[1:])
+    except SystemExit as stop:  # help or the version is printed
         return int(stop.code or 0)
+    except WrongArguments as wrong:
+        return _fail(f"{one_line(shorten(str(wrong), LONGEST_QUOTE))}. See {prog} --help.", BAD_INPUT, prog)
     except AIFReconError as error:  # of a settings file, which options are read from
         return _fail(in_options(error), BAD_INPUT)
+    from ..terminal.outputs import check_outputs
+
     end, code = OrderlyEnd(), SUCCESS
     try:
-        with orderly_end(end), quiet_as_asked(arguments), logging_as_asked(arguments, words):
-            code = arguments.run(arguments)
+        with orderly_end(end), quiet_as_asked(asked), logging_as_asked(asked, words):
+            check_outputs(asked)
+            code = load(named(words))[0].run(asked)
     except (KeyboardInterrupt, OperationCanceled):
-        return _fail(_INTERRUPTED, end.exit_code)
+        return _fail(INTERRUPTED, end.exit_code)
     except RegistrationRefused as refusal:
         return _fail(in_options(refusal), REFUSED)
     except AIFReconError as error:
@@ -120,13 +150,13 @@ def main(argv: list[str] | None = None) -> int:
         return _fail(_NO_MEMORY + last_opened(), BAD_INPUT)
     except ImportError as error:
         # Libraries load their parts when they are first named
-        return _fail(_INTERRUPTED, end.exit_code) if end.told else _fail(not_loaded(error), BAD_INPUT)
+        return _fail(INTERRUPTED, end.exit_code) if end.told else _fail(not_loaded(error), BAD_INPUT)
     except BrokenPipeError:
         pass  # whoever read the output has gone, as `head` does
     except RuntimeError as error:
         # Of a lock that the interrupt kept from being taken
         if isinstance(error.__context__, KeyboardInterrupt):
-            return _fail(_INTERRUPTED, end.exit_code)
+            return _fail(INTERRUPTED, end.exit_code)
         # The interpreter has no class for a limit on threads
         if "start new thread" not in str(error):
             raise
@@ -137,6 +167,14 @@ def main(argv: list[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         return _fail(f"{where}{error.strerror or error}. Check that the file exists and may be used.", BAD_INPUT)
     return _print_the_rest() or code or SUCCESS
+
+
+def _without_command(words: Sequence[str]) -> None:
+    """Show help or the version, or say what is wrong with the words."""
+    if words and not words[0].startswith("-"):
+        near = difflib.get_close_matches(words[0], COMMANDS, n=1)
+        raise WrongArguments(f"there is no command {words[0]}{f', perhaps {near[0]} is meant' if near else ''}")
+    build_parser().parse_args(words or ["--help"])
 
 
 def _print_the_rest() -> int:
@@ -157,7 +195,7 @@ def _not_printed(error: OSError) -> int:
     return _fail(f"The result cannot be printed ({error.strerror}). Print it elsewhere; files that were asked for are written.", BAD_INPUT)
 
 
-def _fail(message: str, code: int) -> int:
+def _fail(message: str, code: int, prog: str = "aifrecon") -> int:
     with contextlib.suppress(OSError):
-        print(f"aifrecon: {one_line(' '.join(message.split()))}", file=sys.stderr, flush=True)
+        print(f"{prog}: {one_line(' '.join(message.split()))}", file=sys.stderr, flush=True)
     return code

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from pathlib import Path
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -21,88 +21,70 @@ from ..io.disk.atomic import write_text
 from ..io.disk.small_files import read_json
 from ..message import columns
 from ..progress import part
+from ..terminal.arguments import Names, Output, Rivals
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, check_files, place_from, refuse_to_overwrite, required_labels
-from ..terminal.recipe_options import recipe_from
+from ..terminal.labels_options import PlacedLabelsOptions, place_from, required_labels
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import add_sweep_options, sequence_from
-from .coverage import add_placed_labels_options
+from ..terminal.sequence_options import SweepOptions, sequences_from
 from .preview import check_preview
 
-EXAMPLE = """examples:
+
+class PlanOptions(PlacedLabelsOptions, SweepOptions):
+    """Choose the passes of a scan that show most of a target with a number of frames, from a registered CT's segmentation, and say how
+    much of it a reconstruction will show.
+
+    Parameters
+    ----------
+    output : PLAN.json
+        where to write the passes and their poses
+    target : NAME
+        interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label, by name or number
+    unseen : PATHS.json
+        in place of bone, the windows that the report of aifrecon paths tells as not seen
+    frames : N
+        of all passes together
+    candidates
+        what the probe can do: freehand slides and tilts; a wearable device tilts by 35 degrees where it is strapped on
+    preview : FILE.png
+        also draw the passes over the bone (needs matplotlib)
+    probe_like : SEQUENCE
+        a recording of the probe, best of this patient, whose skin it tells
+    """
+
+    output: Output
+    target: str = "interspinous"
+    unseen: Path | None = None
+    frames: int = 180
+    candidates: Annotated[str, CANDIDATES] = FREEHAND
+    preview: Output | None = None
+    probe_like: Path | None = None
+
+    RIVALS: ClassVar[Rivals] = (("target", "unseen"),)
+    FIRST: ClassVar[Names] = ("bone_labels", "ct", "bone_transform", "target", "frames", "probe_like", "config", "preview", "quiet")
+    EXAMPLES: ClassVar[str] = """examples:
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json"""
 
-FRAMES = 180
 
-
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "plan",
-        description="Choose the passes of a scan that show most of a target with a number of frames, from a registered CT's segmentation, "
-        "and say how much of it a reconstruction will show.",
-        examples=EXAMPLE,
-    )
-    add_placed_labels_options(parser)
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="PLAN.json", help="where to write the passes and their poses")
-    aim = parser.add_mutually_exclusive_group()
-    aim.add_argument(
-        "--target",
-        default="interspinous",
-        metavar="NAME",
-        help="interspinous (borders of the gaps), posterior (bone that faces the back), all, or a label, by name or number "
-        "(default: %(default)s)",
-    )
-    aim.add_argument(
-        "--unseen",
-        type=Path,
-        metavar="PATHS.json",
-        help="in place of bone, the windows that the report of aifrecon paths tells as not seen",
-    )
-    parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help="of all passes together (default: %(default)s)")
-    parser.add_argument(
-        "--candidates",
-        choices=CANDIDATES,
-        default=FREEHAND,
-        help="what the probe can do: freehand slides and tilts; a wearable device tilts by 35 degrees where it is strapped on "
-        "(default: %(default)s)",
-    )
-    parser.add_argument("--preview", type=Path, metavar="FILE.png", help="also draw the passes over the bone (needs matplotlib)")
-    like = parser.add_argument_group("probe", "what the images will be like")
-    like.add_argument(
-        "--probe-like",
-        type=Path,
-        metavar="SEQUENCE",
-        help="a recording of the probe, best of this patient, whose skin it tells",
-    )
-    add_sweep_options(parser, several=False)
-    parser.show_first("bone_labels", "ct", "bone_transform", "target", "frames", "probe_like", "config", "preview", "quiet")
-    parser.set_defaults(run=run)
-
-
-def run(arguments: argparse.Namespace) -> None:
+def run(asked: PlanOptions) -> None:
     """Read, plan, write, and say what each pass adds."""
-    arguments.sequence = arguments.probe_like
-    refuse_to_overwrite(arguments, "output", "preview")
-    if arguments.frames < 1:
-        raise SettingsError(f"Input frames must be 1 or more; got {arguments.frames!r}. Give --frames N.")
-    check_files(arguments.output)
-    check_preview(arguments.preview)
+    if asked.frames < 1:
+        raise SettingsError(f"Input frames must be 1 or more; got {asked.frames!r}. Give --frames N.")
+    check_preview(asked.preview)
     with ProgressBar() as progress:
-        labels = required_labels(arguments, part(progress, 0.0, 0.05))
-        placed = place_from(arguments)
-        like = sequence_from(arguments) if arguments.probe_like else None
-        bone, probe, assumed = patient_and_probe(labels, placed, like, recipe_from(arguments), part(progress, 0.05, 0.1))
+        labels = required_labels(asked, part(progress, 0.0, 0.05))
+        placed = place_from(asked)
+        like = sequences_from(asked, [asked.probe_like])[0] if asked.probe_like else None
+        bone, probe, assumed = patient_and_probe(labels, placed, like, asked.recipe, part(progress, 0.05, 0.1))
         notes = (*labels.notes, *assumed)
-        if arguments.unseen:
-            bone, arguments.target = window(bone, _unseen(arguments.unseen)), NOT_SEEN
-        plan = plan_scan(bone, probe, arguments.target, arguments.frames, arguments.candidates, progress=part(progress, 0.1, 0.95))
-        write_text(arguments.output, json.dumps(plan.to_dict()) + "\n")
-        written = [arguments.output]
-        if arguments.preview:
-            _draw(arguments.preview, plan, bone, probe)
-            written.append(arguments.preview)
+        if asked.unseen:
+            bone, asked.target = window(bone, _unseen(asked.unseen)), NOT_SEEN
+        plan = plan_scan(bone, probe, asked.target, asked.frames, asked.candidates, progress=part(progress, 0.1, 0.95))
+        write_text(asked.output, json.dumps(plan.to_dict()) + "\n")
+        written = [asked.output]
+        if asked.preview:
+            _draw(asked.preview, plan, bone, probe)
+            written.append(asked.preview)
     print(
         "\n".join(
             [

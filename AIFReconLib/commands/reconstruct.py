@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import time
 from pathlib import Path
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ..compounding.methods.table import method_named
-from ..compounding.state import Reconstruction
+from ..compounding.state import BESIDE, Reconstruction
 from ..errors import BeamGeometryError, GeometryError, SettingsError
+from ..geometry.volume import Volume
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport
 from ..io.disk.atomic import write_text
@@ -19,34 +20,29 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import check_volume_path, write_volume
 from ..progress import Progress, part
 from ..provenance.record import settings_of
+from ..provenance.settings_files import check_settings_path, write_settings
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
-from ..sweep.poses import sweep_poses
+from ..sweep.poses import SweepPoses, sweep_poses
+from ..terminal.arguments import Names, Output, Settings
 from ..terminal.console import ProgressBar
-from ..terminal.options import Commands, check_files, refuse_to_overwrite
-from ..terminal.recipe_options import add_setting, recipe_from
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
-    add_memory_option,
-    add_reconstruction_options,
+    ReconstructionOptions,
     bone_inputs,
-    job_from,
+    bone_source_from,
+    gigabytes,
+    grid_from,
+    with_provenance,
 )
 from ..terminal.remedies import as_option, in_options
-from ..terminal.sequence_options import add_sequence_options, add_tracking_options, of_each, sequence_from, sequence_inputs
-from ..terminal.settings_options import add_settings_options, check_save_settings, save_settings, with_provenance
+from ..terminal.sequence_options import SequencesOptions, sequence_inputs, sequences_from
 from ..workflows.job import ReconstructionJob
 from ..workflows.reconstruct import plain_mean, reconstruct_job, tracking_of
 from .info import register_command
-from .preview import add_preview_option, check_preview, how_to_look, write_preview
-
-EXAMPLE = """examples:
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --output volume.nrrd
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
+from .preview import check_preview, how_to_look, write_preview
 
 FIRST_OPTIONS = (
     "config",
@@ -63,94 +59,101 @@ FIRST_OPTIONS = (
 """What most need, here and in a live scan."""
 
 
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "reconstruct",
-        description="Reconstruct a volume from a tracked sequence recorded by Plus (.mha, .mhd, .nrrd).",
-        examples=EXAMPLE,
-    )
-    parser.add_argument(
-        "sequences",
-        type=Path,
-        nargs="+",
-        metavar="SEQUENCE",
-        help="tracked frames, e.g. sweep.igs.mha; one or more sweeps",
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="VOLUME", help="where to write (.nrrd, .mha, .mhd, .nii, .nii.gz, .dcm)"
-    )
-    add_setting(parser, "method")
-    add_tracking_options(parser, several=True)
-    add_sequence_options(parser)
-    volume = add_reconstruction_options(parser)
-    add_preview_option(volume)
-    add_memory_option(volume)
-    volume.add_argument("--dicom-study", type=Path, metavar="FILE", help="a DICOM file or folder of the study that .dcm outputs join")
-    volume.add_argument(
-        "--report",
-        type=Path,
-        metavar="FILE",
-        help="also tell of the tracking and of what was done: .html, a page with pictures; .json, numbers",
-    )
-    add_settings_options(parser)
-    parser.show_first(*FIRST_OPTIONS, "report", "quiet")
-    parser.set_defaults(run=run)
-
-
 TYPE_OF = {"score": "float32", "hits": "uint32", "mask": "uint8", "cosine": "float32"}
 """Types of the voxels of what is written beside the intensity."""
 
 
-def run(arguments: argparse.Namespace) -> None:
+class ReconstructOptions(ReconstructionOptions, SequencesOptions):
+    """Reconstruct a volume from a tracked sequence recorded by Plus (.mha, .mhd, .nrrd).
+
+    Parameters
+    ----------
+    output : VOLUME
+        where to write (.nrrd, .mha, .mhd, .nii, .nii.gz, .dcm)
+    memory : GB
+        that volumes may take; larger ones are worked in parts, with the same voxels (default: three quarters of what is free)
+    dicom_study : FILE
+        a DICOM file or folder of the study that .dcm outputs join
+    report : FILE
+        also tell of the tracking and of what was done: .html, a page with pictures; .json, numbers
+    """
+
+    output: Output
+    memory: Annotated[int, gigabytes] | None = None
+    dicom_study: Path | None = None
+    report: Output | None = None
+
+    SETTINGS: ClassVar[Settings] = ("motion",)
+    FIRST: ClassVar[Names] = (*FIRST_OPTIONS, "report", "quiet")
+    EXAMPLES: ClassVar[str] = """examples:
+  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
+  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
+      --bone-transform CTToReference.tfm --output volume.nrrd
+  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
+
+
+def run(asked: ReconstructOptions) -> None:
     """Read, reconstruct, write, and say what was done."""
     started = time.perf_counter()
-    outputs = {"intensity": arguments.output, **{name: getattr(arguments, name) for name in SIDE_OUTPUTS}}
-    each = of_each(arguments, arguments.sequences)
-    inputs = [
-        *(path for one in each for path in sequence_inputs(one)),
-        *bone_inputs(arguments),
-        arguments.importance_mask,
-        arguments.dicom_study,
-    ]
-    refuse_to_overwrite(arguments, "output", *SIDE_OUTPUTS, "preview", "report", "save_settings")
-    recipe = recipe_from(arguments)
-    for name, path in outputs.items():
-        if path:
-            check_volume_path(path, TYPE_OF.get(name) or recipe.output_type or "uint8")
-    if arguments.dicom_study and not any(path and path.suffix.lower() == ".dcm" for path in outputs.values()):
+    outputs = checked_outputs(asked, asked.output)
+    inputs = [*sequence_inputs(asked, asked.sequences), *bone_inputs(asked), asked.importance_mask, asked.dicom_study]
+    if asked.dicom_study and not any(path.suffix.lower() == ".dcm" for path in outputs.values()):
         raise SettingsError("--dicom-study is for an output that ends with .dcm, and there is none.")
-    check_preview(arguments.preview)
-    check_save_settings(arguments)
-    check_files(arguments.report)
     with ProgressBar() as progress:
-        sequence = joined(sequence_from(one) for one in each)
-        job = job_from(arguments, sequence, recipe, part(progress, 0.0, 0.05))
+        sequence, recipe = joined(sequences_from(asked, asked.sequences)), asked.recipe
+        bone = bone_source_from(asked, part(progress, 0.0, 0.05))
+        beside = [name for name in BESIDE if getattr(asked, name)]
+        job = ReconstructionJob(sequence, recipe, bone, grid_from(asked), beside, asked.memory)
         output = reconstruct_job(job, part(progress, 0.05, 0.95))
-        result, labeled = with_provenance(output.result, arguments, inputs), output.labeled
-        for number, (name, path) in enumerate((name, path) for name, path in outputs.items() if path):
-            progress(0.95 + 0.01 * number, f"Writing {path.name}")
-            write_volume(getattr(result, name), path, arguments.dicom_study)
-        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if arguments.preview else None
+        result, labeled = with_provenance(output.result, asked, inputs), output.labeled
+        poses = sweep_poses(sequence, recipe.image_to_reference, recipe.reference) if asked.preview else None
         uses_bone = labeled is not None and method_named(result.method).needs_bone
         on_bone = labeled is not None and not (uses_bone and labeled.taken_from_echoes(result.method))
         labels = labeled.in_reference() if labeled and on_bone else None
-        drawn = [*write_preview(result, arguments, labels, poses), *save_settings(result, arguments)]
+        files = [*write_outputs(result, asked, outputs, labels, poses, asked.dicom_study), *([asked.report] if asked.report else [])]
         # What the sweep's own bone says of the CT's place
         lines = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled is not None and uses_bone else []
     agreement = list(map(in_options, lines))
     tracking = tracking_of(job, result)
-    if arguments.report and not is_page(arguments.report):
+    if asked.report and not is_page(asked.report):
         said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
-        write_text(arguments.report, json.dumps(said, indent=2) + "\n")
-    if arguments.report and is_page(arguments.report):
+        write_text(asked.report, json.dumps(said, indent=2) + "\n")
+    if asked.report and is_page(asked.report):
         with ProgressBar() as progress:
-            _write_page(arguments, job, result, tracking, labeled, progress)
-    files = [path for path in (*outputs.values(), *drawn, arguments.report) if path]
+            _write_page(asked, job, result, tracking, labeled, progress)
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
-    if labeled is not None and not on_bone and arguments.bone_transform is None:
-        print(f"  The CT was taken to lie in Reference already. Place it first: {register_command(arguments)}")
-    print(*(f"  {line}\n" for line in how_to_look(arguments)), sep="", end="")
+    if labeled is not None and not on_bone and asked.bone_transform is None:
+        print(f"  The CT was taken to lie in Reference already. Place it first: {register_command(asked)}")
+    print(*(f"  {line}\n" for line in how_to_look(asked, asked.output)), sep="", end="")
+
+
+def checked_outputs(asked: ReconstructionOptions, output: Path) -> dict[str, Path]:
+    """The volumes that are to be written, once they and what goes with them are found possible."""
+    outputs = {"intensity": output, **{name: path for name in SIDE_OUTPUTS if (path := getattr(asked, name))}}
+    for name, path in outputs.items():
+        check_volume_path(path, TYPE_OF.get(name) or asked.output_type or "uint8")
+    check_preview(asked.preview)
+    if asked.save_settings:
+        check_settings_path(asked.save_settings)
+    return outputs
+
+
+def write_outputs(
+    result: Reconstruction,
+    asked: ReconstructionOptions,
+    outputs: dict[str, Path],
+    labels: Volume | None,
+    poses: SweepPoses | None = None,
+    study: Path | None = None,
+) -> list[Path]:
+    """Write volumes, preview and settings; the answer names the files."""
+    for name, path in outputs.items():
+        write_volume(getattr(result, name), path, study)
+    files = [*outputs.values(), *write_preview(result, asked, outputs["intensity"].name, labels, poses)]
+    if asked.save_settings:
+        write_settings(settings_of(result.intensity), asked.save_settings)
+        files.append(asked.save_settings)
+    return files
 
 
 def is_page(path: Path) -> bool:
@@ -159,7 +162,7 @@ def is_page(path: Path) -> bool:
 
 
 def _write_page(
-    arguments: argparse.Namespace,
+    asked: ReconstructOptions,
     job: ReconstructionJob,
     result: Reconstruction,
     tracking: dict[str, TrackingReport],
@@ -170,11 +173,11 @@ def _write_page(
     from ..imaging.gray_window import gray_window
     from ..worker.page import PageAbout, Pictured, tell
 
-    ct = read_ct(arguments.ct) if arguments.ct else None
+    ct = read_ct(asked.ct) if asked.ct else None
     place = np.eye(4) if labeled is None or labeled.labels_to_reference is None else labeled.labels_to_reference
     weighs = method_named(result.method).needs_bone
     about = PageAbout(
-        name=arguments.output.name,
+        name=asked.output.name,
         method=result.method,
         settings=json.dumps(settings_of(result.intensity)),
         spacing=tuple(map(float, result.grid.spacing)),
@@ -192,7 +195,7 @@ def _write_page(
             None if ct is None else ct.placed_by(place),
         ),
     )
-    tell(about, arguments.report, as_option, part(progress, 0.3, 1.0))
+    tell(about, asked.report, as_option, part(progress, 0.3, 1.0))
 
 
 def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe) -> dict[str, object]:
@@ -208,7 +211,7 @@ def _met(labeled: LabeledBone | None, sequence: TrackedSequence, recipe: Recipe)
     return {"coverage": found.to_dict()}
 
 
-def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outputs: dict[str, Path | None]) -> dict[str, object]:
+def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outputs: dict[str, Path]) -> dict[str, object]:
     """What was done, for JSON; of several sweeps a list of what each gave."""
     sweeps = [{"sequence": name, **report.to_dict()} for name, report in tracking.items()]
     return {
@@ -220,7 +223,7 @@ def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outpu
         },
         "tracking": sweeps if len(sweeps) > 1 else next(iter(tracking.values())).to_dict(),
         "notes": list(map(in_options, result.said)),
-        "files": {name: str(path) for name, path in outputs.items() if path},
+        "files": {name: str(path) for name, path in outputs.items()},
     }
 
 

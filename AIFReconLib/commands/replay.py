@@ -2,64 +2,70 @@
 
 from __future__ import annotations
 
-import argparse
 from contextlib import suppress
 from pathlib import Path
+from typing import Annotated, ClassVar
 
 from ..io.sequence.files import read_sequence
 from ..live.replay.server import PLUS_PORT, ReplayServer
-from ..terminal.options import Commands
-from ..terminal.sequence_options import add_tracking_options
+from ..terminal.arguments import Names
+from ..terminal.sequence_options import TrackingOptions, configured
 
-EXAMPLE = """examples:
+
+class ReplayOptions(TrackingOptions):
+    """Send a tracked sequence over OpenIGTLink with the device names, shared time stamps and statuses of a Plus server. It begins when the
+    first client connects and serves until Ctrl-C, which is no error.
+
+    Parameters
+    ----------
+    sequence : SEQUENCE
+        tracked frames, e.g. sweep.igs.mha
+    port : P
+        0: any free one (default: 18944, as Plus)
+    host : ADDRESS
+        address to listen on; 0.0.0.0 admits other machines
+    rate : FPS
+        frames per second (default: the recorded times)
+    loop
+        begin again at the end
+    header_version
+        of every message (default: 1 until the client sends one of 2, as Plus)
+    transform : NAME
+        send this transform, e.g. ProbeToReference; may be given several times (default: the recorded ones and the image's)
+    send_invalid
+        send invalid transforms too, as identity (default: leave them out)
+    """
+
+    sequence: Path
+    port: int = PLUS_PORT
+    host: str = "127.0.0.1"
+    rate: float | None = None
+    loop: bool = False
+    header_version: Annotated[int, (1, 2)] | None = None
+    transform: list[str] = []
+    send_invalid: bool = False
+
+    WORDS: ClassVar[Names] = ("sequence",)
+    EXAMPLES: ClassVar[str] = """examples:
   aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml
   aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml --loop --rate 30
   aifrecon live --port 18944 --output volume.nrrd        (in a second terminal)"""
 
 
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "replay",
-        description="Send a tracked sequence over OpenIGTLink with the device names, shared time stamps and statuses of a Plus server. "
-        "It begins when the first client connects and serves until Ctrl-C, which is no error.",
-        examples=EXAMPLE,
-    )
-    parser.add_argument("sequence", type=Path, metavar="SEQUENCE", help="tracked frames, e.g. sweep.igs.mha")
-    server = parser.add_argument_group("server")
-    server.add_argument("--port", type=int, default=PLUS_PORT, metavar="P", help="0: any free one (default: %(default)s, as Plus)")
-    server.add_argument(
-        "--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on; 0.0.0.0 admits other machines (default: %(default)s)"
-    )
-    server.add_argument("--rate", type=float, metavar="FPS", help="frames per second (default: the recorded times)")
-    server.add_argument("--loop", action="store_true", help="begin again at the end")
-    server.add_argument(
-        "--header-version", type=int, choices=(1, 2), help="of every message (default: 1 until the client sends one of 2, as Plus)"
-    )
-    server.add_argument(
-        "--transform",
-        action="append",
-        metavar="NAME",
-        help="send this transform, e.g. ProbeToReference; may be given several times (default: the recorded ones and the image's)",
-    )
-    server.add_argument("--send-invalid", action="store_true", help="send invalid transforms too, as identity (default: leave them out)")
-    add_tracking_options(parser)
-    parser.set_defaults(run=run)
-
-
-def run(arguments: argparse.Namespace) -> None:
+def run(asked: ReplayOptions) -> None:
     """Serve until interrupted."""
+    ((path, config),) = configured(asked, [asked.sequence])
     server = ReplayServer(
-        read_sequence(arguments.sequence, config=arguments.config),
-        arguments.port,
-        arguments.host,
-        rate=arguments.rate,
-        loop=arguments.loop,
-        header_version=arguments.header_version,
-        image_to_reference=arguments.image_to_reference,
-        reference=arguments.reference,
-        transforms=arguments.transform,
-        valid_only=not arguments.send_invalid,
+        read_sequence(path, config=config),
+        asked.port,
+        asked.host,
+        rate=asked.rate,
+        loop=asked.loop,
+        header_version=asked.header_version,
+        image_to_reference=asked.image_to_reference,
+        reference=asked.reference,
+        transforms=asked.transform or None,
+        valid_only=not asked.send_invalid,
     )
     # A server is stopped by an interrupt, so that is how it ends well
     with suppress(KeyboardInterrupt), server:

@@ -2,77 +2,74 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
+from typing import ClassVar
 
 from ..calibration.measured import measured_calibration
 from ..errors import SettingsError
 from ..io.disk.atomic import write_text
+from ..terminal.arguments import Options, Output, Rivals
 from ..terminal.console import program
-from ..terminal.options import Commands, refuse_to_overwrite
 
 ERROR = 20.0
 """mm by which a ruler may be off."""
 
-EXAMPLE = """example: 60 mm of the depth scale take rows 40 to 440; the face is 118 mm before the marker along its -z, 4 mm beside
-along its x; in the image the marked side is on the right
+
+class StartCalibrationOptions(Options):
+    """Write a Plus configuration with a first ImageToProbe from what a ruler measures. It may be off by 20 mm and 12 degrees: aifrecon
+    calibrate makes it exact by a scan.
+
+    Parameters
+    ----------
+    depth : MM ROW ROW
+        a length on the depth scale, and the rows where it begins and ends
+    pixel : MM
+        or the size of a pixel
+    face_px : COLUMN ROW
+        the middle of the probe's face in the images
+    face_mm : X Y Z
+        the same place, measured from the marker's origin along the marker's axes
+    right : AXIS
+        the marker's axis to the right of the image, as x or -x, or X,Y,Z between axes
+    down : AXIS
+        the same into the body, as in --down=-z
+    tool : NAME
+        the marker's name
+    output : FILE.xml
+        where to write
+    """
+
+    depth: tuple[float, float, float]
+    pixel: float | None = None
+    face_px: tuple[float, float]
+    face_mm: tuple[float, float, float]
+    right: str
+    down: str
+    tool: str = "Probe"
+    output: Output
+
+    RIVALS: ClassVar[Rivals] = (("depth", "pixel"),)
+    EXAMPLES: ClassVar[str] = """example: 60 mm of the depth scale take rows 40 to 440; the face is 118 mm before the marker along its
+-z, 4 mm beside along its x; in the image the marked side is on the right
   aifrecon start-calibration --depth 60 40 440 --face-px 320 38 --face-mm 4 0 -118 --right x --down=-z --output Probe.xml"""
 
 
-def add_to(commands: Commands) -> None:
-    """Declare the command."""
-    parser = commands.add_parser(
-        "start-calibration",
-        description="Write a Plus configuration with a first ImageToProbe from what a ruler measures. It may be off by 20 mm and "
-        "12 degrees: aifrecon calibrate makes it exact by a scan.",
-        examples=EXAMPLE,
-    )
-    size = parser.add_mutually_exclusive_group(required=True)
-    size.add_argument(
-        "--depth",
-        type=float,
-        nargs=3,
-        metavar=("MM", "ROW", "ROW"),
-        help="a length on the depth scale, and the rows where it begins and ends",
-    )
-    size.add_argument("--pixel", type=float, metavar="MM", help="or the size of a pixel")
-    parser.add_argument(
-        "--face-px", type=float, nargs=2, required=True, metavar=("COLUMN", "ROW"), help="the middle of the probe's face in the images"
-    )
-    parser.add_argument(
-        "--face-mm",
-        type=float,
-        nargs=3,
-        required=True,
-        metavar=("X", "Y", "Z"),
-        help="the same place, measured from the marker's origin along the marker's axes",
-    )
-    parser.add_argument(
-        "--right", required=True, metavar="AXIS", help="the marker's axis to the right of the image, as x or -x, or X,Y,Z between axes"
-    )
-    parser.add_argument("--down", required=True, metavar="AXIS", help="the same into the body, as in --down=-z")
-    parser.add_argument("--tool", default="Probe", metavar="NAME", help="the marker's name (default: %(default)s)")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE.xml", help="where to write")
-    parser.set_defaults(run=run)
-
-
-def run(arguments: argparse.Namespace) -> None:
+def run(asked: StartCalibrationOptions) -> None:
     """Compute, write, say what comes next."""
-    refuse_to_overwrite(arguments, "output")
-    output: Path = arguments.output
+    output: Path = asked.output
     if output.suffix.lower() != ".xml":
         raise SettingsError(f"{output}: a configuration is an XML file. Choose a name that ends with .xml.")
-    if not arguments.tool.isidentifier():
-        raise SettingsError(f"Input --tool must be letters and digits, as names of frames are; got {arguments.tool}.")
-    pixel = arguments.pixel
+    if not asked.tool.isidentifier():
+        raise SettingsError(f"Input --tool must be letters and digits, as names of frames are; got {asked.tool}.")
+    pixel = asked.pixel
     if pixel is None:
-        length, first, last = arguments.depth
+        length, first, last = asked.depth
         if not last > first:
             raise SettingsError("Input --depth must be mm, the row where they begin, and a larger one where they end.")
         pixel = length / (last - first)
-    matrix = measured_calibration(pixel, tuple(arguments.face_px), tuple(arguments.face_mm), arguments.right, arguments.down)
+    matrix = measured_calibration(pixel, asked.face_px, asked.face_mm, asked.right, asked.down)
     rows = "\n".join("      " + " ".join(f"{value:.9g}" for value in row) for row in matrix.tolist())
-    tool = arguments.tool[:1].upper() + arguments.tool[1:]
+    tool = asked.tool[:1].upper() + asked.tool[1:]
     write_text(
         output,
         f"""<PlusConfiguration version="2.9">

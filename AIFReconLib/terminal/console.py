@@ -78,10 +78,11 @@ def program() -> str:
     return "aifrecon"
 
 
-def shell_words(words: Iterable[str]) -> str:
-    """A command as one would type it here."""
+def command_line(words: Iterable[str]) -> str:
+    """A command of this program as one would type it here."""
     words = list(words)
-    return shlex.join(words) if os.name == "posix" else " ".join(f'"{word}"' if " " in word else word for word in words)
+    typed = shlex.join(words) if os.name == "posix" else " ".join(f'"{word}"' if " " in word else word for word in words)
+    return f"{program()} {typed}"
 
 
 def _typed(path: Path) -> str:
@@ -98,35 +99,43 @@ def show(stream: TextIO, text: str) -> None:
         stream.flush()
 
 
-class ProgressBar:
-    """A `Progress` function that draws a bar on a terminal and nothing elsewhere; use it in a `with` block."""
+class TerminalLine:
+    """A line of a stream that is drawn anew in its place; where that is no terminal, each drawing is a line of its own."""
 
     def __init__(self, stream: TextIO | None = None):
-        self._stream = stream or sys.stderr
-        self._shown = self._stream.isatty()
-        self._last = 0.0
+        self.stream = stream or sys.stderr
+        self.is_terminal = self.stream.isatty()
         self._width = 0
 
+    def draw(self, text: str) -> None:
+        """Show `text` in its place."""
+        show(self.stream, "\r" + text.ljust(self._width) if self.is_terminal else text + "\n")
+        self._width = len(text) if self.is_terminal else 0
+
+    def clear(self) -> None:
+        """Take it off, so that other text can follow."""
+        if self._width:
+            show(self.stream, "\r" + " " * self._width + "\r")
+            self._width = 0
+
+
+class ProgressBar(TerminalLine):
+    """A `Progress` function that draws a bar on a terminal and nothing elsewhere; use it in a `with` block."""
+
+    _last = 0.0
+
     def __enter__(self) -> Progress:
-        return self._draw
+        return self._report
 
     def __exit__(self, *_: object) -> None:
         self.clear()
 
-    def clear(self) -> None:
-        """Take the bar off the line, so that other text can follow."""
-        if self._width:
-            show(self._stream, "\r" + " " * self._width + "\r")
-            self._width = 0
-
-    def _draw(self, fraction: float, message: str) -> bool:
+    def _report(self, fraction: float, message: str) -> bool:
         now = time.monotonic()
-        if self._shown and (now - self._last >= REFRESH_S or fraction >= 1.0):
+        if self.is_terminal and (now - self._last >= REFRESH_S or fraction >= 1.0):
             self._last = now
             filled = round(BAR_WIDTH * fraction)
-            text = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {100 * fraction:3.0f}%  {message}"
-            show(self._stream, "\r" + text.ljust(self._width))
-            self._width = len(text)
+            self.draw(f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {100 * fraction:3.0f}%  {message}")
         return True
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import logging
 import os
@@ -11,12 +10,16 @@ import shutil
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import check_writable
 from ..message import one_line
 from .console import plain, real_path, show
+
+if TYPE_CHECKING:
+    from .arguments import Options
 
 FIRST_WORDS = "AIFRecon log"
 """Of every log. A file that begins otherwise is something else, to which nothing may be appended."""
@@ -36,19 +39,10 @@ class _PlainFormatter(logging.Formatter):
 _LINE = _PlainFormatter("%(asctime)s %(levelname)s [%(threadName)s] %(name)s: %(message)s")
 
 
-def add_log_options(parser: argparse.ArgumentParser) -> None:
-    """The options that every command has."""
-    group = parser.add_argument_group("messages")
-    loudness = group.add_mutually_exclusive_group()
-    loudness.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
-    loudness.add_argument("--verbose", action="store_true", help="tell what happens, on standard error")
-    group.add_argument("--log", type=Path, metavar="FILE", help="append what happens to this file, with the details of errors")
-
-
 @contextlib.contextmanager
-def quiet_as_asked(arguments: argparse.Namespace) -> Iterator[None]:
+def quiet_as_asked(asked: Options) -> Iterator[None]:
     """Within the block nothing is printed where --quiet asks for that; what ends the block is said outside it."""
-    if not arguments.quiet:
+    if not asked.quiet:
         yield
         return
     with open(os.devnull, "w", encoding="utf-8") as nowhere, contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
@@ -56,29 +50,29 @@ def quiet_as_asked(arguments: argparse.Namespace) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def logging_as_asked(arguments: argparse.Namespace, words: list[str]) -> Iterator[None]:
+def logging_as_asked(asked: Options, words: list[str]) -> Iterator[None]:
     """Within the block the library's log goes where the options say; why the block ends is noted too.
 
     Raises OutputError when the log cannot be written, or its file is something else.
 
     Parameters
     ----------
-    arguments : Namespace
+    asked : Options
         Of the command.
     words : list of str
         As they were given, for the log's first line.
     """
     logger = logging.getLogger(__package__.partition(".")[0])
     # What files contradict themselves in concerns everybody
-    shown, level = (logger, logging.INFO) if arguments.verbose else (logger.getChild("io"), logging.WARNING)
+    shown, level = (logger, logging.INFO) if asked.verbose else (logger.getChild("io"), logging.WARNING)
     handlers: list[tuple[logging.Logger, logging.Handler]] = [(shown, _Terminal(level))]
-    if arguments.log is not None:
-        others = [path for name, value in vars(arguments).items() if name != "log" for path in _paths(value)]
-        kept = _log_file(arguments.log, others)
+    if asked.log is not None:
+        others = [path for name, value in vars(asked).items() if name != "log" for path in _paths(value)]
+        kept = _log_file(asked.log, others)
         handlers += [(logger, kept), (logging.getLogger("py.warnings"), kept)]
     level, propagate = logger.level, logger.propagate
-    if arguments.verbose or arguments.log is not None:
-        logger.setLevel(logging.DEBUG if arguments.log is not None else logging.INFO)
+    if asked.verbose or asked.log is not None:
+        logger.setLevel(logging.DEBUG if asked.log is not None else logging.INFO)
         # A program around ours, as a test, may show everything that it gets
         logger.propagate = False
     for where, handler in handlers:

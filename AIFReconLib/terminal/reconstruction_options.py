@@ -4,49 +4,187 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any, ClassVar
 
-from ..compounding.state import BESIDE
+from .. import __version__
+from ..compounding.state import Reconstruction
 from ..errors import SettingsError
 from ..geometry.labels import Labels
+from ..geometry.transform_graph import capital
 from ..geometry.volume import VoxelGrid
+from ..imaging.beams import LINEAR
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_volume
 from ..progress import Progress
-from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, ReadingSettings, Recipe, VolumeSettings
-from ..sweep.frames import TrackedSequence
-from ..workflows.job import BoneSource, ReconstructionJob
-from .options import add_labels_options, labels_from, labels_inputs, names_labels, place_from
-from .recipe_options import add_imaging_options, add_setting, add_settings
+from ..provenance.record import other_inputs, settings_of, signed
+from ..provenance.settings_files import read_settings
+from ..provenance.settings_schema import KeptSettings
+from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
+from ..sweep.poses import ends_of
+from ..workflows.job import BoneSource
+from .arguments import Options, Output, Rivals, Settings
+from .labels_options import PlacedLabelsOptions, labels_from, labels_inputs, names_labels, place_from
+from .remedies import as_option
+from .sequence_options import ImageOptions
 
-SIDE_OUTPUTS = {
-    "score": "sum of weights",
-    "hits": "pixels per voxel",
-    "mask": "0 empty, 1 measured, 2 filled",
-    "cosine": "best cosine of incidence",
-}
-
-
-def add_reconstruction_options(parser: argparse.ArgumentParser, without: Sequence[str] = ()) -> argparse._ArgumentGroup:
-    """All that a reconstruction can be asked for, beside what says how a sweep is tracked; the answer is the group of its volumes."""
-    add_bone_options(parser)
-    add_settings(add_imaging_options(parser), ImagingSettings)
-    volume = parser.add_argument_group("volume")
-    where = volume.add_mutually_exclusive_group()
-    where.add_argument("--grid-like", type=Path, metavar="VOLUME", help="use this volume's voxels (any orientation)")
-    add_setting(where, "spacing")
-    add_settings(volume, VolumeSettings, OutputSettings)
-    for name, meaning in SIDE_OUTPUTS.items():
-        volume.add_argument(f"--{name}", type=Path, metavar="FILE", help=f"also write this volume: {meaning}")
-    add_settings(parser.add_argument_group("tuning"), MethodSettings, ReadingSettings, without=without)
-    return volume
+SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
 
-def add_memory_option(group: argparse._ArgumentGroup) -> None:
-    """How much memory the volumes may take."""
-    meaning = "that volumes may take; larger ones are worked in parts, with the same voxels (default: three quarters of what is free)"
-    group.add_argument("--memory", type=gigabytes, metavar="GB", help=meaning)
+class BoneOptions(PlacedLabelsOptions):
+    """bone: a registered CT's segmentation, or a bone probability; methods that weight by incidence need one
+
+    Parameters
+    ----------
+    bone_probability : VOLUME
+        ready bone probability, 0 to 1
+    bone_frames : SEQUENCE
+        no CT: a sequence of a network's predictions for the frames, 8 bit or 0 to 1; of several sweeps once for each
+    bone_model : FILE.onnx
+        no CT: a network that tells bone in a frame (needs onnxruntime)
+    """
+
+    bone_probability: Path | None = None
+    bone_frames: list[Path] = []
+    bone_model: Path | None = None
+
+    SETTINGS: ClassVar[Settings] = ("bone_from_sweep", BoneSettings)
+    RIVALS: ClassVar[Rivals] = (
+        ("bone_labels", "bone_probability", "bone_from_sweep", "bone_frames", "bone_model"),
+        ("bone_sigma_voxels", "bone_sigma_mm"),
+    )
+
+
+class VolumeOptions(Options):
+    """volume
+
+    Parameters
+    ----------
+    grid_like : VOLUME
+        use this volume's voxels (any orientation)
+    score : FILE
+        also write this volume: sum of weights
+    hits : FILE
+        also write this volume: pixels per voxel
+    mask : FILE
+        also write this volume: 0 empty, 1 measured, 2 filled
+    cosine : FILE
+        also write this volume: best cosine of incidence
+    preview : FILE.png
+        also draw cuts through the bone (needs matplotlib)
+    """
+
+    grid_like: Path | None = None
+    score: Output | None = None
+    hits: Output | None = None
+    mask: Output | None = None
+    cosine: Output | None = None
+    preview: Output | None = None
+
+    SETTINGS: ClassVar[Settings] = ("spacing", VolumeSettings, OutputSettings)
+    RIVALS: ClassVar[Rivals] = (("grid_like", "spacing"),)
+
+
+class AllImageOptions(ImageOptions):
+    """image: what the image shows; default: the configuration's, else recognized by the black surround"""
+
+    SETTINGS: ClassVar[Settings] = (ImagingSettings,)
+
+
+class TuningOptions(Options):
+    """tuning"""
+
+    SETTINGS: ClassVar[Settings] = (MethodSettings, "skip")
+
+
+class KeptOptions(Options):
+    """settings: repeat a reconstruction, on the same voxels
+
+    Parameters
+    ----------
+    settings : FILE
+        take settings from this volume that aifrecon wrote (.nrrd, .mha, .mhd), or from this file (.json, .toml); files are given as always,
+        and options given beside it win
+    save_settings : FILE
+        also write the settings, what was chosen by itself included (.json, .toml)
+    """
+
+    settings: Path | None = None
+    save_settings: Output | None = None
+
+    kept: ClassVar[KeptSettings | None] = None
+    """What was read."""
+    NOT_KEPT: ClassVar[tuple[str, ...]] = ()
+    """Settings that are not taken from a file."""
+
+    def complete(self) -> None:
+        """Take settings from the file, where one is given."""
+        if self.settings is not None:
+            kept = read_settings(self.settings)
+            taken = _beside_given(self, dict(kept.options))
+            vars(self).update({name: value for name, value in taken.items() if name not in (*vars(self), *self.NOT_KEPT)}, kept=kept)
+
+
+class ReconstructionOptions(BoneOptions, AllImageOptions, VolumeOptions, TuningOptions, KeptOptions):
+    """All that a reconstruction can be asked for, beside what says how a sweep is tracked."""
+
+
+def _beside_given(given: KeptOptions, kept: dict[str, Any]) -> dict[str, Any]:
+    """Kept settings without those that do not go with the given ones."""
+    names: list[str] = []
+    if given.image_to_reference and given.reference is None:
+        # What is given names both ends
+        names.append("reference")
+    if given.spacing or getattr(given, "grid_like", None) or _is_in_another_frame(given, kept):
+        names += ["grid_size", "grid_to_reference"]
+    if given.bone_sigma_voxels is not None:
+        names.append("bone_sigma_mm")
+    if any(getattr(given, name, None) for name in ("bone_labels", "bone_probability", "bone_frames", "bone_model")):
+        names.append("bone_from_sweep")
+    if given.probe == LINEAR:
+        names.append("apex_px")
+    if given.apex_px:
+        names.append("probe")
+    if given.fan_angles_deg or given.fan_radius_px:
+        names += ["fan_pixel_size", "fan_detection", *(["fan_apex_px"] if given.apex_px else [])]
+    return {name: value for name, value in kept.items() if name not in names}
+
+
+def _is_in_another_frame(given: KeptOptions, kept: Mapping[str, object]) -> bool:
+    """Whether the options ask for a frame of reference that the kept box need not be in."""
+    asked = _target(given.reference, given.image_to_reference)
+    return asked is not None and asked != _target(kept.get("reference"), kept.get("image_to_reference"))
+
+
+def _target(reference: object, image_to_reference: object) -> str | None:
+    """The frame that both options together name, if they do."""
+    if reference:
+        return capital(str(reference))
+    return ends_of(str(image_to_reference)).target if image_to_reference else None
+
+
+def with_provenance(
+    result: Reconstruction, asked: KeptOptions, inputs: list[Path | None], stream: Mapping[str, object] | None = None
+) -> Reconstruction:
+    """The result with volumes that know all settings and inputs; notes say what differs from the volume that was to be repeated.
+
+    Parameters
+    ----------
+    result : Reconstruction
+        As `reconstruct` returns it.
+    asked : KeptOptions
+    inputs : list of Path or None
+        Files that were read.
+    stream : mapping or None
+        See `signed`.
+    """
+    files, kept = [path for path in inputs if path is not None], asked.kept
+    notes = [] if kept is None else list(other_inputs(kept.path.name, kept.inputs, files))
+    if kept is not None and kept.version not in ("", __version__):
+        notes.insert(0, f"The settings are of version {kept.version}, and this is {__version__}: voxels may differ.")
+    return replace(signed(result, settings_of(result.intensity), files, stream), said=(*result.said, *notes))
 
 
 def gigabytes(text: str) -> int:
@@ -65,9 +203,9 @@ UNITS = {"M": 1e6, "G": 1e9, "T": 1e12, "MI": 2.0**20, "GI": 2.0**30, "TI": 2.0*
 """Bytes of each, without the B."""
 
 
-def grid_from(arguments: argparse.Namespace) -> VoxelGrid | None:
+def grid_from(asked: VolumeOptions) -> VoxelGrid | None:
     """The voxels of --grid-like; None where the recipe says which."""
-    return read_volume(arguments.grid_like).grid if arguments.grid_like else None
+    return read_volume(asked.grid_like).grid if asked.grid_like else None
 
 
 # ---- bone
@@ -76,102 +214,41 @@ SOURCES = ("bone_from_sweep", "bone_frames", "bone_model", "bone_image")
 """Options by which the frames themselves say where bone is."""
 
 
-def add_bone_options(parser: argparse.ArgumentParser) -> None:
-    """Where bone is, and how it becomes a map."""
-    bone = parser.add_argument_group(
-        "bone", "a registered CT's segmentation, or a bone probability; methods that weight by incidence need one"
-    )
-    source = bone.add_mutually_exclusive_group()
-    add_labels_options(bone, source)
-    source.add_argument("--bone-probability", type=Path, metavar="VOLUME", help="ready bone probability, 0 to 1")
-    add_setting(source, "bone_from_sweep")
-    source.add_argument(
-        "--bone-frames",
-        type=Path,
-        action="append",
-        metavar="SEQUENCE",
-        help="no CT: a sequence of a network's predictions for the frames, 8 bit or 0 to 1; of several sweeps once for each",
-    )
-    source.add_argument(
-        "--bone-model", type=Path, metavar="FILE.onnx", help="no CT: a network that tells bone in a frame (needs onnxruntime)"
-    )
-    bone.add_argument(
-        "--bone-transform",
-        type=Path,
-        metavar="FILE",
-        help="transform CT -> Reference as Slicer saves it (.tfm, .txt, .h5); default: none needed",
-    )
-    add_width_options(bone)
-    add_settings(bone, BoneSettings)
+def seen_source(asked: BoneOptions) -> str | None:
+    """The option, as users write it, that lets the frames say where bone is; None where there is none."""
+    return next((as_option(name) for name in SOURCES if getattr(asked, name, None)), None)
 
 
-def add_width_options(group: argparse._ActionsContainer) -> None:
-    """Smoothing of the bone map, in voxels or mm."""
-    width = group.add_mutually_exclusive_group()
-    for name in ("bone_sigma_voxels", "bone_sigma_mm"):
-        add_setting(width, name)
-
-
-def check_bone_options(arguments: argparse.Namespace) -> None:
+def check_bone_options(asked: BoneOptions) -> None:
     """Return if the options that say where bone is go together.
 
     Raises SettingsError otherwise.
     """
-    check_seen_bone(arguments)
-    if arguments.bone_transform and not (names_labels(arguments) or arguments.bone_probability):
+    source = seen_source(asked)
+    if asked.bone_frames_px and not asked.bone_frames:
+        raise SettingsError("--bone-frames-px says what predictions cover, and there are none. Give --bone-frames.")
+    if source and asked.bone_transform:
+        raise SettingsError(f"--bone-transform places a CT, and {source} needs none. Leave out one of them.")
+    if source and asked.speed_of_sound is not None:
+        raise SettingsError(f"{source} takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels.")
+    if asked.bone_transform and not (names_labels(asked) or asked.bone_probability):
         raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels, --ct or --bone-probability.")
 
 
-def seen_source(arguments: argparse.Namespace) -> str | None:
-    """The option, as users write it, that lets the frames say where bone is; None where there is none."""
-    return next((f"--{name.replace('_', '-')}" for name in SOURCES if getattr(arguments, name, None)), None)
+def bone_inputs(asked: BoneOptions) -> list[Path | None]:
+    """The files that say where bone is, the description of a model among them."""
+    model = [] if asked.bone_model is None else [asked.bone_model, asked.bone_model.with_suffix(".json")]
+    given = [*labels_inputs(asked), asked.bone_probability, asked.bone_transform, *asked.bone_frames]
+    return [*given, *(path for path in model if path.is_file())]
 
 
-def check_seen_bone(arguments: argparse.Namespace) -> None:
-    """Return if these options go together with the others.
-
-    Raises SettingsError otherwise.
-    """
-    source = seen_source(arguments)
-    if getattr(arguments, "bone_frames_px", None) and not getattr(arguments, "bone_frames", None):
-        raise SettingsError("--bone-frames-px says what predictions cover, and there are none. Give --bone-frames.")
-    if source is None:
-        return
-    if arguments.bone_transform:
-        raise SettingsError(f"--bone-transform places a CT, and {source} needs none. Leave out one of them.")
-    if getattr(arguments, "speed_of_sound", None) is not None:
-        raise SettingsError(f"{source} takes depths as the images show them. Leave out --speed-of-sound, or give --bone-labels.")
-
-
-def bone_inputs(arguments: argparse.Namespace) -> list[Path | None]:
-    """The files that say where bone is."""
-    model = getattr(arguments, "bone_model", None)
-    given = [*labels_inputs(arguments), arguments.bone_probability, arguments.bone_transform]
-    return [*given, *(getattr(arguments, "bone_frames", None) or []), model, None if model is None else beside(model)]
-
-
-def beside(model: Path) -> Path | None:
-    """The description of a model, where there is one."""
-    path = model.parent / f"{model.stem}.json"
-    return path if path.is_file() else None
-
-
-def bone_source_from(arguments: argparse.Namespace, progress: Progress | None = None, labels: Labels | None = None) -> BoneSource:
+def bone_source_from(asked: BoneOptions, progress: Progress | None = None, labels: Labels | None = None) -> BoneSource:
     """What the options name as bone, read; `labels` are theirs where they were read already.
 
     Raises SettingsError when options do not go together.
     """
-    check_bone_options(arguments)
-    labels = labels_from(arguments, progress) if labels is None else labels
-    probability = read_volume(arguments.bone_probability) if arguments.bone_probability else None
-    predictions = [read_sequence(path) for path in arguments.bone_frames or ()]
-    return BoneSource(labels, probability, place_from(arguments), predictions or None, arguments.bone_model)
-
-
-def job_from(
-    arguments: argparse.Namespace, sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None
-) -> ReconstructionJob:
-    """The reconstruction that the options ask for."""
-    bone = bone_source_from(arguments, progress)
-    beside = [name for name in BESIDE if getattr(arguments, name)]
-    return ReconstructionJob(sequence, recipe, bone, grid_from(arguments), beside, arguments.memory)
+    check_bone_options(asked)
+    labels = labels_from(asked, progress) if labels is None else labels
+    probability = read_volume(asked.bone_probability) if asked.bone_probability else None
+    predictions = [read_sequence(path) for path in asked.bone_frames]
+    return BoneSource(labels, probability, place_from(asked), predictions or None, asked.bone_model)

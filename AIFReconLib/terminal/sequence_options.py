@@ -1,10 +1,10 @@
-"""Arguments on how a recorded sequence is to be read, which every command that reads one shares."""
+"""How recorded sequences are read: what the options say of them, and the sequences themselves."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated, ClassVar
 
 from ..errors import SettingsError
 from ..inspection.offset_estimate import estimate_time_offset
@@ -13,116 +13,125 @@ from ..recipe.recipe import AUTOMATIC
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import ends_of, sweep_poses
 from ..sweep.time_offset import with_time_offset
-from .one_line_parser import TakingAction
-from .recipe_options import add_imaging_options, add_setting, number_or, recipe_from
+from .arguments import Names, Options, Settings, named_file, number_or
+from .labels_options import PlacedLabelsOptions
 
 OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
 """How a recording is read, which a live scan is not."""
 
 
-class NamedFileAction(TakingAction):
-    """NAME=FILE, as often as wanted; collected in a dict."""
+class ConfigurationOptions(Options):
+    """tracking
 
-    def taken(self, given: str, before: dict[str, Path] | None) -> dict[str, Path]:
-        """Those before, and one more."""
-        name, equals, file = (word.strip() for word in given.partition("="))
-        if not (equals and name and file):
-            raise argparse.ArgumentError(self, f"takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {given!r}")
-        if name in (before or {}):
-            raise argparse.ArgumentError(self, f"{name} is given twice")
-        return {**(before or {}), name: Path(file)}
+    Parameters
+    ----------
+    config : PLUS.xml
+        Plus configuration: calibration, region, spacing; of several sequences once, or once for each
+    """
 
-
-def add_tracking_options(parser: argparse.ArgumentParser, several: bool = False) -> None:
-    """Configuration, or one for each of several sequences, and frames of reference."""
-    tracking = parser.add_argument_group("tracking")
-    meaning = "Plus configuration: calibration, region, spacing"
-    if several:
-        meaning += "; of several sequences once, or once for each"
-    tracking.add_argument("--config", type=Path, action="append" if several else "store", metavar="PLUS.xml", help=meaning)
-    for name in ("image_to_reference", "reference"):
-        add_setting(tracking, name)
+    config: list[Path] = []
 
 
-def add_sequence_options(parser: argparse.ArgumentParser) -> None:
-    """What a file does not say, or says wrongly: transforms beside it, orientation, time offset."""
-    reading = parser.add_argument_group("recording", "what the file does not say, or says wrongly")
-    reading.add_argument(
-        "--transform-sequence",
-        action=NamedFileAction,
-        metavar="NAME=FILE",
-        help="Slicer's sequence of a transform that belongs to the images, e.g. ImageToReference=Transform.seq.mha; may be repeated",
-    )
-    for name in OF_A_RECORDING:
-        add_setting(reading, name)
-    offset = reading._option_string_actions["--time-offset"]
-    offset.type, offset.help = number_or(AUTOMATIC), f"{offset.help}; {AUTOMATIC}: find it in the sweep and apply it"
+class TrackingOptions(ConfigurationOptions):
+    """tracking"""
+
+    SETTINGS: ClassVar[Settings] = ("image_to_reference", "reference")
 
 
-def add_sweep_options(parser: argparse.ArgumentParser, several: bool = True) -> None:
-    """All that says how a recorded sweep is read: where its frames lie, what its file leaves open, what its images show."""
-    add_tracking_options(parser, several)
-    add_sequence_options(parser)
-    add_imaging_options(parser)
+class RecordingOptions(ConfigurationOptions):
+    """recording: what the file does not say, or says wrongly
+
+    Parameters
+    ----------
+    transform_sequence : NAME=FILE
+        Slicer's sequence of a transform that belongs to the images, e.g. ImageToReference=Transform.seq.mha; may be repeated
+    time_offset : S
+        add this to the images' time stamps, as Plus's LocalTimeOffsetSec of the image device does, and interpolate the poses (negative:
+        images come late; positive: poses do) [s] (default: 0); auto: find it in the sweep and apply it
+    """
+
+    transform_sequence: Annotated[list[tuple[str, Path]], named_file] = []
+    time_offset: Annotated[float | str, number_or(AUTOMATIC)] | None = None
+
+    SETTINGS: ClassVar[Settings] = ("orientation", "longest_gap")
 
 
-def of_each(arguments: argparse.Namespace, paths: Sequence[Path]) -> list[argparse.Namespace]:
-    """The arguments for each of several sequences, with the sequence's own configuration where there is one for each.
+class ImageOptions(Options):
+    """image: what the image shows; default: the configuration's, else recognized by the black surround"""
+
+    SETTINGS: ClassVar[Settings] = ("probe", "apex_px", "clip_px", "fan_angles_deg", "fan_radius_px")
+
+
+class SweepOptions(TrackingOptions, RecordingOptions, ImageOptions):
+    """All that says how recorded sweeps are read."""
+
+
+class SequencesOptions(PlacedLabelsOptions, SweepOptions):
+    """sweeps
+
+    Parameters
+    ----------
+    sequences : SEQUENCE
+        tracked frames, e.g. sweep.igs.mha; one or more sweeps in one Reference
+    """
+
+    sequences: tuple[Path, ...]
+
+    WORDS: ClassVar[Names] = ("sequences",)
+
+
+def configured(asked: ConfigurationOptions, paths: Sequence[Path]) -> list[tuple[Path, Path | None]]:
+    """Each of several sequences with its configuration.
 
     Raises SettingsError when configurations are neither one nor one for each, or transforms of one sequence are given for several.
     """
-    configs = arguments.config or [None]
+    configs: list[Path | None] = [*asked.config] or [None]
     if len(configs) not in (1, len(paths)):
         raise SettingsError(
             f"--config is given {len(configs)} times for {len(paths)} sequence(s). Give it once, or once for each in their order."
         )
-    if len(paths) > 1 and getattr(arguments, "transform_sequence", None):
+    if len(paths) > 1 and getattr(asked, "transform_sequence", None):
         raise SettingsError(
             f"--transform-sequence belongs to one sequence, and {len(paths)} are given. Make one file of each pair with aifrecon convert."
         )
-    configs = configs * len(paths) if len(configs) == 1 else configs
-    each = [
-        argparse.Namespace(**{**vars(arguments), "sequence": path, "config": config}) for path, config in zip(paths, configs, strict=True)
-    ]
-    _find_time_offset(each, arguments)
-    return each
+    names = [name for name, _ in getattr(asked, "transform_sequence", [])]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise SettingsError(f"Input --transform-sequence must name each transform once; {twice[0]} is given twice.")
+    return list(zip(paths, configs * len(paths) if len(configs) == 1 else configs, strict=True))
 
 
-def _find_time_offset(each: Sequence[argparse.Namespace], arguments: argparse.Namespace) -> None:
-    """Where it is to be found, put the time offset of the first sequence that tells it into all of these.
+def sequences_from(asked: RecordingOptions, paths: Sequence[Path]) -> list[TrackedSequence]:
+    """The sequences, with their configurations, paired transforms and time offset; one that is to be found is put into `asked`.
 
-    Raises SettingsError where none tells.
+    Raises SettingsError where that is not told by any of them.
     """
-    if getattr(arguments, "time_offset", None) != AUTOMATIC:
-        return
-    for one in (*each, arguments):
-        one.time_offset = None
-    for one in each:
-        sequence, asked = sequence_from(one), recipe_from(one)
-        found = estimate_time_offset(sequence, sweep_poses(sequence, asked.image_to_reference, asked.reference))
+    recipe = asked.recipe
+    sequences = [
+        read_sequence(
+            path,
+            config=config,
+            orientation=recipe.orientation,
+            transform_sequences=dict(asked.transform_sequence),
+            longest_gap=recipe.longest_gap,
+            image_frame=ends_of(recipe.image_to_reference).source if recipe.image_to_reference else None,
+        )
+        for path, config in configured(asked, paths)
+    ]
+    if asked.time_offset == AUTOMATIC:
+        asked.time_offset = _time_offset(asked, sequences)
+    return [with_time_offset(sequence, asked.recipe.time_offset, recipe.longest_gap) for sequence in sequences]
+
+
+def _time_offset(asked: RecordingOptions, sequences: Sequence[TrackedSequence]) -> float:
+    """The time offset of the first sequence that tells it; 0 where that is in step."""
+    recipe = asked.recipe
+    for sequence in sequences:
+        found = estimate_time_offset(sequence, sweep_poses(sequence, recipe.image_to_reference, recipe.reference))
         if found.time_offset is not None:
-            break
-    else:
-        raise SettingsError(f"{sequence.name}: {found.to_text()}", "Give {time_offset:S}, or leave it out.")
-    for one in (*each, arguments):
-        one.time_offset = found.time_offset if found.out_of_step else 0.0
+            return found.time_offset if found.out_of_step else 0.0
+    raise SettingsError(f"{sequence.name}: {found.to_text()}", "Give {time_offset:S}, or leave it out.")
 
 
-def sequence_from(arguments: argparse.Namespace) -> TrackedSequence:
-    """The sequence that the options ask for: `arguments.sequence`, with its configuration, paired transforms and time offset."""
-    _find_time_offset([arguments], arguments)
-    recipe = recipe_from(arguments)
-    sequence = read_sequence(
-        arguments.sequence,
-        config=arguments.config,
-        orientation=recipe.orientation,
-        transform_sequences=arguments.transform_sequence,
-        longest_gap=recipe.longest_gap,
-        image_frame=ends_of(recipe.image_to_reference).source if recipe.image_to_reference else None,
-    )
-    return with_time_offset(sequence, recipe.time_offset, recipe.longest_gap)
-
-
-def sequence_inputs(arguments: argparse.Namespace) -> list[Path | None]:
-    """The files that `sequence_from` reads, which no output may overwrite."""
-    return [arguments.sequence, arguments.config, *(arguments.transform_sequence or {}).values()]
+def sequence_inputs(asked: RecordingOptions, paths: Sequence[Path]) -> list[Path]:
+    """The files that `sequences_from` reads."""
+    return [*paths, *asked.config, *(file for _, file in asked.transform_sequence)]

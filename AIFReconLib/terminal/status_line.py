@@ -10,23 +10,20 @@ import numpy as np
 
 from ..live.session.session import SCOUTING, LiveSession
 from ..live.session.statistics import LiveStatistics
-from .console import show
+from .console import TerminalLine, show
 from .remedies import in_options
 
 TERMINAL_INTERVAL, LINE_INTERVAL = 0.2, 5.0
 """s between two status lines, on a terminal and elsewhere."""
 
 
-class StatusLine:
+class StatusLine(TerminalLine):
     """One line that tells how the scan goes: redrawn on a terminal, a new line now and then elsewhere."""
 
     def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic):
-        self._stream = stream
-        self._clock = clock
-        self._terminal = stream.isatty()
-        self._interval = TERMINAL_INTERVAL if self._terminal else LINE_INTERVAL
+        super().__init__(stream)
+        self._clock, self._interval = clock, TERMINAL_INTERVAL if self.is_terminal else LINE_INTERVAL
         self._last = -self._interval
-        self._width = 0
         self._told: str | None = None
 
     def show(self, session: LiveSession) -> None:
@@ -39,25 +36,12 @@ class StatusLine:
         if trouble and trouble != self._told:
             self.say(in_options(trouble))
         self._told = trouble
-        self._draw(status_text(session.statistics, session.scouted))
+        self.draw(status_text(session.statistics, session.scouted))
 
     def say(self, text: str) -> None:
         """A line of its own that stays."""
         self.clear()
-        show(self._stream, " ".join(text.split()) + "\n")
-
-    def clear(self) -> None:
-        """Take the status off the line."""
-        if self._width:
-            show(self._stream, "\r" + " " * self._width + "\r")
-            self._width = 0
-
-    def _draw(self, text: str) -> None:
-        if self._terminal:
-            show(self._stream, "\r" + text.ljust(self._width))
-            self._width = len(text)
-        else:
-            show(self._stream, text + "\n")
+        show(self.stream, " ".join(text.split()) + "\n")
 
 
 def status_text(statistics: LiveStatistics, scouted: int = 0) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import platform
 import statistics
@@ -14,11 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from ..bone.map import BoneMap
-from ..compounding.engines import INSTALL_NUMBA, choose_engine
+from ..compounding.engines import choose_engine
 from ..compounding.methods.table import BONE_METHODS, METHODS
 from ..compounding.numpy_engine import NumpyEngine
 from ..compounding.reconstructor import Reconstructor
-from ..errors import SettingsError
 from ..geometry.volume import Volume, VoxelGrid
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.extent import grid_around_sweep
@@ -34,12 +32,10 @@ from ..sweep.frames import TrackedFrame
 DEPTH, APEX, FAN_DEG = 96.0, 20.0, 30.0
 """mm that an image is deep and that its beams' apex lies above it, and the angle that the sweep is turned through."""
 
-LEAST_SIDE, LARGEST_SIDE = 16, 8192
 AMPLE = 0.5
 """Share of a frame's time up to which a method keeps up: what is left is for the display, the tracker's messages and a recording."""
 
 KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW = "keeps up", "just keeps up", "does not keep up"
-_ANY = "any method"
 
 
 @dataclass(frozen=True)
@@ -63,17 +59,7 @@ class MeasuredSpeed:
 def measured_speed(
     size: tuple[int, int], rate: float, spacing: float, frames: int, repeats: int, progress: Progress | None = None
 ) -> MeasuredSpeed:
-    """Receive and insert so many frames of columns and rows into voxels of `spacing` mm, each method so often.
-
-    Raises SettingsError where that cannot be measured.
-    """
-    if frames < 2 or repeats < 1:
-        raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")
-    if not all(LEAST_SIDE <= n <= LARGEST_SIDE for n in size):
-        raise SettingsError(f"Input --size must be {LEAST_SIDE} to {LARGEST_SIDE} pixels each way; got {size!r}.")
-    for name, value, unit in (("--rate", rate, "frames/s"), ("--spacing", spacing, "mm")):
-        if not (value > 0 and math.isfinite(value)):
-            raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
+    """Receive and insert so many frames of columns and rows into voxels of `spacing` mm, each method so often."""
     engine, warning = choose_engine("auto")
     busy = busy_share()
     sweep = fan_sweep(frames, *size)
@@ -90,20 +76,6 @@ def measured_speed(
 def verdict(share: float) -> str:
     """What it means that frames take this share of the time there is."""
     return KEEPS_UP if share <= AMPLE else JUST_KEEPS_UP if share <= 1 else TOO_SLOW
-
-
-def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:
-    """In words, whether this machine keeps up, and what helps where it does not; `shares` are of the time there is, by method."""
-    by_verdict = {word: [m for m, share in shares.items() if verdict(share) == word] for word in (KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW)}
-    said = [f"{word} with {_ANY if len(ms) == len(shares) else ', '.join(ms)}" for word, ms in by_verdict.items() if ms]
-    text = f"At {rate:g} frames/s of {size[0]} x {size[1]} pixels, this machine {'; '.join(said)}."
-    if len(by_verdict[KEEPS_UP]) == len(shares):
-        return text
-    numba = "" if optional_module("AIFReconLib.compounding.compiled.numba_engine") else f"numba ({INSTALL_NUMBA}), "
-    return (
-        f"{text}\nWhat helps: {numba}larger voxels (--spacing), a smaller part of the image (--clip-px), every second frame (--skip 2).\n"
-        "Frames that do not fit are left out evenly and counted; --record keeps them all, to be reconstructed afterwards."
-    )
 
 
 def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:

@@ -118,8 +118,8 @@ def _configured(sequence: TrackedSequence, recipe: Recipe) -> TransformName:
     names = [name for name in sequence.configured() if name.source == wanted.source]
     if len(names) != 1:
         raise SettingsError(
-            f"{sequence.name}: the calibration is not in the configuration but in the recording. Write a .tfm and give it to "
-            "aifrecon convert --correction."
+            f"{sequence.name}: the calibration is not in the configuration but in the recording.",
+            "Write a .tfm and give it to {convert} {correction}.",
         )
     return names[0]
 

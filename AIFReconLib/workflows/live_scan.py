@@ -7,15 +7,20 @@ from ..bone.growing_bone import GrowingBone
 from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
+from ..compounding.state import Reconstruction
 from ..effective_settings import Imaging
 from ..geometry.volume import VoxelGrid
+from ..live.pairing.placement import UNCONFIRMED
 from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.recording import Recorder
 from ..live.session.session import LiveSession
-from ..live.wire.sources import MessageSource
+from ..live.wire.sources import MessageSource, StreamStatistics
+from ..message import Sentence, Spelling, advised, as_argument
 from ..progress import Progress
 from ..registration.labeled_bone import LabeledBone
 from .job import ScanJob
+
+TRUST_THE_POSE = "or give {trust_image_pose} if it sends no image without a valid pose."
 
 SCOUT_MARGIN = 5.0
 """mm added on each side of the box that was scouted."""
@@ -87,6 +92,49 @@ class LiveScan:
         grid = self.session.grid_from_scout(margin=SCOUT_MARGIN)
         self.session.use_grid(grid)
         return grid
+
+    # ---- what became of it
+
+    @property
+    def recording_line(self) -> str | None:
+        """What was recorded, or why not all of it; None where nothing was to be."""
+        recorder, path = self.session.recorder, self.session.recorded
+        if recorder is None or recorder.failure or path is None:
+            return self.session.recording_failure
+        recorded = f"recorded {recorder.frames} frames to {path}"
+        more = " ".join(filter(None, (recorder.loss, recorder.note)))
+        return f"{recorded}. {more}" if more else recorded
+
+    def why_nothing(self, stream: StreamStatistics, words: Spelling = as_argument) -> str:
+        """Why there is no volume: the most frequent reason first; `words` say what to do about it."""
+        statistics, error = self.session.statistics, self.session.error
+        if error is not None:
+            return f"The reconstruction could not begin: {advised(error, words)}"
+        if not statistics.frames_received:
+            return "No frame was received, so there is no volume."
+        reasons = "; ".join(f"{reason}: {count}" for reason, count in sorted(statistics.skipped.items(), key=lambda item: -item[1]))
+        refused = [f"Messages were refused: {reason}" for reason in stream.refusals.values()]
+        # What troubles the stream says what to do itself
+        advice = [statistics.trouble, *refused] if statistics.trouble or refused else ["Check the tracking, then scan again."]
+        if UNCONFIRMED in statistics.skipped:
+            advice = [*filter(None, advice[:-1]), Sentence("Let the server send the transforms of its tools,", TRUST_THE_POSE)]
+        nothing = f"Not one of {statistics.frames_received} frames entered a volume ({reasons})."
+        return " ".join(advised(each, words) for each in filter(None, [nothing, *advice]))
+
+    def what_else(self, stream: StreamStatistics, result: Reconstruction) -> list[str]:
+        """What happened besides the reconstruction."""
+        statistics = self.session.statistics
+        lines = [f"skipped: {count}: {reason}" for reason, count in statistics.skipped.items() if reason not in result.skipped]
+        lines += [statistics.note] if statistics.note else []
+        if stream.refused:
+            lines.append(f"{stream.refused} messages were refused: {' '.join(stream.refusals.values())}")
+        left_out = {
+            "messages were damaged on the way, and": stream.damaged,
+            "messages came faster than this computer took them, and were": max(statistics.dropped - stream.late, 0),
+            "images were sent again after a reconnection, and": statistics.repeated,
+            "images came from other devices, and were": statistics.other_images,
+        }
+        return [*lines, *(f"{count} {what} left out" for what, count in left_out.items() if count)]
 
     def _estimator(self, imaging: Imaging) -> BoneEstimator:
         return self._model or EchoEstimator(imaging)

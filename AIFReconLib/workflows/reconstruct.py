@@ -136,6 +136,30 @@ class ReconstructionPlan:
         imaging = [note for note in self.imaging.notes if not note.startswith(RECOGNIZED)]
         return (*imaging, *self.imaging.gray_levels.notes, *self._filling[1])
 
+    def rows(self) -> list[tuple[str, str]]:
+        """The volume in words."""
+        grid = self.grid
+        extent = " x ".join(f"{n * mm:.0f}" for n, mm in zip(grid.size, grid.spacing, strict=True))
+        size, spacing = (" x ".join(f"{n:.4g}" for n in three) for three in (grid.size, grid.spacing))
+        corner = ", ".join(f"{mm:.1f}" for mm in np.asarray(grid.origin))
+        return [
+            ("box", f"{extent} mm, first voxel at {corner} in Reference"),
+            ("voxels", f"{size} of {spacing} mm, {grid.voxels / 1e6:.1f} million"),
+            ("memory", f"{self.memory / 2**20:.0f} MiB"),
+            ("method", self.method),
+        ]
+
+    def to_dict(self) -> dict[str, object]:
+        """The volume, for JSON."""
+        return {
+            "method": self.method,
+            "size": list(self.grid.size),
+            "spacing_mm": [round(float(mm), 6) for mm in self.grid.spacing],
+            "ijk_to_reference": self.grid.ijk_to_reference.tolist(),
+            "memory_bytes": self.memory,
+            "hole_limit_mm": self.hole_limit,
+        }
+
     @cached_property
     def _filling(self) -> tuple[Recipe, tuple[str, ...]]:
         shown = self.region.mask(*self.sequence.frame_size)

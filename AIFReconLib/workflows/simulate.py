@@ -78,7 +78,8 @@ def planned_path(path: Path) -> ProbePath:
     if not np.allclose(spacing, probe.pixel_spacing, rtol=0.01):
         raise FileFormatError(
             f"{path}: it is for images of {spacing[0]:.3f} x {spacing[1]:.3f} mm per pixel, and the simulated probe's have "
-            f"{probe.pixel_spacing:.3f}. Plan without --probe-like, or with a simulated sweep."
+            f"{probe.pixel_spacing:.3f}.",
+            "Plan without {probe_like}, or with a simulated sweep.",
         )
     to_transducer = poses @ invert(probe.image_to_transducer)
     number = np.concatenate([np.full(len(image_to_reference), n) for n, (_, image_to_reference) in enumerate(passes)])

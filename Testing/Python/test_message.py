@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import ast
 import pickle
 import re
@@ -11,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from AIFReconLib.commands.parser import COMMANDS as COMMANDS_OF_THE_TERMINAL
-from AIFReconLib.commands.parser import build_parser
+from AIFReconLib.commands.parser import parser_of
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
 from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, one_line, said
 from AIFReconLib.terminal.remedies import as_option, in_columns, in_options
@@ -150,18 +149,8 @@ def named() -> set[str]:
     return {name for text in ADVICE for name in Sentence("", text).settings} - DETAILS - {"module", *COMMANDS}
 
 
-def options_of(parser: argparse.ArgumentParser) -> set[str]:
-    options = set()
-    for action in parser._actions:
-        options |= set(action.option_strings)
-        if isinstance(action, argparse._SubParsersAction):
-            for command in action.choices.values():
-                options |= options_of(command)
-    return options
-
-
 def test_every_setting_of_an_advice_is_an_option():
-    known = options_of(build_parser())
+    known = {word for name in COMMANDS_OF_THE_TERMINAL for word in parser_of(name).spelled}
     assert len(named()) > 30
     assert {name for name in named() if as_option(name) not in known} == set()
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from AIFReconLib.commands.info import NOT_READY
 from AIFReconLib.commands.parser import SUCCESS, main
-from AIFReconLib.terminal.one_line_parser import BAD_INPUT
+from AIFReconLib.terminal.guard import BAD_INPUT
 
 from . import seeds
 from .file_targets import METAIMAGE_WORDS

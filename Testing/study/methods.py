@@ -15,8 +15,8 @@ from measured import keep
 
 from AIFReconLib.evaluation.figures import require_matplotlib
 from AIFReconLib.io.disk.atomic import write_text
+from AIFReconLib.terminal.arguments import load_method_here
 from AIFReconLib.terminal.console import ProgressBar
-from AIFReconLib.terminal.recipe_options import load_method_here
 
 from .command import parsed, reported, study_parser
 from .lumbar_shapes import shapes_folder

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
-
 import pytest
 from files import write_patient
 
 from AIFReconLib.batch.columns import Columns
 from AIFReconLib.batch.table import read_cases
-from AIFReconLib.commands.parser import build_parser
+from AIFReconLib.commands.parser import parser_of
 from AIFReconLib.errors import FileFormatError
 
 HEAD = "case,sweeps,config"
@@ -37,8 +35,7 @@ def read(folder, text, name="cases.csv", encoding="utf-8"):
 
 
 def test_every_option_of_the_four_commands_is_a_column_or_has_a_reason_not_to_be():
-    commands = next(action for action in build_parser()._actions if isinstance(action, argparse._SubParsersAction)).choices
-    options = {action.dest for name in ("reconstruct", "register", "coverage", "evaluate") for action in commands[name]._actions}
+    options = {option for name in ("reconstruct", "register", "coverage", "evaluate") for option in parser_of(name).declared}
     assert options - set(Columns().names) == set(NO_COLUMN)
 
 
@@ -47,7 +44,7 @@ def test_a_whole_row_has_nothing_wrong_and_paths_beside_the_table(folder):
     (case,) = table.cases
     assert table.all_problems == []
     assert case.methods == ("average", "weighted")
-    assert case.arguments.sequences == [folder / "sweep.igs.mha"]
+    assert case.arguments.sweeps == [folder / "sweep.igs.mha"]
     assert case.arguments.spacing == (1.0, 1.0, 2.0)
     assert folder / "labels.nrrd" in case.inputs
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
+from AIFReconLib.commands.benchmark import answer
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
@@ -19,7 +20,7 @@ from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
-from AIFReconLib.workflows.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, answer, fan_sweep, verdict
+from AIFReconLib.workflows.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, fan_sweep, verdict
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 

@@ -290,7 +290,7 @@ def test_a_warning_of_numpy_is_for_the_log(patient, results, capsys, tmp_path, m
         warnings.warn_explicit("invalid value", RuntimeWarning, "module.py", 1)
         raise SettingsError("It ends here.")
 
-    monkeypatch.setattr(reconstruct_command, "sequence_from", warning)
+    monkeypatch.setattr(reconstruct_command, "sequences_from", warning)
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         words = [*patient.reconstruct, "--output", results / "v.nrrd", "--log", tmp_path / "log.txt"]

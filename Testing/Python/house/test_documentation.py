@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import ast
 import importlib
 import re
@@ -23,8 +22,8 @@ from measured import FOLDER as MEASURED
 from measured import pages as pages_of_measured
 from measured import renewed
 
-from AIFReconLib.commands.parser import build_parser, main
-from AIFReconLib.compounding.methods.table import METHODS
+from AIFReconLib.commands.parser import COMMANDS, main, parser_of
+from AIFReconLib.compounding.methods.table import METHODS, OWN_METHOD
 from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
 LONG_RUNNING = {
@@ -46,23 +45,16 @@ OF_SLICER = {"Edit", "Application Settings", "Modules", "Additional module paths
 """Menus and labels that the guide names and that are Slicer's own."""
 
 
-def subcommands() -> dict[str, argparse.ArgumentParser]:
-    """The parser of each command."""
-    return next(action for action in build_parser()._actions if isinstance(action, argparse._SubParsersAction)).choices
-
-
-def options_of(parser: argparse.ArgumentParser) -> set[str]:
-    """All spellings of a parser's options."""
-    return {word for action in parser._actions for word in action.option_strings}
-
-
-OPTIONS = {name: options_of(parser) for name, parser in subcommands().items()}
+PARSERS = {name: parser_of(name) for name in COMMANDS}
+OPTIONS = {name: set(parser.spelled) for name, parser in PARSERS.items()}
 CHOICES = {
-    word: set(action.choices)
-    for parser in subcommands().values()
-    for action in parser._actions
-    for word in action.option_strings
-    if action.choices
+    **{
+        word: set(each.words["choices"])
+        for parser in PARSERS.values()
+        for word, each in parser.spelled.items()
+        if each.words.get("choices")
+    },
+    "--method": {*METHODS, OWN_METHOD},
 }
 EVERY_OPTION = set().union(*OPTIONS.values()) | {"--version"}
 
@@ -137,7 +129,7 @@ def test_every_command_runs(block: Block, workplace, capsys):
         assert unknown_options(arguments) == []
         if any("[" in word for word in arguments):  # an overview of the options, not a command
             continue
-        build_parser().parse_args(arguments)
+        PARSERS[arguments[0]].parse(arguments[1:])
         if arguments[0] == "live":
             run_live(arguments, workplace)
         elif arguments[0] == "replay":
@@ -185,7 +177,7 @@ def wrong_in_running_text(page: Path) -> list[str]:
     options = {word for span in spans for word in re.findall(r"^--[a-z][a-z-]*", span)} - EVERY_OPTION
     commands = [bad for span in spans if re.match(r"aifrecon [a-z]", span) for bad in unknown_options(span.split()[1:])]
     pairs = [span.split() for span in spans if re.fullmatch(r"--[a-z-]+ [a-z][\w-]*", span)]
-    choices = [choice for option, choice in pairs if option in CHOICES and choice not in CHOICES[option]]
+    choices = [choice for option, choice in pairs if CHOICES.get(option) and choice not in CHOICES[option]]
     made = {span.split()[1] for span in spans if re.match(r"make [a-z]", span)} - make_targets()
     missing = [path for path in paths(page) if not any((root / path).exists() for root in ROOTS)]
     return [*commands, *sorted(options), *choices, *sorted(made), *missing]

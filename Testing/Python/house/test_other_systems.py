@@ -16,7 +16,7 @@ from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.provenance.settings_files import read_settings
-from AIFReconLib.terminal import options
+from AIFReconLib.terminal import outputs
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 LIBRARY = REPOSITORY / "AIFReconLib"
@@ -50,7 +50,7 @@ def test_a_volume_is_made_without_what_windows_has_not_and_in_utf_8_whatever_the
 
 @pytest.mark.parametrize("system", ["win32", "darwin"])
 def test_an_output_that_differs_from_an_input_in_capitals_alone_is_refused(patient, results, monkeypatch, capsys, system):
-    monkeypatch.setattr(options.sys, "platform", system)
+    monkeypatch.setattr(outputs.sys, "platform", system)
     written = patient.sweep.with_name(patient.sweep.name.upper())
     assert "would overwrite an input" in refused([*patient.reconstruct, "--output", written], capsys, results)
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from sequence_samples import metaimage, nrrd, ramp
 
-from AIFReconLib.commands.parser import build_parser, main
+from AIFReconLib.commands.parser import main, parser_of
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -289,7 +289,7 @@ def test_a_decoder_of_videos_may_read_that_file_and_formats_of_videos_alone(inpu
 
 def test_a_server_listens_on_this_machine_alone_unless_told_otherwise():
     assert inspect.signature(ReplayServer).parameters["host"].default == "127.0.0.1"
-    assert build_parser().parse_args(["replay", "sweep.mha"]).host == "127.0.0.1"
+    assert parser_of("replay").parse(["sweep.mha"]).host == "127.0.0.1"
 
 
 def test_a_server_cannot_be_reached_by_another_address_of_this_machine(patient):

@@ -19,6 +19,7 @@ from files import refused, tracked_sequence
 from AIFReconLib import __main__ as entry
 from AIFReconLib.commands import evaluate as evaluate_command
 from AIFReconLib.commands import parser as cli
+from AIFReconLib.commands.info import InfoOptions
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
@@ -205,7 +206,7 @@ def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
 
 
 def test_ctrl_c_that_an_import_turns_into_another_error_ends_a_command_in_one_line(monkeypatch, capsys):
-    def run(_):
+    def run(asked: InfoOptions):
         swallowed_and_forgotten()
         raise ImportError("cannot import name")
 
@@ -221,7 +222,7 @@ def loaded_by(program):
 
 
 def test_a_command_starts_with_its_own_file_and_without_libraries_that_it_may_not_need():
-    loaded = loaded_by("from AIFReconLib.commands.parser import *; build_parser(named(['info', 'sweep.mha']))")
+    loaded = loaded_by("from AIFReconLib.commands.parser import *; parser_of('info')")
     assert "AIFReconLib.commands.info" in loaded
     assert not loaded & {f"AIFReconLib.commands.{file}" for file, _purpose in cli.COMMANDS.values() if file != "info"}
 

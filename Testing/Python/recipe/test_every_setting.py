@@ -6,7 +6,6 @@ each engine and with each method that it concerns. Where it concerns nothing thi
 
 from __future__ import annotations
 
-import argparse
 import json
 
 import numpy as np
@@ -17,7 +16,7 @@ from files import tracked_sequence, write_patient
 from AIFReconLib import BoneMap, LabeledBone, Reconstructor, VoxelGrid, read_labels, read_sequence, read_transform, reconstruct
 from AIFReconLib.batch.columns import Columns
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.reconstruct import add_to
+from AIFReconLib.commands.reconstruct import ReconstructOptions
 from AIFReconLib.compounding.methods.table import BONE_METHODS, LINEAR_METHODS, METHODS
 from AIFReconLib.errors import AIFReconError, GeometryError, SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -27,8 +26,7 @@ from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import OF_LABELS, OF_READING, RULES, Recipe
 from AIFReconLib.recipe.rules import FLAG
 from AIFReconLib.sweep.poses import sweep_poses, tracked_frames
-from AIFReconLib.terminal.one_line_parser import OneLineParser
-from AIFReconLib.terminal.recipe_options import recipe_from
+from AIFReconLib.terminal.arguments import OneLineParser
 
 UP, ASIDE = np.diag([2.0, 2.0, 2.0, 1.0]).tolist(), [[2.0, 0, 0, -9], [0, 2.0, 0, -8], [0, 0, 2.0, -7], [0, 0, 0, 1.0]]
 SECTOR, FAN = {"apex_px": [19.3, -30.1]}, {"fan_angles_deg": [-20, 25], "fan_radius_px": [31, 57]}
@@ -299,13 +297,10 @@ OPTIONS = [name for name, rule in RULES.items() if rule["metavar"] and rule["kin
 
 @pytest.mark.parametrize("name", OPTIONS)
 def test_an_option_says_it(name):
-    parser = OneLineParser()
-    commands = parser.add_subparsers(parser_class=OneLineParser)
-    add_to(commands)
     value, beside = VALUES[name][1], VALUES[name][2]
     given = {each: known for each, known in {**beside, name: value}.items() if each in OPTIONS}
     words = [word for each, known in given.items() for word in (f"--{each.replace('_', '-')}", *_words(known))]
-    recipe = recipe_from(commands.choices["reconstruct"].parse_args(["sweep.mha", "-o", "volume.nrrd", *words]))
+    recipe = OneLineParser(ReconstructOptions, "aifrecon reconstruct").parse(["sweep.mha", "-o", "volume.nrrd", *words]).recipe
     assert getattr(recipe, name) == getattr(Recipe(**{**beside, name: value}), name)
 
 
@@ -313,7 +308,7 @@ def test_an_option_says_it(name):
 def test_a_column_of_a_table_says_it(name, tmp_path):
     read = Columns().read(name, " ".join(_words(VALUES[name][1])), tmp_path)
     read = read[0] if name == "method" else read
-    expected = getattr(recipe_from(argparse.Namespace(**{**VALUES[name][2], name: VALUES[name][1]})), name)
+    expected = getattr(Recipe(**{**VALUES[name][2], name: VALUES[name][1]}), name)
     assert np.array_equal(read, expected)
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from AIFReconLib.commands.parser import build_parser, main
+from AIFReconLib.commands.parser import COMMANDS, main, options_of, parser_of
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.terminal.arguments import Options, explained
 
 
 def help_of(capsys, monkeypatch, *words) -> str:
@@ -35,8 +38,14 @@ def test_help_is_as_short_as_that_of_reconstruct_and_begins_with_what_is_needed(
 @pytest.mark.parametrize("command", ["reconstruct", "live", *SHORT])
 def test_the_whole_help_has_every_option(command, capsys, monkeypatch):
     text = help_of(capsys, monkeypatch, command, "--help-all")
-    parser = build_parser()._subparsers._group_actions[0].choices[command]
-    assert {word for word in parser._option_string_actions if word.startswith("--")} - options_in(text.replace(",", " ")) == set()
+    assert {word for word in parser_of(command).spelled if word.startswith("--")} - options_in(text.replace(",", " ")) == set()
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_is_explained(command):
+    assert [name for name, each in parser_of(command).declared.items() if not each.words["help"]] == []
+    explained_ones = {name for group in options_of(command).__mro__ if issubclass(group, Options) for name in explained(group)[1]}
+    assert explained_ones - set(parser_of(command).declared) == set()
 
 
 @pytest.mark.parametrize("spacing", [["1"], ["1", "1", "1"]])
@@ -65,3 +74,16 @@ def test_quiet_still_says_what_is_wrong(patient, results, capsys):
     assert said.out == ""
     assert said.err.startswith("aifrecon: ")
     assert said.err.count("\n") == 1
+
+
+def test_all_words_behind_two_dashes_are_files():
+    assert parser_of("convert").parse(["--mirror", "--", "-in.mha", "-out.mha"]).output == Path("-out.mha")
+
+
+def test_a_file_may_be_called_like_a_short_option():
+    assert parser_of("convert").parse(["q", "o"]).sequence == Path("q")
+
+
+def test_the_last_file_behind_labels_is_the_one_that_must_be_given():
+    asked = parser_of("register").parse(["-o", "t.tfm", "--bone-labels", "a.nrrd", "b.nrrd"])
+    assert (asked.bone_labels, asked.sequences) == ([Path("a.nrrd")], (Path("b.nrrd"),))
