@@ -16,8 +16,7 @@ from ...errors import AIFReconError, FileFormatError, GeometryError
 from ...geometry.mechanism import FIXED, SHIFT, TURN, Axis, Mechanism
 from ...geometry.transforms import as_matrix, why_not_rigid
 from ...message import listed, said, shorten
-from ..disk.small_files import read_bytes
-from ..disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
+from ..disk.tables import JSON, TOML, read_table
 from ..sequence.metafiles import METAFILES
 from .poses.files import PoseTable
 from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
@@ -173,19 +172,9 @@ def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, 
 
 
 def _table(path: Path) -> Mapping[str, object]:
-    suffix = path.suffix.lower()
-    if suffix not in (JSON, TOML):
+    if path.suffix.lower() not in (JSON, TOML):
         raise FileFormatError(f"{path}: a mechanism is described in .toml or .json. Give such a file.")
-    if suffix == TOML and not reads_toml():
-        raise FileFormatError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Describe the mechanism in .json.")
-    data = read_bytes(path, MOST_TOML_BYTES + 1, FileFormatError)
-    try:
-        if len(data) > MOST_TOML_BYTES:
-            raise ValueError(f"it is longer than {MOST_TOML_BYTES} bytes")
-        table = parse_table(data.decode("utf-8-sig"), suffix)
-    except (ValueError, RecursionError) as error:
-        why = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
-        raise FileFormatError(f"{path}: it cannot be read as {suffix[1:].upper()} ({why}). Correct the file.") from None
+    table = read_table(path, FileFormatError, "Correct the file.")
     if not isinstance(table, dict):
         raise FileFormatError(f"{path}: a mechanism is names and values. Correct the file.")
     return table

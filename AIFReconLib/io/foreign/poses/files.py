@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
@@ -16,6 +15,7 @@ from ....arrays import Floats, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
 from ....message import listed, said
 from ...disk.small_files import read_bytes
+from ...disk.tables import read_table
 from .headings import (
     ANGLES,
     FRAME,
@@ -206,12 +206,7 @@ def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
     word = columns[0] if len(columns) == 1 else ""
     if not word.lower().endswith(".json"):
         return next((maker for maker in TABLES["makers"] if maker["name"] == word.lower()), None)
-    try:
-        layout = json.loads(text_of(Path(word)))
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, FileFormatError):
-            raise
-        layout = None
+    layout: Any = read_table(Path(word), FileFormatError, "Correct the file.")
     is_one = isinstance(layout, dict) and isinstance(layout.get("columns", ""), str | list)
     if not is_one or not isinstance(layout.get("headings", {}), dict):
         raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.")
