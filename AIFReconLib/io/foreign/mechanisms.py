@@ -18,9 +18,9 @@ from ...geometry.transforms import as_matrix, why_not_rigid
 from ...message import listed, said, shorten
 from ..disk.tables import JSON, TOML, read_table
 from ..sequence.metafiles import METAFILES
+from .options import ImportOptions
 from .poses.files import PoseTable
 from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
-from .poses.rotations import PoseFormat
 from .poses.sheet import Sheet, sheets_of, text_of
 from .poses.statuses import statuses_of
 from .poses.times import times_of
@@ -69,7 +69,7 @@ def read_mechanism(path: str | Path) -> Mechanism:
     return mechanism
 
 
-def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | None = None) -> PoseTable:
+def read_joint_poses(path: str | Path, mechanism: Mechanism, form: ImportOptions | None = None) -> PoseTable:
     """The poses of what a mechanism carries, from a table with a column for each of its axes, by their names.
 
     Raises FileFormatError, which names the line and the column that cannot be used; SettingsError when the times or what the table says of
@@ -81,10 +81,10 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
         Columns besides: time, image, status. Without headings the columns are the axes in order, with the time in front or not. Or a
         recording (.mha, .nrrd and the like) whose frames have a field for each axis.
     mechanism : Mechanism
-    form : PoseFormat
+    form : ImportOptions
         Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
     """
-    path, form = Path(path), form or PoseFormat()
+    path, form = Path(path), form or ImportOptions()
     if path.suffix.lower() in METAFILES.suffixes:
         return _of_fields(path, mechanism, form)
     text = text_of(path)
@@ -97,7 +97,7 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
         raise type(error)(f"{path}: {said(error)}", error) from None
 
 
-def _poses(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
+def _poses(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
     columns = _columns(sheet, mechanism, form)
     cells = sheet.read(len(columns), [place for place, column in columns.items() if column.role in (IMAGE, STATUS)])
     moved, told = [], []
@@ -114,14 +114,14 @@ def _poses(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
     if STATUS in words:
         has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
         heading = columns[besides[STATUS]].heading
-        statuses, how = statuses_of(words[STATUS], heading, STATUS, has_pose, form.good_statuses)
+        statuses, how = statuses_of(words[STATUS], heading, STATUS, has_pose, form.status_ok or ())
         of_status = [how]
     seconds = times.seconds if times.seconds is not None and np.isfinite(times.seconds).all() else None
     understood = (f"{len(sheet.rows)}, of a mechanism: {listed(told)}", *times.told, *of_status)
     return PoseTable(matrices, seconds, tuple(words[IMAGE]) if IMAGE in words else None, statuses, understood, "mm", True)
 
 
-def _of_fields(path: Path, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
+def _of_fields(path: Path, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
     """The same, of the fields of a recording's frames."""
     records = METAFILES.read(path, None).records
     fields = [{name.lower(): value for name, value in record.fields.items()} for record in records]
@@ -139,20 +139,20 @@ def _of_fields(path: Path, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
     return replace(table, times=None if None in times else np.array(times, dtype=np.float64))
 
 
-def _unit(axis: Axis, column: Column, form: PoseFormat) -> tuple[str, float]:
+def _unit(axis: Axis, column: Column, form: ImportOptions) -> tuple[str, float]:
     """In which unit an axis is read, and how much 1 of it is, in mm or radians."""
     if axis.kind == SHIFT:
-        unit = column.unit if column.unit in LENGTHS else form.length_unit or "mm"
+        unit = column.unit if column.unit in LENGTHS else form.units or "mm"
         return unit, LENGTHS[unit]
     unit = column.unit if column.unit in ANGLES else form.angle_unit or "deg"
     return unit, math.pi / 180 if unit == "deg" else 1.0
 
 
-def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, Column]:
+def _columns(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> dict[int, Column]:
     """What each column holds: an axis under its name in small letters, or time, image, status."""
     axes = [axis.name.lower() for axis in mechanism.moving]
     width = sheet.width
-    headings = list(form.columns) if form.columns is not None else sheet.headings
+    headings = list(form.column_names) if form.column_names is not None else sheet.headings
     if headings is None:
         if width - len(axes) not in (0, 1):
             raise FileFormatError(
