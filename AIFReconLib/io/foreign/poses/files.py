@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ....arrays import Floats, Matrix
+from ....arrays import Floats, Mask, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
 from ....message import listed, said
 from ...disk.small_files import read_bytes
@@ -183,7 +183,8 @@ def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
         frames = cells.numbers(track.columns[FRAME], FRAME)
         times = Times((frames - frames[0]) / rate, (f"time: frame numbers at {rate:g} frames/s, as the file says",))
     table = _posed(values, form, length, _unit(track, ANGLES), cells)
-    statuses, told_status = _statuses(track, cells, table.matrices, form)
+    moved = np.asarray(np.isfinite(table.matrices).all(axis=(1, 2)) & table.matrices[:, :3, 3].any(axis=1))
+    statuses, told_status = statuses_in(track, cells, moved, form)
     unused = in_words_of_the_table(column for place, column in enumerate(columns) if place not in track.described and column.heading != "-")
     understood = [*table.understood, *([f"as {layout['maker']} writes"] if layout and "maker" in layout else []), *told, *told_rows]
     understood += [*times.told, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
@@ -309,11 +310,11 @@ def _length_above(above: Sequence[Sequence[str]]) -> str | None:
     return None
 
 
-def _statuses(track: Track, cells: Cells, matrices: Matrix, form: ImportOptions) -> tuple[tuple[str, ...] | None, list[str]]:
-    for role in (STATUS, OCCLUDED):
-        if role in track.columns:
-            place = track.columns[role]
-            moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
-            statuses, told = statuses_of(cells.words(place), track.described[place].heading, role, moved, form.status_ok or ())
-            return statuses, [told]
-    return None, []
+def statuses_in(track: Track, cells: Cells, has_pose: Mask, form: ImportOptions) -> tuple[tuple[str, ...] | None, list[str]]:
+    """One of Plus's statuses for each row, where a column says them, and in words how it was taken."""
+    role = next((role for role in (STATUS, OCCLUDED) if role in track.columns), None)
+    if role is None:
+        return None, []
+    place = track.columns[role]
+    statuses, told = statuses_of(cells.words(place), track.described[place].heading, role, has_pose, form.status_ok or ())
+    return statuses, [told]
