@@ -287,7 +287,7 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
         samples = [_sample(m, poses, n) for n, m in enumerate(matrices)]
         return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
     if poses.times is not None and image_times is not None:
-        track = PoseTrack((float(poses.times[n]), _sample(matrices[n], poses, n)) for n in _around(image_times, poses, matrices))
+        track = PoseTrack((float(poses.times[n]), _sample(m, poses, n)) for n, m in enumerate(matrices))
         found = [track.at(time)[0] for time in image_times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
@@ -301,21 +301,6 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
         "image of each pose in a column 'image', or give times on both.",
         "If images were taken at a steady rate, give {rate:HZ}." if poses.times is not None else "",
     )
-
-
-def _around(image_times: Floats, poses: PoseTable, matrices: Matrix) -> list[int]:
-    """The poses that are used at these times: of the valid ones, the last before and the first after each."""
-    if poses.times is None:
-        return []
-    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(poses.times)
-    if poses.statuses is not None:
-        usable &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
-    numbers = np.flatnonzero(usable)
-    times, first = np.unique(poses.times[numbers], return_index=True)
-    after = np.searchsorted(times, image_times)
-    wanted = np.unique(np.clip(np.concatenate([after - 1, after]), 0, max(len(times) - 1, 0)))
-    found: list[int] = numbers[first[wanted[: len(times)]]].tolist()
-    return found
 
 
 def _in_step(poses: Floats, images: Floats) -> bool:

@@ -13,7 +13,11 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.foreign.images import ImportedImages
+from AIFReconLib.io.foreign.importing import import_sequence
+from AIFReconLib.io.foreign.options import ImportOptions
+from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
@@ -483,3 +487,14 @@ def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     imported(results, images, "--poses", poses, "--transform", "ProbeToTracker")
     advice = "If the images began 2 s after the poses, give --time-offset 2; if 2 s before, -2"
     assert f"both count from 0, and were taken to begin at one moment. {advice}" in capsys.readouterr().out
+
+
+def test_no_pose_is_made_up_where_the_tracker_lost_the_tool(tmp_path):
+    rows = [[time, time * 100, 0, 0, 0, 0, 0, 1, "MISSING" if time == 0.1 else "OK"] for time in (0.0, 0.05, 0.1, 0.15, 0.2, 0.25)]
+    text = "time,x,y,z,qx,qy,qz,qw,status\n" + "".join(",".join(map(str, row)) + "\n" for row in rows)
+    (tmp_path / "poses.csv").write_text(text)
+    times = np.array([0.02, 0.1, 0.12, 0.22])
+    images = ImportedImages(np.zeros((4, 4, 4), np.uint8), "images", times=times)
+    sequence, _ = import_sequence(images, read_poses(tmp_path / "poses.csv"), ImportOptions(transform="ProbeToTracker", sure=True))
+    found = [next(iter(record.transforms.values())).status is TransformStatus.OK for record in sequence.records]
+    assert found == [True, False, False, True]
