@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -69,7 +70,9 @@ def import_sequence(
     """
     name, calibration = settings.poses_of, _calibration_of(settings)
     offset = 0.0 if isinstance(settings.time_offset, str) else settings.time_offset
-    zero, clocks = _clocks(images, poses, settings, offset)
+    if settings.rate is not None:
+        images = replace(images, times=np.arange(len(images.stack)) / settings.rate)
+    zero, clocks = _clocks(images, poses, offset)
     matrices = poses.matrices
     good = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
     if not good.any():
@@ -77,17 +80,15 @@ def import_sequence(
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
     matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=IMAGE_FRAME in (name.source, name.target) and not rigid)
     # What the tracker did not see stands somewhere, too, often at zero
-    seen = np.array(good, dtype=bool)
-    if poses.statuses is not None:
-        seen &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
+    seen = np.array([sample.status is TransformStatus.OK for sample in _samples(matrices, poses)])
     doubts = _doubts(matrices, seen, poses, settings) if seen.any() else []
     matrices, header, how = _placed(matrices, rigid, images, settings, calibration)
-    samples, times, pairing = _paired(images, poses, matrices, settings, offset + zero)
+    samples, times, pairing = _paired(images, poses, _samples(matrices, poses), settings.rate, offset + zero)
     every = {name: samples}
     if patient is not None:
         moving = (IMAGE_FRAME, calibration[0].target if calibration else IMAGE_FRAME, "Probe")
         marker, placed = _of_patient(patient, name, moving)
-        every[marker] = _paired(images, patient, placed, settings, offset + zero)[0]
+        every[marker] = _paired(images, patient, _samples(placed, patient), settings.rate, offset + zero)[0]
     records = [
         FrameRecord(None if times is None else float(times[n]), transforms={name: of_tool[n] for name, of_tool in every.items()})
         for n in range(len(samples))
@@ -126,9 +127,9 @@ def _of_patient(patient: PoseTable, name: TransformName, may_move: Sequence[str]
     return marker, matrices
 
 
-def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportOptions, offset: float) -> tuple[float, list[str]]:
+def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[float, list[str]]:
     """What makes two clocks begin at one moment, s, where one counts from 0 and nothing overlaps; and what was taken for granted."""
-    taken = _image_times(images, settings)
+    taken = images.times
     if taken is None or poses.times is None or poses.images is not None:
         return 0.0, []
     begin, first = float(taken[0]), float(np.nanmin(poses.times))
@@ -150,10 +151,6 @@ def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) ->
         return []
     told = f"note: the images last {images_last:.1f} s at {settings.rate:g} a second, the poses {poses_last:.1f} s."
     return [Sentence(told, "If the images paused, give {times:FILE} instead of {rate}.")]
-
-
-def _image_times(images: ImportedImages, settings: ImportOptions) -> Floats | None:
-    return images.times if settings.rate is None else np.arange(len(images.stack)) / settings.rate
 
 
 def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportOptions) -> bool:
@@ -251,31 +248,26 @@ def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) 
     return matrix
 
 
-def _status(poses: PoseTable, number: int) -> TransformStatus:
-    return TransformStatus.parse(poses.statuses[number]) if poses.statuses else TransformStatus.OK
+def _samples(matrices: Matrix, poses: PoseTable) -> list[TransformSample]:
+    """Poses with the statuses that the file gives them, and MISSING where one has no numbers."""
+    has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+    said = map(TransformStatus.parse, poses.statuses or ["OK"] * len(matrices))
+    statuses = (TransformStatus.MISSING if status is TransformStatus.OK and not has else status for status, has in zip(said, has_pose))
+    return list(map(TransformSample, matrices, statuses))
 
 
-def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
-    """A pose with the status that the file gives it, and MISSING where it has no numbers."""
-    status = _status(poses, number)
-    if status is TransformStatus.OK and not np.isfinite(matrix).all():
-        status = TransformStatus.MISSING
-    return TransformSample(matrix, status)
-
-
-def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings: ImportOptions, offset: float) -> _Pairs:
+def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], rate: float | None, offset: float) -> _Pairs:
     """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
     if poses.images is not None:
-        return _paired_by_name(images, poses.images, poses.times, [_sample(m, poses, n) for n, m in enumerate(matrices)])
+        return _paired_by_name(images, poses.images, poses.times, samples)
     if images.unknown_order:
         raise SettingsError(
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
             "one series."
         )
-    rate = settings.rate
     by_rate = "" if rate is None else f", images {rate:g} times a second"
-    image_times = _image_times(images, settings)
+    image_times = images.times
     if offset and (image_times is None or poses.times is None):
         raise SettingsError(
             "A time offset needs times of images and poses, and one of them has none.",
@@ -283,11 +275,10 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
         )
     if image_times is not None:
         image_times = image_times + offset
-    if len(matrices) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
-        samples = [_sample(m, poses, n) for n, m in enumerate(matrices)]
+    if len(samples) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
         return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
     if poses.times is not None and image_times is not None:
-        track = PoseTrack((float(poses.times[n]), _sample(m, poses, n)) for n, m in enumerate(matrices))
+        track = PoseTrack(zip(poses.times.tolist(), samples))
         found = [track.at(time)[0] for time in image_times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
@@ -295,9 +286,9 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
                 TIME_OFFSET,
             )
         paired = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
-        return paired, image_times, f"{len(matrices)} poses interpolated at the times of {count} images{by_rate}"
+        return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
-        f"There must be as many poses as images; got {len(matrices)} poses for {count} images. Leave out what is too much, name the "
+        f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both.",
         "If images were taken at a steady rate, give {rate:HZ}." if poses.times is not None else "",
     )
