@@ -160,3 +160,12 @@ def test_the_data_of_another_header_are_not_replaced(tmp_path):
     write_pair(tmp_path, "new")
     assert read_pair(tmp_path) == ("new", "new")
     assert (tmp_path / "a.raw").read_text("utf-8") == "theirs"
+
+
+def test_data_of_another_name_or_place_stay(tmp_path):
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "a.raw").write_text("theirs", encoding="utf-8")
+    (tmp_path / "a.mhd").write_text("NDims = 3\nElementDataFile = b/a.raw\n", encoding="utf-8")
+    write_pair(tmp_path, "new")
+    assert read_pair(tmp_path) == ("new", "new")
+    assert (tmp_path / "b" / "a.raw").read_text("utf-8") == "theirs"
