@@ -212,7 +212,6 @@ def test_json_that_cannot_be_used_is_explained(tmp_path, text, message):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"quaternion_order": "xwyz"}, "must be one of xyzw, wxyz; got 'xwyz'"),
         ({"euler_order": "xyzz"}, "three axes"),
         ({"euler_order": "xXy"}, "three axes"),
         ({"euler_order": "xxy"}, "three axes"),
