@@ -5,15 +5,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import numpy as np
-
 from ...arrays import Matrix
 from ...errors import GeometryError, TransformFileError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
 from ...remedies import NAME_THE_CALIBRATION
 from ..disk.small_files import read_bytes
-from ..metafile.text_values import NotANumberError, parse_numbers
+from ..metafile.text_values import NotANumberError, parse_matrix
 from ..plus.configuration import read_plus_configuration
 from ..sequence.files import IMAGE_FRAME
 from ..transform.files import HDF5_SUFFIXES, read_transform
@@ -53,16 +51,12 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
     if suffix in (*HDF5_SUFFIXES, ".tfm") or text.startswith(_ITK_MAGIC):
         return name, read_transform(path)
     try:
-        numbers = parse_numbers(re.sub(r"[,;\[\]]", " ", text))
-        got = f"got {len(numbers)}"
+        return name, _usable(path, parse_matrix(re.sub(r"[,;\[\]]", " ", text)))
     except NotANumberError as error:
-        numbers, got = [], str(error)
-    if len(numbers) != 16:
         raise TransformFileError(
-            f"{path}: a calibration must be 16 numbers, row by row; {got}. Give those, a Plus configuration (.xml) or a Slicer transform "
-            "(.tfm)."
-        )
-    return name, _usable(path, np.array(numbers))
+            f"{path}: a calibration must be 16 numbers, row by row; {error}. Give those, a Plus configuration (.xml) or a Slicer "
+            "transform (.tfm)."
+        ) from None
 
 
 def _usable(path: Path, matrix: Matrix) -> Matrix:

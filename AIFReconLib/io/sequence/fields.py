@@ -22,7 +22,7 @@ from ...sweep.frames import FrameRecord
 from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
-from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
+from ..metafile.text_values import NotANumberError, format_number, parse_matrix, parse_number, parse_numbers
 
 FRAME_KEY = re.compile(r"Seq_Frame0*([0-9]{1,12})_(.+)", re.DOTALL)
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
@@ -190,14 +190,11 @@ def _transform_name(key: str) -> TransformName | None:
 def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str, text: str) -> Matrix:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:
-        numbers = parse_numbers(text)
+        return parse_matrix(text)
     except NotANumberError as error:
         raise metafile.failure(
             f"{_where(number)}{key} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
         ) from error
-    if len(numbers) != 16:
-        raise metafile.failure(f"{_where(number)}{key} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry.")
-    return np.array(numbers).reshape(4, 4)
 
 
 def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: str | None) -> float | None:

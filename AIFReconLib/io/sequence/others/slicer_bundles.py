@@ -29,7 +29,7 @@ from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
 from ...disk.workspace import workspace
 from ...disk.xml_tree import parse_xml
-from ...metafile.text_values import NotANumberError, parse_numbers
+from ...metafile.text_values import NotANumberError, parse_matrix
 from ..decoded_images import decoding
 from ..kinds import Recorded, RecordingKind
 from ..metafiles import METAFILES
@@ -192,12 +192,9 @@ def _still(scene: _Scene, link: Element) -> Matrix:
 
         return read_transform(scene.stored(link))
     try:
-        numbers = parse_numbers(text)
+        return parse_matrix(text)
     except NotANumberError as error:
         raise SequenceFormatError(f"{scene.path}: {link.get('name')} must be 16 numbers; {error}. Save it from Slicer again.") from error
-    if len(numbers) != 16:
-        raise SequenceFormatError(f"{scene.path}: {link.get('name')} must be 16 numbers; got {len(numbers)}. Save it from Slicer again.")
-    return np.array(numbers).reshape(4, 4)
 
 
 def _beside(scene: _Scene, records: Sequence[FrameRecord], moves: list[Element]) -> Sequence[FrameRecord]:
