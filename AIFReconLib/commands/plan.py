@@ -18,7 +18,7 @@ from ..guidance.plan import CANDIDATES, FREEHAND, ScanPlan, patient_and_probe, p
 from ..guidance.probe import ProbeOnBack
 from ..guidance.window import NOT_SEEN, unseen_of, window
 from ..io.disk.atomic import write_text
-from ..io.disk.small_files import read_json
+from ..io.disk.tables import read_table
 from ..message import columns
 from ..progress import part
 from ..terminal.arguments import Names, Output, Rivals
@@ -98,7 +98,7 @@ def run(asked: PlanOptions) -> None:
 
 def _unseen(path: Path) -> Floats:
     """The places of a report of paths; FileFormatError when the file is none."""
-    table = read_json(path, FileFormatError)
+    table = read_table(path, FileFormatError)
     try:
         return unseen_of(table)
     except (ValueError, AIFReconError) as error:

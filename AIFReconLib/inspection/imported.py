@@ -13,14 +13,12 @@ from ..geometry.mechanism import Mechanism
 from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import pixel_spacing
 from ..imaging.recognized import recognized
-from ..io.foreign.calibration import read_calibration
 from ..io.foreign.images import timed
-from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, ImportSettings, import_sequence
+from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, import_sequence
 from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
 from ..io.foreign.openers import open_images
 from ..io.foreign.options import ImportOptions
 from ..io.foreign.poses.files import read_poses, read_times
-from ..io.foreign.poses.rotations import PoseFormat
 from ..message import Sentence, said
 from ..recipe.recipe import AUTOMATIC
 from ..remedies import SURE
@@ -57,21 +55,21 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
     Raises FileFormatError when a file cannot be understood; SettingsError when something is not known that decides where an image goes,
     and `questions_of` has the options that answer.
     """
-    settings = _settings_from(options)
+    name = options.poses_of
     mechanism = read_mechanism(options.mechanism) if options.mechanism else None
-    table = read_joint_poses(poses, mechanism, settings.form) if mechanism else read_poses(poses, settings.form)
-    patient = read_poses(poses, replace(settings.form, tool=options.reference_tool)) if options.reference_tool else None
+    table = read_joint_poses(poses, mechanism, options) if mechanism else read_poses(poses, options)
+    patient = read_poses(poses, replace(options, tool=options.reference_tool)) if options.reference_tool else None
     opened = open_images(images)
     if options.times:
         opened = timed(opened, *read_times(options.times, options.time_unit))
-    sequence, understood = import_sequence(opened, table, settings, patient)
+    sequence, understood = import_sequence(opened, table, options, patient)
     if options.time_offset == AUTOMATIC:
-        settings = replace(settings, time_offset=_found_offset(sequence, settings.transform))
-        sequence, understood = import_sequence(opened, table, settings, patient)
-        understood = (*understood, f"time offset: {settings.time_offset:.3f} s, found in the images and applied")
-    if not (settings.sure or patient):
-        _check_direction(sequence, settings.transform)
-    return Imported(sequence, understood, settings.transform, mechanism)
+        options = replace(options, time_offset=_found_offset(sequence, name))
+        sequence, understood = import_sequence(opened, table, options, patient)
+        understood = (*understood, f"time offset: {options.time_offset:.3f} s, found in the images and applied")
+    if not (options.sure or patient):
+        _check_direction(sequence, name)
+    return Imported(sequence, understood, name, mechanism)
 
 
 def _reference(sequence: TrackedSequence, name: TransformName) -> str:
@@ -111,52 +109,6 @@ def _check_direction(sequence: TrackedSequence, name: TransformName) -> None:
             f"Images that look alike lie far apart by {name}, and near each other by its inverse, {inverse}: which are the poses?",
             SURE,
         )
-
-
-def _named(calibration: str) -> tuple[str, str]:
-    """Name, which may be empty, and file."""
-    name, equals, file = calibration.partition("=")
-    return (name, file) if equals else ("", name)
-
-
-def _settings_from(options: ImportOptions) -> ImportSettings:
-    """What the options say."""
-    if options.transform is None:
-        raise SettingsError("Input transform must say what the poses are, such as ImageToTracker or ProbeToTracker; got none.")
-    transform = TransformName.parse(options.transform)
-    calibration = None
-    if options.calibration:
-        name, file = _named(options.calibration)
-        calibration = read_calibration(file, TransformName.parse(name) if name else _default_name(Path(file), transform))
-    return ImportSettings(
-        transform,
-        options.spacing,
-        options.image_origin_px,
-        calibration,
-        options.calibration_unit,
-        options.orientation,
-        options.rate,
-        0.0 if isinstance(options.time_offset, str) else options.time_offset,
-        PoseFormat(
-            columns=tuple(options.columns.replace(",", " ").split()) if options.columns else None,
-            tool=options.tool,
-            quaternion_order=options.quaternion_order,
-            euler_order=options.euler_order,
-            angle_unit=options.angle_unit,
-            length_unit=options.units,
-            time_unit=options.time_unit,
-            good_statuses=options.status_ok or (),
-            column_major=options.column_major,
-        ),
-        options.sure,
-    )
-
-
-def _default_name(path: Path, transform: TransformName) -> TransformName | None:
-    """A configuration names its transforms itself; other files hold the calibration of the probe whose poses there are."""
-    if path.suffix.lower() == ".xml":
-        return None
-    return TransformName(IMAGE_FRAME, "Probe" if "Probe" in (transform.source, transform.target) else transform.source)
 
 
 def check_import(imported: Imported, name: str) -> ImportCheck:

@@ -9,10 +9,8 @@ from pathlib import Path
 from .. import __version__
 from ..errors import OutputError, SettingsFileError
 from ..io.disk.atomic import check_writable, write_text
-from ..io.disk.small_files import read_bytes
-from ..io.disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
+from ..io.disk.tables import JSON, TOML, parse_table, read_table
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
-from ..message import shorten
 from ..recipe.recipe import Recipe
 from .record import INPUTS, SETTINGS, VERSION
 from .settings_schema import KeptSettings, understood
@@ -21,7 +19,7 @@ VOLUME_SUFFIXES = (*NRRD_SUFFIXES, *METAIMAGE_SUFFIXES)
 WRITTEN_BY = "version"
 """Key of a settings file for the version that wrote it."""
 
-MOST_BYTES = 2**20
+_MEND = "Correct it, or have it written anew."
 
 
 def read_settings(path: str | Path) -> KeptSettings:
@@ -43,10 +41,10 @@ def read_settings(path: str | Path) -> KeptSettings:
             raise SettingsFileError(
                 f"{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml)."
             )
-        table = {WRITTEN_BY: header.get(VERSION, ""), **_table(path, header[SETTINGS], JSON)}
+        table = {WRITTEN_BY: header.get(VERSION, ""), **_named(path, parse_table(path, header[SETTINGS], JSON, SettingsFileError, _MEND))}
         inputs = _inputs(header.get(INPUTS, ""))
     elif suffix in (JSON, TOML):
-        table = _table(path, _text(path, MOST_BYTES if suffix == JSON else MOST_TOML_BYTES), suffix)
+        table = _named(path, read_table(path, SettingsFileError, _MEND))
     else:
         raise SettingsFileError(
             f"{path}: settings are read from .json, .toml, {', '.join(VOLUME_SUFFIXES)}. Give such a file; others have no room for "
@@ -101,30 +99,7 @@ def _writable_suffix(path: str | Path) -> str:
     return suffix
 
 
-# ---- text
-
-
-def _text(path: Path, most: int) -> str:
-    data = read_bytes(path, most + 1, SettingsFileError)
-    if len(data) > most:
-        raise SettingsFileError(f"{path}: it is longer than {most} bytes, which no settings are. Give a settings file.")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise SettingsFileError(f"{path}: it is not text in UTF-8. Give a settings file, or save it as UTF-8.") from None
-
-
-def _table(path: Path, text: str, suffix: str) -> dict[str, object]:
-    """Names and values, of JSON or TOML by the suffix."""
-    if suffix == TOML and not reads_toml():
-        raise SettingsFileError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Give the settings as .json.")
-    try:
-        table = parse_table(text, suffix)
-    except (ValueError, RecursionError) as error:
-        reason = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
-        raise SettingsFileError(
-            f"{path}: it cannot be read as {suffix[1:].upper()} ({reason}). Correct it, or have it written anew."
-        ) from None
+def _named(path: Path, table: object) -> dict[str, object]:
     if not isinstance(table, dict):
         raise SettingsFileError(f'{path}: settings are names and values, as {{"alpha": 0.1}}. Correct the file.')
     return table

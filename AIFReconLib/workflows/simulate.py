@@ -14,7 +14,7 @@ from ..errors import AIFReconError, FileFormatError, OutputError, SettingsError
 from ..geometry.transforms import invert, pixel_spacing
 from ..guidance.plan import passes_of
 from ..io.disk.atomic import write_text
-from ..io.disk.small_files import read_json
+from ..io.disk.tables import read_table
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
 from ..machine.threads import usable_cores
@@ -67,7 +67,7 @@ def planned_path(path: Path) -> ProbePath:
 
     Raises FileFormatError when the file is no plan, or one for another probe.
     """
-    table = read_json(path, FileFormatError)
+    table = read_table(path, FileFormatError)
     try:
         passes = passes_of(table)
     except (ValueError, AIFReconError) as error:

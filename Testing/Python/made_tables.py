@@ -236,7 +236,7 @@ def qualisys(r: Recording) -> Made:
     said: dict[str, dict[str, Any]] = {
         "tool": {"tool": shown(r.names[0])},
         "column_major": {"column_major": True},
-        "columns": {"columns": columns},
+        "columns": {"columns": " ".join(columns)},
     }
     return Made(poses, times, "\n".join([*head, *rows]), "poses.tsv", said)
 
@@ -256,7 +256,7 @@ def robot(r: Recording, kuka: bool | None = None) -> Made:
         head = ["time_s", "x_m", "y_m", "z_m", "rx_rad", "ry_rad", "rz_rad"] if said else ["time", "x", "y", "z", "rx", "ry", "rz"]
         turns, factor = Rotation.from_matrix(poses[:, :3, :3]).as_rotvec(), 1e-3
     rows = [numbers([t, *(factor * pose[:3, 3]), *turn]) for t, pose, turn in zip(r.times, poses, turns)]
-    given = {"euler_order": {"euler_order": "vector"}, "angle_unit": {"angle_unit": "rad"}, "units": {"length_unit": "m"}}
+    given = {"euler_order": {"euler_order": "vector"}, "angle_unit": {"angle_unit": "rad"}, "units": {"units": "m"}}
     return Made(poses, times, "\n".join(";".join(row) for row in [head, *rows]), answers=given)
 
 
@@ -281,7 +281,7 @@ def ros(r: Recording) -> Made:
         head = "sec,nanosec,frame_id,x,y,z,qx,qy,qz,qw"
         front = [f"{stamp // 10**9},{stamp % 10**9},tracker" for stamp in stamps]
     rows = [",".join([f, *numbers(1e-3 * pose[:3, 3]), *quaternion(pose, "xyzw")]) for f, pose in zip(front, poses)]
-    return Made(poses, times, "\n".join([head, *rows]), answers={"units": {"length_unit": "m"}, "tool": {"length_unit": "m"}})
+    return Made(poses, times, "\n".join([head, *rows]), answers={"units": {"units": "m"}, "tool": {"units": "m"}})
 
 
 WAYS = [f"{first}{separator}{then}" for separator in ("_", ".", ":", "/", " ", "") for first, then in (("{0}", "{1}"), ("{1}", "{0}"))]
@@ -338,12 +338,12 @@ def plain(r: Recording) -> Made:
     unnamed = f"unnamed {place}" if any(place in shown(label).split() for label in labels) else place
     given: dict[str, dict[str, Any]] = {
         "tool": {"tool": shown(labels[0]) or unnamed},
-        "columns": {"columns": tuple(columns), "tool": None},
+        "columns": {"columns": " ".join(columns), "tool": None},
         "time_unit": {"time_unit": unit},
         "quaternion_order": {"quaternion_order": "wxyz"},
         "euler_order": {"euler_order": "xyz"},
         "angle_unit": {"angle_unit": "deg"},
-        "status_ok": {"good_statuses": (words[0],)},
+        "status_ok": {"status_ok": (words[0],)},
     }
     return Made(poses, times, "\n".join(separator.join(row) for row in [head, *rows]), answers=given)
 

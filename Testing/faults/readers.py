@@ -10,8 +10,8 @@ import numpy as np
 from files import CONFIGURATION, IMAGE_TO_PROBE, tracked_sequence
 
 from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
-from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.writer import write_sequence
 
@@ -77,7 +77,7 @@ def _make_poses(folder: Path, version: int) -> None:
 
 
 def _digest_poses(path: Path) -> str:
-    return digest_of(read_poses(path, PoseFormat()).matrices)
+    return digest_of(read_poses(path, ImportOptions()).matrices)
 
 
 def _make_configuration(folder: Path, version: int) -> None:

@@ -13,8 +13,8 @@ from AIFReconLib.effective_settings import asked_imaging
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.io.foreign.calibration import read_calibration
 from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
-from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.plus.importance_mask import read_importance_mask
@@ -103,7 +103,7 @@ def _check_configuration(path: Path) -> None:
 def _check_poses(path: Path) -> None:
     """Every convention that a user may have stated; refused by all of them is refused."""
     refusals = []
-    for form in (PoseFormat(), PoseFormat(quaternion_order="wxyz", column_major=True), PoseFormat(euler_order="ZYX")):
+    for form in (ImportOptions(), ImportOptions(quaternion_order="wxyz", column_major=True), ImportOptions(euler_order="ZYX")):
         try:
             table = read_poses(path, form)
         except AIFReconError as error:

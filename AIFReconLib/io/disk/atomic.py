@@ -103,10 +103,11 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
             _remove_unnamed(last, beside if is_pair else [])
             raise
     if is_pair:
-        of_nobody = [path for path in last.parent.glob(f"{glob.escape(last.stem)}{PREFIX}*") if not _is_written(path, last.stem)]
+        gone = [path for path in last.parent.glob(f"{glob.escape(last.stem)}{PREFIX}*") if not _is_written(path, last.stem)]
         # What a .nhdr of the same name keeps there is not ours
-        is_ours = older is not None and Path(older).stem == last.stem and not last.with_suffix(".nhdr").exists()
-        _remove_unnamed(last, [*of_nobody, *([last.with_name(older)] if older and is_ours else [])])
+        if older in (f"{last.stem}.raw", f"{last.stem}.zraw") and not last.with_suffix(".nhdr").exists():
+            gone.append(last.with_name(older))
+        _remove_unnamed(last, gone)
 
 
 def named_data_file(header: Path) -> str | None:

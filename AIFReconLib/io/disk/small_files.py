@@ -10,13 +10,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...errors import FileFormatError
-from ...message import shorten
 from .regular_files import file_stamp, require_regular_file, stamp
-from .tables import JSON, parse_table
 from .workspace import workspace
-
-MOST_JSON = 2**25
-"""Bytes."""
 
 
 def read_bytes(path: Path, limit: int | None, error: type[FileFormatError]) -> bytes:
@@ -39,21 +34,6 @@ def read_bytes(path: Path, limit: int | None, error: type[FileFormatError]) -> b
     if stamp(before) != stamp(after) or len(data) < min(before.st_size if limit is None else limit, before.st_size):
         raise changed(path, error)
     return data
-
-
-def read_json(path: Path, error: type[FileFormatError]) -> object:
-    """What a file of JSON holds, of at most `MOST_JSON` bytes.
-
-    Raises FileFormatError, the given one, when it cannot be read, or is damaged or nested too deeply.
-    """
-    data = read_bytes(path, MOST_JSON + 1, error)
-    if len(data) > MOST_JSON:
-        raise error(f"{path}: it is longer than {MOST_JSON // 2**20} MiB, which none of ours is. Give another file.")
-    try:
-        return parse_table(data.decode("utf-8-sig"), JSON)
-    except (ValueError, RecursionError) as cause:
-        reason = "it is nested too deeply" if isinstance(cause, RecursionError) else shorten(str(cause), 200)
-        raise error(f"{path}: it cannot be read as JSON ({reason}). Give another file.") from None
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""Names and values in text, JSON or TOML, each name once."""
+"""Names and values in JSON or TOML, each name once."""
 
 from __future__ import annotations
 
@@ -6,27 +6,44 @@ import json
 from collections import Counter
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
+
+from ...errors import FileFormatError
+from ...message import shorten
+from .small_files import read_bytes
 
 JSON, TOML = ".json", ".toml"
 
-MOST_TOML_BYTES = 2**14
-"""Python's reader takes time that grows with the square of a name's parts."""
+MOST_BYTES = {JSON: 2**25, TOML: 2**14}
+"""Python's reader of TOML takes time that grows with the square of a name's parts."""
 
 
-def reads_toml() -> bool:
-    """Whether this Python does: 3.10 does not."""
-    return find_spec("tomllib") is not None
+def read_table(path: Path, error: type[FileFormatError], advice: str = "Give another file.") -> object:
+    """What a file of JSON holds, or by its suffix one of TOML.
 
-
-def parse_table(text: str, suffix: str) -> object:
-    """What a text holds that is JSON or TOML, by its suffix.
-
-    Raises ValueError or RecursionError when it is damaged, nested too deeply, or gives a name twice.
+    Raises FileFormatError, the given one, when it cannot be read, is too long, damaged or nested too deeply, or gives a name twice.
     """
-    if suffix == TOML:
-        table: object = import_module("tomllib").loads(text)
-        return table
-    return json.loads(text, object_pairs_hook=_without_twins)
+    suffix = TOML if path.suffix.lower() == TOML else JSON
+    data = read_bytes(path, MOST_BYTES[suffix] + 1, error)
+    if len(data) > MOST_BYTES[suffix]:
+        raise error(f"{path}: it is longer than {MOST_BYTES[suffix]} bytes, which none of ours is. {advice}")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise error(f"{path}: it is not text in UTF-8. {advice}") from None
+    return parse_table(path, text, suffix, error, advice)
+
+
+def parse_table(path: Path, text: str, suffix: str, error: type[FileFormatError], advice: str) -> object:
+    """The same of a text that stands in the file at `path`."""
+    if suffix == TOML and find_spec("tomllib") is None:
+        raise error(f"{path}: this Python reads no TOML; that of 3.11 or later does. Give it as .json.")
+    try:
+        table: object = import_module("tomllib").loads(text) if suffix == TOML else json.loads(text, object_pairs_hook=_without_twins)
+    except (ValueError, RecursionError) as cause:
+        reason = "it is nested too deeply" if isinstance(cause, RecursionError) else shorten(str(cause), 200)
+        raise error(f"{path}: it cannot be read as {suffix[1:].upper()} ({reason}). {advice}") from None
+    return table
 
 
 def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:

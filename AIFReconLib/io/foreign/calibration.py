@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
-
-import numpy as np
 
 from ...arrays import Matrix
 from ...errors import GeometryError, TransformFileError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
 from ...remedies import NAME_THE_CALIBRATION
-from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
-from ..metafile.text_values import NotANumberError, parse_numbers
+from ..metafile.text_values import NotANumberError, parse_matrix
 from ..plus.configuration import read_plus_configuration
 from ..sequence.files import IMAGE_FRAME
 from ..transform.files import HDF5_SUFFIXES, read_transform
@@ -49,21 +47,16 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
             )
         return names[0], _usable(path, transforms[names[0]].matrix)
     name = name or TransformName(IMAGE_FRAME, "Probe")
-    require_regular_file(path, TransformFileError)
-    if suffix in (*HDF5_SUFFIXES, ".tfm") or _text(path).startswith(_ITK_MAGIC):
+    text = read_bytes(path, MAXIMUM_BYTES, TransformFileError).decode("utf-8-sig", errors="replace").strip()
+    if suffix in (*HDF5_SUFFIXES, ".tfm") or text.startswith(_ITK_MAGIC):
         return name, read_transform(path)
-    wrong: str | NotANumberError | None
     try:
-        numbers = parse_numbers(_text(path).replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " "))
-        wrong = f"got {len(numbers)}" if len(numbers) != 16 else None
+        return name, _usable(path, parse_matrix(re.sub(r"[,;\[\]]", " ", text)))
     except NotANumberError as error:
-        wrong = error
-    if wrong:
         raise TransformFileError(
-            f"{path}: a calibration must be 16 numbers, row by row; {wrong}. Give those, a Plus configuration (.xml) or a Slicer "
+            f"{path}: a calibration must be 16 numbers, row by row; {error}. Give those, a Plus configuration (.xml) or a Slicer "
             "transform (.tfm)."
-        )
-    return name, _usable(path, np.array(numbers))
+        ) from None
 
 
 def _usable(path: Path, matrix: Matrix) -> Matrix:
@@ -71,10 +64,3 @@ def _usable(path: Path, matrix: Matrix) -> Matrix:
         return as_matrix(matrix, "calibration")
     except GeometryError as error:
         raise TransformFileError(f"{path}: the calibration cannot be used. {error} Repeat the calibration, or correct it.") from error
-
-
-def _text(path: Path) -> str:
-    data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
-    if len(data) > MAXIMUM_BYTES:
-        raise TransformFileError(f"{path}: the file is longer than {MAXIMUM_BYTES} bytes. A calibration is 16 numbers.")
-    return data.decode("utf-8-sig", errors="replace").strip()

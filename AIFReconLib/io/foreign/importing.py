@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,10 +18,12 @@ from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
 from ..sequence.orientation import IN_MEMORY, parse_orientation
+from .calibration import read_calibration
 from .images import FlippedImages, ImportedImages, bare_name
+from .options import ImportOptions
 from .poses.files import PoseTable
 from .poses.headings import LENGTHS
-from .poses.rotations import PoseFormat, in_millimeters
+from .poses.rotations import in_millimeters
 from .poses.sheet import has_none
 from .poses.times import FASTEST, SLOWEST
 
@@ -32,6 +35,8 @@ LONGER = 1.0
 FROM_ZERO = 1.0
 """s. A clock that begins below counts from 0."""
 
+_Calibration = tuple[TransformName, Matrix]
+
 _Place = tuple[Matrix, dict[TransformName, TransformSample], str]
 """Poses, transforms of the header, and in words where the image is."""
 
@@ -39,57 +44,23 @@ _Pairs = tuple[list[TransformSample], Floats | None, str]
 """One sample per image, times, and in words how that was done."""
 
 
-@dataclass(frozen=True)
-class ImportSettings:
-    """What the files do not say.
+def _calibration_of(options: ImportOptions) -> _Calibration | None:
+    """Name and matrix of the calibration that is given.
 
-    Parameters
-    ----------
-    transform : TransformName
-        What the poses are: ImageToTracker takes the image's points to the tracker, TrackerToProbe is the inverse of ProbeToTracker.
-    spacing : (x, y) or None, mm
-        Size of a pixel, where the poses take millimeters.
-    origin_px : (column, row) or None
-        The pixel that the poses place, where that is not the first.
-    calibration : (TransformName, (4, 4) array) or None
-        ImageToProbe, pixels to mm, where the poses are the probe's.
-    calibration_unit : str or None
-        Of the calibration's lengths, one of mm, cm, m, in; None: mm.
-    orientation : str
-        Which way the pixels of the files run: MF, MN, UF or UN.
-    rate : float or None, Hz
-        Frames per second, where no file has times.
-    time_offset : float, s
-        What is added to the times of the images to get those of the poses: how long after the poses the images began, where both count
-        from 0.
-    form : PoseFormat
-    sure : bool
-        Take poses as they are where no hand moves so.
+    A configuration names its transforms itself; other files hold the calibration of the probe whose poses there are.
     """
-
-    transform: TransformName
-    spacing: tuple[float, float] | None = None
-    origin_px: tuple[float, float] | None = None
-    calibration: tuple[TransformName, Matrix] | None = None
-    calibration_unit: str | None = None
-    orientation: str = IN_MEMORY
-    rate: float | None = None
-    time_offset: float = 0.0
-    form: PoseFormat = field(default_factory=PoseFormat)
-    sure: bool = False
-
-    def __post_init__(self) -> None:
-        parse_orientation(self.orientation)
-        if self.spacing is not None and not (np.isfinite(self.spacing).all() and min(self.spacing) > 0):
-            raise SettingsError(f"Input spacing must be two numbers above 0, in mm per pixel; got {self.spacing!r}.")
-        if self.rate is not None and not (np.isfinite(self.rate) and self.rate > 0):
-            raise SettingsError(f"Input rate must be above 0 frames per second; got {self.rate!r}.")
-        if not np.isfinite(self.time_offset):
-            raise SettingsError(f"Input time_offset must be a number of seconds; got {self.time_offset!r}.")
+    if not options.calibration:
+        return None
+    name, equals, file = options.calibration.partition("=")
+    if equals:
+        return read_calibration(file, TransformName.parse(name))
+    ends = (options.poses_of.source, options.poses_of.target)
+    own = TransformName(IMAGE_FRAME, "Probe" if "Probe" in ends else ends[0])
+    return read_calibration(name, None if name.lower().endswith(".xml") else own)
 
 
 def import_sequence(
-    images: ImportedImages, poses: PoseTable, settings: ImportSettings, patient: PoseTable | None = None
+    images: ImportedImages, poses: PoseTable, settings: ImportOptions, patient: PoseTable | None = None
 ) -> tuple[TrackedSequence, tuple[str, ...]]:
     """The sequence of these images and poses, and in words how they were understood.
 
@@ -97,26 +68,27 @@ def import_sequence(
 
     Raises SettingsError when images and poses do not fit each other, or something that is needed is not known.
     """
-    zero, clocks = _clocks(images, poses, settings)
-    settings = replace(settings, time_offset=settings.time_offset + zero)
-    name = settings.transform
-    places_image = IMAGE_FRAME in (name.source, name.target)
+    name, calibration = settings.poses_of, _calibration_of(settings)
+    offset = 0.0 if isinstance(settings.time_offset, str) else settings.time_offset
+    if settings.rate is not None:
+        images = replace(images, times=np.arange(len(images.stack)) / settings.rate)
+    zero, clocks = _clocks(images, poses, offset)
     matrices = poses.matrices
     good = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
     if not good.any():
         raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
     rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
-    matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=places_image and not rigid)
+    matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=IMAGE_FRAME in (name.source, name.target) and not rigid)
     # What the tracker did not see stands somewhere, too, often at zero
-    seen = np.array(good, dtype=bool)
-    if poses.statuses is not None:
-        seen &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
+    seen = np.array([sample.status is TransformStatus.OK for sample in _samples(matrices, poses)])
     doubts = _doubts(matrices, seen, poses, settings) if seen.any() else []
-    matrices, header, how = _placed(matrices, rigid, places_image, images, settings)
-    samples, times, pairing = _paired(images, poses, matrices, settings)
+    matrices, header, how = _placed(matrices, rigid, images, settings, calibration)
+    samples, times, pairing = _paired(images, poses, _samples(matrices, poses), settings.rate, offset + zero)
     every = {name: samples}
     if patient is not None:
-        every |= _of_patient(images, patient, settings)
+        moving = (IMAGE_FRAME, calibration[0].target if calibration else IMAGE_FRAME, "Probe")
+        marker, placed = _of_patient(patient, name, moving)
+        every[marker] = _paired(images, patient, _samples(placed, patient), settings.rate, offset + zero)[0]
     records = [
         FrameRecord(None if times is None else float(times[n]), transforms={name: of_tool[n] for name, of_tool in every.items()})
         for n in range(len(samples))
@@ -138,12 +110,10 @@ def import_sequence(
     return TrackedSequence(stack, records, transforms=header), understood
 
 
-def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSettings) -> dict[TransformName, list[TransformSample]]:
-    """The poses of the marker on the patient, for each image."""
-    name = settings.transform
+def _of_patient(patient: PoseTable, name: TransformName, may_move: Sequence[str]) -> tuple[TransformName, Matrix]:
+    """What the poses of the marker on the patient are, and the poses, beside those of `name`, one end of which moves."""
     ends = (name.source, name.target)
-    calibrated = [settings.calibration[0].target] if settings.calibration else []
-    moving = next((frame for frame in (IMAGE_FRAME, *calibrated, "Probe") if frame in ends), name.source)
+    moving = next((frame for frame in may_move if frame in ends), name.source)
     marker = TransformName(name.source, REFERENCE_FRAME) if moving == name.target else TransformName(REFERENCE_FRAME, name.target)
     if REFERENCE_FRAME in ends:
         raise SettingsError(
@@ -154,12 +124,12 @@ def _of_patient(images: ImportedImages, patient: PoseTable, settings: ImportSett
     for number, matrix in enumerate(matrices) if not are_rigid(matrices[known]) else ():
         if known[number] and why_not_rigid(matrix):
             raise SettingsError(f"Pose {number} of the marker must be a rotation and a translation; it is {why_not_rigid(matrix)}.")
-    return {marker: _paired(images, patient, matrices, settings)[0]}
+    return marker, matrices
 
 
-def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) -> tuple[float, list[str]]:
+def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[float, list[str]]:
     """What makes two clocks begin at one moment, s, where one counts from 0 and nothing overlaps; and what was taken for granted."""
-    taken, offset = _image_times(images, settings), settings.time_offset
+    taken = images.times
     if taken is None or poses.times is None or poses.images is not None:
         return 0.0, []
     begin, first = float(taken[0]), float(np.nanmin(poses.times))
@@ -172,7 +142,7 @@ def _clocks(images: ImportedImages, poses: PoseTable, settings: ImportSettings) 
     return 0.0, [Sentence(told, TIME_OFFSET)] if from_zero == {True} and not offset else []
 
 
-def _lasting(times: Floats | None, poses: PoseTable, settings: ImportSettings) -> list[str]:
+def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) -> list[str]:
     """That images at a steady rate do not last as long as the poses: they may have paused."""
     if settings.rate is None or times is None or poses.times is None:
         return []
@@ -183,11 +153,7 @@ def _lasting(times: Floats | None, poses: PoseTable, settings: ImportSettings) -
     return [Sentence(told, "If the images paused, give {times:FILE} instead of {rate}.")]
 
 
-def _image_times(images: ImportedImages, settings: ImportSettings) -> Floats | None:
-    return images.times if settings.rate is None else np.arange(len(images.stack)) / settings.rate
-
-
-def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportSettings) -> bool:
+def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportOptions) -> bool:
     """Whether all poses are rigid; poses that are neither that nor those of an image are refused by their number."""
     if are_rigid(matrices):
         return True
@@ -204,19 +170,20 @@ def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, setting
     return False
 
 
-def _placed(matrices: Matrix, rigid: bool, places_image: bool, images: ImportedImages, settings: ImportSettings) -> _Place:
+def _placed(matrices: Matrix, rigid: bool, images: ImportedImages, settings: ImportOptions, calibration: _Calibration | None) -> _Place:
     """Poses that take pixels where they are the image's; header transforms; and where the image is, in words."""
-    name = settings.transform
+    name = settings.poses_of
     spacing = settings.spacing or images.spacing
-    origin = settings.origin_px or (0.0, 0.0)
-    if not places_image:
-        if settings.origin_px:
+    origin = settings.image_origin_px or (0.0, 0.0)
+    if IMAGE_FRAME not in (name.source, name.target):
+        if settings.image_origin_px:
             _require_known_spacing(images, spacing)
-        return _placed_by_probe(matrices, spacing, images, settings)
-    if settings.calibration:
+        header, how = _placed_by_probe(spacing, images, settings, calibration)
+        return matrices, header, how
+    if calibration:
         raise SettingsError(f"{name} places the image itself, so there is no calibration to apply.", "Leave out {calibration}.")
     if not rigid:
-        if settings.spacing or settings.origin_px:
+        if settings.spacing or settings.image_origin_px:
             raise SettingsError(f"The matrices of {name} hold the size of a pixel already.", NO_PIXEL_SIZE, or_calibration="")
         first = matrices[np.isfinite(matrices).all(axis=(1, 2))][0]
         _about_image(first if name.source == IMAGE_FRAME else invert(first), images, settings)
@@ -236,20 +203,20 @@ def _require_known_spacing(images: ImportedImages, spacing: tuple[float, float] 
         raise SettingsError(f"The size of a pixel is not known: {images.unknown_spacing}.", PIXEL_SIZE)
 
 
-def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, images: ImportedImages, settings: ImportSettings) -> _Place:
-    """The same for poses of a probe: its calibration goes into the header."""
-    name = settings.transform
+def _placed_by_probe(
+    spacing: tuple[float, float] | None, images: ImportedImages, settings: ImportOptions, given: _Calibration | None
+) -> tuple[dict[TransformName, TransformSample], str]:
+    """The calibration of a probe as transforms of the header; and where the image is, in words."""
+    name = settings.poses_of
     ends = (name.source, name.target)
-    if settings.calibration:
-        calibration, matrix = settings.calibration
-        unit = LENGTHS[settings.calibration_unit or "mm"]
+    if given:
+        calibration, matrix = given
+        unit, is_rigid = LENGTHS[settings.calibration_unit or "mm"], why_not_rigid(matrix) is None
         matrix = np.diag([unit, unit, unit, 1.0]) @ matrix
-        is_rigid = why_not_rigid(settings.calibration[1]) is None
         if settings.spacing and is_rigid:  # of millimeters, as hand-eye calibrations of others are
-            matrix = np.diag([unit, unit, unit, 1.0]) @ settings.calibration[1]
             matrix[:3, :3] /= unit
-            matrix = matrix @ _pixels_to_mm(settings.spacing, settings.origin_px or (0.0, 0.0))
-        elif settings.spacing or settings.origin_px:
+            matrix = matrix @ _pixels_to_mm(settings.spacing, settings.image_origin_px or (0.0, 0.0))
+        elif settings.spacing or settings.image_origin_px:
             raise SettingsError("A calibration holds the size of a pixel already.", NO_PIXEL_SIZE, or_calibration=", or the calibration")
         if calibration.source != IMAGE_FRAME or calibration.target not in ends:
             raise SettingsError(
@@ -259,24 +226,20 @@ def _placed_by_probe(matrices: Matrix, spacing: tuple[float, float] | None, imag
             )
         _about_image(matrix, images, settings)
         of = "" if not (settings.spacing and is_rigid) else f", with pixels of {settings.spacing[0]:g} x {settings.spacing[1]:g} mm"
-        return matrices, {calibration: TransformSample(matrix)}, f"{calibration} as calibrated{of}"
-    if settings.origin_px and spacing:
+        return {calibration: TransformSample(matrix)}, f"{calibration} as calibrated{of}"
+    if settings.image_origin_px and spacing:
         calibration = TransformName(IMAGE_FRAME, name.source)
-        matrix = _pixels_to_mm(spacing, settings.origin_px)
+        matrix = _pixels_to_mm(spacing, settings.image_origin_px)
         _about_image(matrix, images, settings)
-        where = f"{settings.origin_px[0]:g} {settings.origin_px[1]:g}"
-        return (
-            matrices,
-            {calibration: TransformSample(matrix)},
-            f"the image's axes are those of {name.source}, whose origin is pixel {where}",
-        )
-    if settings.spacing or settings.origin_px:
+        where = f"{settings.image_origin_px[0]:g} {settings.image_origin_px[1]:g}"
+        return {calibration: TransformSample(matrix)}, f"the image's axes are those of {name.source}, whose origin is pixel {where}"
+    if settings.spacing or settings.image_origin_px:
         raise SettingsError(
             f"The size of a pixel alone does not say where the image lies in {name.source}.",
             ("Give {calibration:FILE}; or both {spacing} and {image_origin_px}, if the axes of the image are those of {frame}."),
             frame=name.source,
         )
-    return matrices, {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
+    return {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
 
 
 def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) -> Matrix:
@@ -285,31 +248,26 @@ def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) 
     return matrix
 
 
-def _status(poses: PoseTable, number: int) -> TransformStatus:
-    return TransformStatus.parse(poses.statuses[number]) if poses.statuses else TransformStatus.OK
+def _samples(matrices: Matrix, poses: PoseTable) -> list[TransformSample]:
+    """Poses with the statuses that the file gives them, and MISSING where one has no numbers."""
+    has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
+    said = map(TransformStatus.parse, poses.statuses or ["OK"] * len(matrices))
+    statuses = (TransformStatus.MISSING if status is TransformStatus.OK and not has else status for status, has in zip(said, has_pose))
+    return list(map(TransformSample, matrices, statuses))
 
 
-def _sample(matrix: Matrix, poses: PoseTable, number: int) -> TransformSample:
-    """A pose with the status that the file gives it, and MISSING where it has no numbers."""
-    status = _status(poses, number)
-    if status is TransformStatus.OK and not np.isfinite(matrix).all():
-        status = TransformStatus.MISSING
-    return TransformSample(matrix, status)
-
-
-def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings: ImportSettings) -> _Pairs:
+def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSample], rate: float | None, offset: float) -> _Pairs:
     """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
     if poses.images is not None:
-        return _paired_by_name(images, poses.images, poses.times, [_sample(m, poses, n) for n, m in enumerate(matrices)])
+        return _paired_by_name(images, poses.images, poses.times, samples)
     if images.unknown_order:
         raise SettingsError(
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
             "one series."
         )
-    rate, offset = settings.rate, settings.time_offset
     by_rate = "" if rate is None else f", images {rate:g} times a second"
-    image_times = _image_times(images, settings)
+    image_times = images.times
     if offset and (image_times is None or poses.times is None):
         raise SettingsError(
             "A time offset needs times of images and poses, and one of them has none.",
@@ -317,11 +275,10 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
         )
     if image_times is not None:
         image_times = image_times + offset
-    if len(matrices) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
-        samples = [_sample(m, poses, n) for n, m in enumerate(matrices)]
+    if len(samples) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
         return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
     if poses.times is not None and image_times is not None:
-        track = PoseTrack((float(poses.times[n]), _sample(matrices[n], poses, n)) for n in _around(image_times, poses, matrices))
+        track = PoseTrack(zip(poses.times.tolist(), samples))
         found = [track.at(time)[0] for time in image_times]
         if not any(matrix is not None for matrix in found):
             raise SettingsError(
@@ -329,27 +286,12 @@ def _paired(images: ImportedImages, poses: PoseTable, matrices: Matrix, settings
                 TIME_OFFSET,
             )
         paired = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
-        return paired, image_times, f"{len(matrices)} poses interpolated at the times of {count} images{by_rate}"
+        return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
     raise SettingsError(
-        f"There must be as many poses as images; got {len(matrices)} poses for {count} images. Leave out what is too much, name the "
+        f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both.",
         "If images were taken at a steady rate, give {rate:HZ}, else {times:FILE}." if poses.times is not None else "",
     )
-
-
-def _around(image_times: Floats, poses: PoseTable, matrices: Matrix) -> list[int]:
-    """The poses that are used at these times: of the valid ones, the last before and the first after each."""
-    if poses.times is None:
-        return []
-    usable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(poses.times)
-    if poses.statuses is not None:
-        usable &= np.array([word == TransformStatus.OK.value for word in poses.statuses])
-    numbers = np.flatnonzero(usable)
-    times, first = np.unique(poses.times[numbers], return_index=True)
-    after = np.searchsorted(times, image_times)
-    wanted = np.unique(np.clip(np.concatenate([after - 1, after]), 0, max(len(times) - 1, 0)))
-    found: list[int] = numbers[first[wanted[: len(times)]]].tolist()
-    return found
 
 
 def _in_step(poses: Floats, images: Floats) -> bool:
@@ -401,7 +343,7 @@ SLOWEST_DOUBTED = 500.0
 """mm/s in the median; no hand scans so fast."""
 
 
-def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportSettings) -> list[str]:
+def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportOptions) -> list[str]:
     """What is unusual and can be right. Raises SettingsError for what no hand or machine does, unless the user is sure of it."""
     moved = matrices[good]
     extent = float(np.ptp(moved[:, :3, 3], axis=0).max())
@@ -441,7 +383,7 @@ def _speed(matrices: Matrix, steps: Floats) -> float:
     )
 
 
-def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportSettings) -> None:
+def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportOptions) -> None:
     """Raise SettingsError where an image would be larger or smaller than any probe sees, unless the user is sure of it."""
     rows, columns = images.stack.shape[1:3]
     sentence = implausible_size(image_to_mm[None], (columns, rows))

@@ -16,22 +16,26 @@ from ...errors import AIFReconError, FileFormatError, GeometryError
 from ...geometry.mechanism import FIXED, SHIFT, TURN, Axis, Mechanism
 from ...geometry.transforms import as_matrix, why_not_rigid
 from ...message import listed, said, shorten
-from ..disk.small_files import read_bytes
-from ..disk.tables import JSON, MOST_TOML_BYTES, TOML, parse_table, reads_toml
+from ..disk.tables import JSON, TOML, read_table
 from ..sequence.metafiles import METAFILES
-from .poses.files import PoseTable
+from .options import ImportOptions
+from .poses.files import PoseTable, statuses_in
 from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
-from .poses.rotations import PoseFormat
 from .poses.sheet import Sheet, sheets_of, text_of
-from .poses.statuses import statuses_of
 from .poses.times import times_of
+from .poses.tracks import Track
 
 METERS = 1000.0
 MOST_AXES = 64
 _BESIDES = (TIME, RECEIVED, IMAGE, STATUS)
-_AXIS = {"name", "kind", "direction", "point", "scale", "zero"}
-_JOINT = {"name", "type", "axis", "xyz", "rpy", "scale", "zero"}
-_OF_URDF = {"prismatic": SHIFT, "revolute": TURN, "continuous": TURN, "fixed": FIXED}
+_KEYS = {
+    "axis": ("name", "kind", "direction", "point", "scale", "zero"),
+    "joint": ("name", "type", "axis", "xyz", "rpy", "scale", "zero"),
+}
+_KINDS = {
+    "axis": {SHIFT: SHIFT, TURN: TURN},
+    "joint": {"prismatic": SHIFT, "revolute": TURN, "continuous": TURN, "fixed": FIXED},
+}
 
 
 def read_mechanism(path: str | Path) -> Mechanism:
@@ -49,20 +53,14 @@ def read_mechanism(path: str | Path) -> Mechanism:
     """
     path = Path(path)
     table = _table(path)
-    unknown = set(table) - {"axis", "joint", "home"}
-    lists = [table[name] for name in ("axis", "joint") if name in table]
-    if unknown or len(lists) != 1 or not isinstance(lists[0], list) or not 0 < len(lists[0]) <= MOST_AXES:
+    form = "axis" if "axis" in table else "joint"
+    items = table.get(form)
+    if set(table) - {form, "home"} or not isinstance(items, list) or not 0 < len(items) <= MOST_AXES:
         raise FileFormatError(
             f"{path}: a mechanism must have a list of axis or of joint (1 to {MOST_AXES}), and may have home; "
             f"got {shorten(listed(table)) or 'nothing'}."
         )
-    read = _axis if "axis" in table else _joint
-    axes = []
-    for number, item in enumerate(lists[0]):
-        where = f"{path}: {'axis' if read is _axis else 'joint'} {number + 1}"
-        if not isinstance(item, dict):
-            raise FileFormatError(f"{where} must be a table of names and values. Correct the file.")
-        axes.append(read(where, item))
+    axes = [_axis(f"{path}: {form} {number}", form, item) for number, item in enumerate(items, start=1)]
     mechanism = Mechanism(tuple(axes), _home(path, table.get("home", np.eye(4))))
     names = [axis.name.lower() for axis in mechanism.moving]
     if len(set(names)) < len(names) or not names:
@@ -70,7 +68,7 @@ def read_mechanism(path: str | Path) -> Mechanism:
     return mechanism
 
 
-def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | None = None) -> PoseTable:
+def read_joint_poses(path: str | Path, mechanism: Mechanism, form: ImportOptions | None = None) -> PoseTable:
     """The poses of what a mechanism carries, from a table with a column for each of its axes, by their names.
 
     Raises FileFormatError, which names the line and the column that cannot be used; SettingsError when the times or what the table says of
@@ -82,10 +80,10 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
         Columns besides: time, image, status. Without headings the columns are the axes in order, with the time in front or not. Or a
         recording (.mha, .nrrd and the like) whose frames have a field for each axis.
     mechanism : Mechanism
-    form : PoseFormat
+    form : ImportOptions
         Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
     """
-    path, form = Path(path), form or PoseFormat()
+    path, form = Path(path), form or ImportOptions()
     if path.suffix.lower() in METAFILES.suffixes:
         return _of_fields(path, mechanism, form)
     text = text_of(path)
@@ -98,31 +96,25 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: PoseFormat | 
         raise type(error)(f"{path}: {said(error)}", error) from None
 
 
-def _poses(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
-    columns = _columns(sheet, mechanism, form)
-    cells = sheet.read(len(columns), [place for place, column in columns.items() if column.role in (IMAGE, STATUS)])
+def _poses(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
+    track = Track("", _columns(sheet, mechanism, form))
+    cells = sheet.read(len(track.described), [place for role, place in track.columns.items() if role in (IMAGE, STATUS)])
     moved, told = [], []
     for axis in mechanism.moving:
-        place = next(place for place, column in columns.items() if column.role == axis.name.lower())
-        unit, amount = _unit(axis, columns[place], form)
-        moved.append((cells.numbers(place, columns[place].heading) - axis.zero) * axis.scale * amount)
+        column = track.described[place := track.columns[axis.name.lower()]]
+        unit, amount = _unit(axis, column, form)
+        moved.append((cells.numbers(place, column.heading) - axis.zero) * axis.scale * amount)
         told.append(f"{axis.name} ({axis.kind}, {unit})")
     matrices = mechanism.poses(np.stack(moved, axis=1))
-    times = times_of(columns, cells, form.time_unit)
-    besides = {column.role: place for place, column in columns.items() if column.role in (IMAGE, STATUS)}
-    words = {role: cells.words(place) for role, place in besides.items()}
-    statuses, of_status = None, []
-    if STATUS in words:
-        has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
-        heading = columns[besides[STATUS]].heading
-        statuses, how = statuses_of(words[STATUS], heading, STATUS, has_pose, form.good_statuses)
-        of_status = [how]
+    times = times_of(track.described, cells, form.time_unit)
+    statuses, of_status = statuses_in(track, cells, np.asarray(np.isfinite(matrices).all(axis=(1, 2))), form)
+    images = tuple(cells.words(track.columns[IMAGE])) if IMAGE in track.columns else None
     seconds = times.seconds if times.seconds is not None and np.isfinite(times.seconds).all() else None
     understood = (f"{len(sheet.rows)}, of a mechanism: {listed(told)}", *times.told, *of_status)
-    return PoseTable(matrices, seconds, tuple(words[IMAGE]) if IMAGE in words else None, statuses, understood, "mm", True)
+    return PoseTable(matrices, seconds, images, statuses, understood, "mm", True)
 
 
-def _of_fields(path: Path, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
+def _of_fields(path: Path, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
     """The same, of the fields of a recording's frames."""
     records = METAFILES.read(path, None).records
     fields = [{name.lower(): value for name, value in record.fields.items()} for record in records]
@@ -140,20 +132,20 @@ def _of_fields(path: Path, mechanism: Mechanism, form: PoseFormat) -> PoseTable:
     return replace(table, times=None if None in times else np.array(times, dtype=np.float64))
 
 
-def _unit(axis: Axis, column: Column, form: PoseFormat) -> tuple[str, float]:
+def _unit(axis: Axis, column: Column, form: ImportOptions) -> tuple[str, float]:
     """In which unit an axis is read, and how much 1 of it is, in mm or radians."""
     if axis.kind == SHIFT:
-        unit = column.unit if column.unit in LENGTHS else form.length_unit or "mm"
+        unit = column.unit if column.unit in LENGTHS else form.units or "mm"
         return unit, LENGTHS[unit]
     unit = column.unit if column.unit in ANGLES else form.angle_unit or "deg"
     return unit, math.pi / 180 if unit == "deg" else 1.0
 
 
-def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, Column]:
+def _columns(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> dict[int, Column]:
     """What each column holds: an axis under its name in small letters, or time, image, status."""
     axes = [axis.name.lower() for axis in mechanism.moving]
     width = sheet.width
-    headings = list(form.columns) if form.columns is not None else sheet.headings
+    headings = list(form.column_names) if form.column_names is not None else sheet.headings
     if headings is None:
         if width - len(axes) not in (0, 1):
             raise FileFormatError(
@@ -173,79 +165,47 @@ def _columns(sheet: Sheet, mechanism: Mechanism, form: PoseFormat) -> dict[int, 
 
 
 def _table(path: Path) -> Mapping[str, object]:
-    suffix = path.suffix.lower()
-    if suffix not in (JSON, TOML):
+    if path.suffix.lower() not in (JSON, TOML):
         raise FileFormatError(f"{path}: a mechanism is described in .toml or .json. Give such a file.")
-    if suffix == TOML and not reads_toml():
-        raise FileFormatError(f"{path}: this Python reads no TOML; that of 3.11 or later does. Describe the mechanism in .json.")
-    data = read_bytes(path, MOST_TOML_BYTES + 1, FileFormatError)
-    try:
-        if len(data) > MOST_TOML_BYTES:
-            raise ValueError(f"it is longer than {MOST_TOML_BYTES} bytes")
-        table = parse_table(data.decode("utf-8-sig"), suffix)
-    except (ValueError, RecursionError) as error:
-        why = "it is nested too deeply" if isinstance(error, RecursionError) else shorten(str(error), 200)
-        raise FileFormatError(f"{path}: it cannot be read as {suffix[1:].upper()} ({why}). Correct the file.") from None
+    table = read_table(path, FileFormatError, "Correct the file.")
     if not isinstance(table, dict):
         raise FileFormatError(f"{path}: a mechanism is names and values. Correct the file.")
     return table
 
 
-def _axis(where: str, item: Mapping[str, object]) -> Axis:
-    kind = item.get("kind")
-    if kind not in (SHIFT, TURN):
-        raise FileFormatError(f"{where}: kind must be shift or turn; got {shorten(repr(kind))}.")
-    name = _name(where, item, _AXIS)
-    if (kind == TURN) != ("point" in item):
-        raise FileFormatError(f"{where} ({name}): a turn must have a point that its axis goes through, in mm; a shift must have none.")
-    point = _vector(where, item, "point") if kind == TURN else np.zeros(3)
-    return Axis(name, str(kind), _direction(where, item, "direction"), point, np.eye(4), *_scaled(where, item))
-
-
-def _joint(where: str, item: Mapping[str, object]) -> Axis:
-    """As in URDF: a joint's frame is its origin (xyz, rpy about fixed axes) in that of the one before; its axis is given in its own."""
-    kind = _OF_URDF.get(str(item.get("type")))
+def _axis(where: str, form: str, item: object) -> Axis:
+    """An axis, or a joint of URDF: its origin (xyz, rpy about fixed axes) is in the frame of the one before."""
+    if not isinstance(item, dict):
+        raise FileFormatError(f"{where} must be a table of names and values. Correct the file.")
+    name, known, kinds = item.get("name"), _KEYS[form], _KINDS[form]
+    kind = kinds.get(str(item.get(known[1])))
     if kind is None:
-        raise FileFormatError(f"{where}: type must be {listed(_OF_URDF, ' or ')}; got {shorten(repr(item.get('type')))}.")
-    before = np.eye(4)
-    before[:3, 3] = METERS * _vector(where, item, "xyz", np.zeros(3))
-    turned = scipy.spatial.transform.Rotation.from_euler("xyz", _vector(where, item, "rpy", np.zeros(3)))
-    before[:3, :3] = turned.as_matrix()
-    direction = np.array([1.0, 0, 0]) if kind == FIXED or "axis" not in item else _direction(where, item, "axis")
-    return Axis(_name(where, item, _JOINT), kind, direction, np.zeros(3), before, *_scaled(where, item))
-
-
-def _name(where: str, item: Mapping[str, object], known: set[str]) -> str:
-    name = item.get("name")
+        raise FileFormatError(f"{where}: {known[1]} must be {listed(kinds, ' or ')}; got {shorten(repr(item.get(known[1])))}.")
     if not isinstance(name, str) or not re.fullmatch(r"[^\s,;]+", name):
         raise FileFormatError(f"{where}: name must be a word, the heading of its column; got {shorten(repr(name))}.")
-    if unknown := sorted(set(item) - known):
+    if unknown := sorted(set(item) - set(known)):
         raise FileFormatError(f"{where} ({name}): {listed(unknown)} is not known; known are {listed(sorted(known))}.")
-    return name
+    if form == "axis" and (kind == TURN) != ("point" in item):
+        raise FileFormatError(f"{where} ({name}): a turn must have a point that its axis goes through, in mm; a shift must have none.")
+    before = np.eye(4)
+    before[:3, 3] = METERS * _vector(where, item, "xyz", np.zeros(3))
+    before[:3, :3] = scipy.spatial.transform.Rotation.from_euler("xyz", _vector(where, item, "rpy", np.zeros(3))).as_matrix()
+    direction = _vector(where, item, known[2], None if form == "axis" else np.array([1.0, 0, 0]))
+    length = math.hypot(*direction)
+    if not 0 < length < math.inf:
+        raise FileFormatError(f"{where}: {known[2]} must not be 0 0 0.")
+    scale, zero = item.get("scale", 1.0), item.get("zero", 0.0)
+    if not _finite(scale) or not _finite(zero) or not scale:
+        raise FileFormatError(f"{where}: scale and zero must be numbers, and scale not 0; got {shorten(repr((scale, zero)))}.")
+    return Axis(name, kind, direction / length, _vector(where, item, "point", np.zeros(3)), before, float(scale), float(zero))
 
 
-def _vector(where: str, item: Mapping[str, object], key: str, otherwise: Floats | None = None) -> Floats:
+def _vector(where: str, item: Mapping[str, object], key: str, otherwise: Floats | None) -> Floats:
     value = item.get(key, otherwise)
     numbers = list(value) if isinstance(value, list | np.ndarray) else []
     if len(numbers) != 3 or not all(_finite(number) for number in numbers):
         raise FileFormatError(f"{where}: {key} must be three numbers; got {shorten(repr(value))}.")
     return np.array(numbers, dtype=np.float64)
-
-
-def _direction(where: str, item: Mapping[str, object], key: str) -> Floats:
-    vector = _vector(where, item, key)
-    length = math.hypot(*vector)
-    if not 0 < length < math.inf:
-        raise FileFormatError(f"{where}: {key} must not be 0 0 0.")
-    unit: Floats = vector / length
-    return unit
-
-
-def _scaled(where: str, item: Mapping[str, object]) -> tuple[float, float]:
-    scale, zero = item.get("scale", 1.0), item.get("zero", 0.0)
-    if not _finite(scale) or not _finite(zero) or not scale:
-        raise FileFormatError(f"{where}: scale and zero must be numbers, and scale not 0; got {shorten(repr((scale, zero)))}.")
-    return float(str(scale)), float(str(zero))
 
 
 def _finite(value: object) -> bool:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from ...errors import SettingsError
+from ...geometry.transform_graph import TransformName
 from ...message import said, shorten
 from ...recipe.recipe import AUTOMATIC, Branch
 from ...recipe.rules import FILE, FLAG, NUMBER, NUMBERS, TEXT, WORDS, Rule, checked, rule_of, setting
-from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES
+from ..sequence.orientation import parse_orientation
+from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES, VECTOR
 
 
 @dataclass(frozen=True)
@@ -18,6 +21,9 @@ class ImportOptions(Branch):
     """How images and poses are to be understood, where the files leave it open. Their names are those of the options of `aifrecon import`.
 
     Raises SettingsError when a value is not of its kind.
+
+    Euler angles with names belong to the axes of those names; without, they come in the order of the turns. What is None is as the file
+    says.
     """
 
     transform: str | None = setting(
@@ -112,6 +118,32 @@ class ImportOptions(Branch):
         FILE,
         metavar="FILE",
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        parse_orientation(self.orientation)
+        if self.spacing is not None and min(self.spacing) <= 0:
+            raise SettingsError(f"Input spacing must be two numbers above 0, in mm per pixel; got {self.spacing!r}.")
+        if self.rate is not None and self.rate <= 0:
+            raise SettingsError(f"Input rate must be above 0 frames per second; got {self.rate!r}.")
+        order = self.euler_order
+        if order not in (None, VECTOR) and not (re.fullmatch("[xyz]{3}|[XYZ]{3}", order) and order[0] != order[1] != order[2]):
+            raise SettingsError(
+                f"Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along), or vector; got {order!r}. See "
+                "the tracker's manual."
+            )
+
+    @property
+    def poses_of(self) -> TransformName:
+        """What the poses are: ImageToTracker takes the image's points to the tracker, TrackerToProbe is the inverse of ProbeToTracker."""
+        if self.transform is None:
+            raise SettingsError("Input transform must say what the poses are, such as ImageToTracker or ProbeToTracker; got none.")
+        return TransformName.parse(self.transform)
+
+    @property
+    def column_names(self) -> tuple[str, ...] | None:
+        """Of the columns, in order or as they are assigned."""
+        return tuple(self.columns.replace(",", " ").split()) if self.columns else None
 
 
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for spec in fields(ImportOptions)}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import struct
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
 
 _BEGINNINGS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _JPEG = (6, 7)
-_DIRECTORIES = {42: ("H", "I", 12, 4), 43: ("Q", "Q", 20, 8)}
-"""Of TIFF and BigTIFF: types of the number of entries and of a place, bytes of an entry, and where the place of the first one stands."""
-MOST_ENTRIES = 4096
 ORIENTATION = 274
 
 
@@ -37,7 +33,7 @@ def is_tiff(path: Path) -> bool:
 def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, ...]]:
     """How many frames a file has, what reads one (gray levels or colors as a viewer shows them), and what is done to its first page.
 
-    Raises FileFormatError when the file is damaged, its pages follow each other in a circle, or ImageJ says more than the file holds.
+    Raises FileFormatError when the file is damaged, or ImageJ says more than the file holds.
 
     Notes
     -----
@@ -62,7 +58,14 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
             return _as_shown(tifffile, path, page, page.asarray(squeeze=True, maxworkers=1))
 
     with _readable(path), open(path, "rb") as file:
-        places = _pages(file, path)
+        found: dict[int, None] = {}
+        for each in tifffile.TiffFile(file).pages:
+            if each.offset in found:
+                raise FileFormatError(f"{path}: its pages follow each other in a circle. Export it again.")
+            found[each.offset] = None
+        places = list(found)
+        if not places:
+            raise FileFormatError(f"{path}: it holds no page. Export it again.")
         tiff, page = page_at(file, places[0])
         done = {
             "turned as they say": page.tags.valueof(ORIENTATION, default=1) != 1,
@@ -103,29 +106,6 @@ def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: in
             return _as_shown(tifffile, path, page, stored(number))
 
     return read
-
-
-def _pages(file: IO[bytes], path: Path) -> list[int]:
-    """Where the pages begin. tifffile would follow a circle of more than a hundred of them for hours."""
-    beginning = file.read(16)
-    order = "<" if beginning[:2] == b"II" else ">"
-    count_type, place_type, entry, first = _DIRECTORIES[struct.unpack(f"{order}H", beginning[2:4])[0]]
-    size = struct.calcsize(place_type)
-    (place,) = struct.unpack(order + place_type, beginning[first : first + size])
-    places: dict[int, None] = {}
-    while place:
-        if place in places or len(places) > MAXIMUM_FRAMES:
-            raise FileFormatError(f"{path}: its pages follow each other in a circle. Export it again.")
-        places[place] = None
-        file.seek(place)
-        (entries,) = struct.unpack(order + count_type, file.read(struct.calcsize(count_type)))
-        if entries > MOST_ENTRIES:
-            raise FileFormatError(f"{path}: page {len(places) - 1} has {entries} entries, and must have {MOST_ENTRIES} at most.")
-        file.seek(entries * entry, 1)
-        (place,) = struct.unpack(order + place_type, file.read(size))
-    if not places:
-        raise FileFormatError(f"{path}: it holds no page. Export it again.")
-    return list(places)
 
 
 def _as_shown(tifffile: ModuleType, path: Path, page: TiffPage, pixels: Numbers) -> Numbers:

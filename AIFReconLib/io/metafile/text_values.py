@@ -6,10 +6,13 @@ import contextlib
 import math
 import re
 
+import numpy as np
+
+from ...arrays import Matrix
 from ...errors import AIFReconError
 from ...message import shorten
 
-__all__ = ["NotANumberError", "format_number", "parse_number", "parse_numbers", "shorten"]
+__all__ = ["NotANumberError", "format_number", "parse_matrix", "parse_number", "parse_numbers", "shorten"]
 
 
 # Written so that there is one way to match a run of digits: with two, a long run takes the square of its length
@@ -47,6 +50,17 @@ def parse_numbers(text: str) -> list[float]:
         with contextlib.suppress(ValueError):
             return [float(word) for word in text.split()]
     return [parse_number(word) for word in text.split()]
+
+
+def parse_matrix(text: str) -> Matrix:
+    """The (4, 4) matrix in `text`, row by row; NaN is allowed.
+
+    Raises NotANumberError when it is not 16 numbers.
+    """
+    numbers = parse_numbers(text)
+    if len(numbers) != 16:
+        raise NotANumberError(f"got {len(numbers)}")
+    return np.array(numbers).reshape(4, 4)
 
 
 def format_number(value: float) -> str:

@@ -22,11 +22,9 @@ from ...sweep.frames import FrameRecord
 from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
-from ..metafile.text_values import NotANumberError, format_number, parse_number, parse_numbers
+from ..metafile.text_values import NotANumberError, format_number, parse_matrix, parse_number, parse_numbers
 
-FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
-MOST_DIGITS = 12
-"""In the number of a frame; recorders write four."""
+FRAME_KEY = re.compile(r"Seq_Frame0*([0-9]{1,12})_(.+)", re.DOTALL)
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
 IMAGE_STATUS, IMAGE_STATUS_IN_NRRD = "ImageStatus", "Status"
 """NRRD files may have either: older ones of this library have the first."""
@@ -58,27 +56,28 @@ def by_frame(
 ) -> tuple[dict[int, dict[str, str]], dict[str, str]]:
     """Fields of each frame, and the others."""
     per_frame: dict[int, dict[str, str]] = {}
-    keys: dict[tuple[int, str], str] = {}
     header: dict[str, str] = {}
     for key, value in fields:
         match = FRAME_KEY.fullmatch(key)
         if match is None:
             header[key] = value
             continue
-        # More digits than any number of frames has are not even converted: Python refuses thousands of them
-        digits, name = match[1].lstrip("0") or "0", match[2]
-        number = int(digits[:MOST_DIGITS])
-        if number >= frames or len(digits) > MOST_DIGITS:
-            raise header_of.failure(
-                f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct "
-                "DimSize."
-            )
-        if keys.setdefault((number, name), key) != key or per_frame.get(number, {}).get(name, value) != value:
-            raise header_of.failure(
-                f"frame {number} has {name} twice, as {keys[number, name]} and {key}. Remove one of them from the header."
-            )
-        per_frame.setdefault(number, {})[name] = value
+        number, name = frame_number(header_of, key, match[1], frames), match[2]
+        of_frame = per_frame.setdefault(number, {})
+        if name in of_frame:
+            raise header_of.failure(f"frame {number} has {name} twice, once as {shorten(key)}. Remove one of them from the header.")
+        of_frame[name] = value
     return per_frame, header
+
+
+def frame_number(header_of: Metafile | HeaderLines, key: str, digits: str, frames: int) -> int:
+    """The number of a frame that a key names, which must be there."""
+    if int(digits) >= frames:
+        raise header_of.failure(
+            f"{shorten(key)} belongs to frame {digits}, but there are only {frames} frames (0 to {frames - 1}). Correct the size "
+            "in the header, or write the file again."
+        )
+    return int(digits)
 
 
 def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STATUS) -> Iterator[tuple[str, str]]:
@@ -158,22 +157,19 @@ def _take_transforms(
     matrices: dict[TransformName, Matrix] = {}
     statuses: dict[TransformName, TransformStatus] = {}
     others: dict[str, str] = {}
-    order: dict[TransformName, None] = {}
-    spelled: dict[tuple[TransformName, bool], str] = {}
     for key, value in fields.items():
         name = _transform_name(key)
         if name is None:
             others[key] = value
             continue
-        other = spelled.setdefault((name, key.endswith(STATUS_SUFFIX)), key)
-        if other != key:
-            raise metafile.failure(f"{_where(number)}{name} is given twice, as {other} and as {key}. Remove one of them from the header.")
-        order[name] = None
+        if name in (statuses if key.endswith(STATUS_SUFFIX) else matrices):
+            twin = next(each for each in fields if _transform_name(each) == name and each[-6:] == key[-6:])
+            raise metafile.failure(f"{_where(number)}{name} is given twice, as {twin} and as {key}. Remove one of them from the header.")
         if key.endswith(STATUS_SUFFIX):
             statuses[name] = TransformStatus.parse(value)
         else:
             matrices[name] = parsed_matrix(metafile, number, key, value)
-    missing = np.full((4, 4), np.nan)
+    missing, order = np.full((4, 4), np.nan), (name for key in fields if (name := _transform_name(key)))
     return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
 
 
@@ -194,14 +190,11 @@ def _transform_name(key: str) -> TransformName | None:
 def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str, text: str) -> Matrix:
     """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
     try:
-        numbers = parse_numbers(text)
+        return parse_matrix(text)
     except NotANumberError as error:
         raise metafile.failure(
             f"{_where(number)}{key} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
         ) from error
-    if len(numbers) != 16:
-        raise metafile.failure(f"{_where(number)}{key} must be 16 numbers; got {len(numbers)}. Correct the header, or remove the entry.")
-    return np.array(numbers).reshape(4, 4)
 
 
 def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: str | None) -> float | None:

@@ -23,10 +23,10 @@ from ...message import shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
 from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
-from .fields import MOST_DIGITS
+from .fields import frame_number
 
 _AXIS_KEY = re.compile(r"axis ([03]) index (type|values)")
-_ITEM_KEY = re.compile(r"axis [03] item ([0-9]+) (.+)", re.DOTALL)
+_ITEM_KEY = re.compile(r"axis [03] item 0*([0-9]{1,12}) (.+)", re.DOTALL)
 _SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
 _TIME_KINDS = ("list", "time")
 _LPS, _RAS = ("left-posterior-superior", "lps"), ("right-anterior-superior", "ras")
@@ -64,14 +64,7 @@ def slicer_records(
         item = _ITEM_KEY.fullmatch(key)
         axis = _AXIS_KEY.fullmatch(key)
         if item:
-            digits = item[1].lstrip("0") or "0"
-            number = int(digits[:MOST_DIGITS])
-            if number >= len(records) or len(digits) > MOST_DIGITS:
-                raise metafile.failure(
-                    f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {len(records)} frames. Save the sequence "
-                    "from Slicer again."
-                )
-            per_frame.setdefault(number, {})[item[2]] = value
+            per_frame.setdefault(frame_number(metafile, key, item[1], len(records)), {})[item[2]] = value
         elif axis is None:
             others[key] = value
         elif axis[2] == "values":

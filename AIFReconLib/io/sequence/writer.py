@@ -19,7 +19,7 @@ from ...sweep.frames import TrackedSequence
 from ..disk.atomic import atomic_outputs
 from ..metafile.header import MAXIMUM_LINE
 from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS, check_pair_name
-from ..metafile.nrrd import escape
+from ..metafile.nrrd import TYPES, escape
 from .fields import IMAGE_STATUS, IMAGE_STATUS_IN_NRRD, frame_entries, header_entries
 from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
 
@@ -29,12 +29,7 @@ _COMPRESSION_LEVEL = 4
 """Speckle compresses hardly better at higher levels, which take several times as long."""
 
 _ELEMENT_TYPE_OF = {code: name for name, code in reversed(ELEMENT_TYPES.items())}
-_NRRD_TYPE_OF = {
-    **{f"i{size}": f"int{8 * size}" for size in (1, 2, 4, 8)},
-    **{f"u{size}": f"uint{8 * size}" for size in (1, 2, 4, 8)},
-    "f4": "float",
-    "f8": "double",
-}
+_NRRD_TYPE_OF = {code: name for name, code in reversed(TYPES.items())}
 
 _SIZE, _SIZE_DIGITS = "CompressedDataSize = ", 20
 """Its places are kept free, for it is known last and written first."""

@@ -16,7 +16,7 @@ from ...geometry.volume import Volume
 from ...remedies import TAKE_AS_CT, TAKE_AS_PROBABILITY
 from ..disk.atomic import atomic_output, atomic_outputs, check_writable
 from ..disk.itk import itk_path, short_cause
-from ..disk.small_files import read_bytes
+from ..disk.tables import read_table
 from ..metafile.metaimage import LAST_KEY, check_pair_name
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
@@ -38,9 +38,6 @@ __all__ = [
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
 WRITABLE_SUFFIXES = (".nrrd", *METAIMAGE_SUFFIXES, *NIFTI_SUFFIXES, DICOM_SUFFIX)
-
-MOST_BESIDE = 2**22
-"""Bytes of a JSON file beside a NIfTI file that are read."""
 
 ROUNDED = 1e-3
 """How far a label may lie from a whole number: by the scale factor of a file, or by arithmetic."""
@@ -200,8 +197,8 @@ def sidecar_of(path: Path) -> Path:
 def _beside(path: Path) -> dict[str, str]:
     """The fields in a JSON file, where it is there and is one of ours."""
     try:
-        found = json.loads(read_bytes(path, MOST_BESIDE, VolumeFormatError)) if path.is_file() else {}
-    except (VolumeFormatError, ValueError, RecursionError):
+        found = read_table(path, VolumeFormatError) if path.is_file() else {}
+    except VolumeFormatError:
         return {}
     return {key: text for key, text in found.items() if isinstance(text, str)} if isinstance(found, dict) else {}
 

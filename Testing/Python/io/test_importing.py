@@ -13,7 +13,11 @@ from scipy.spatial.transform import Rotation
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
+from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from AIFReconLib.io.foreign.images import ImportedImages
+from AIFReconLib.io.foreign.importing import import_sequence
+from AIFReconLib.io.foreign.options import ImportOptions
+from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
@@ -483,3 +487,13 @@ def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     imported(results, images, "--poses", poses, "--transform", "ProbeToTracker")
     advice = "If the images began 2 s after the poses, give --time-offset 2; if 2 s before, -2"
     assert f"both count from 0, and were taken to begin at one moment. {advice}" in capsys.readouterr().out
+
+
+def test_no_pose_is_made_up_where_the_tracker_lost_the_tool(tmp_path):
+    rows = "".join(f"{n / 20},{5 * n},0,0,0,0,0,1,{'MISSING' if n == 2 else 'OK'}\n" for n in range(6))
+    (tmp_path / "poses.csv").write_text("time,x,y,z,qx,qy,qz,qw,status\n" + rows)
+    images = ImportedImages(np.zeros((4, 4, 4), np.uint8), "images", times=np.array([0.02, 0.1, 0.12, 0.22]))
+    options = ImportOptions(transform="ProbeToTracker", sure=True)
+    sequence, _ = import_sequence(images, read_poses(tmp_path / "poses.csv"), options)
+    counts = sequence.status_counts(TransformName("Probe", "Tracker"))
+    assert (counts[TransformStatus.OK], counts[TransformStatus.MISSING]) == (2, 2)

@@ -33,9 +33,9 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformStatus
 from AIFReconLib.io.foreign.images import ImportedImages
-from AIFReconLib.io.foreign.importing import ImportSettings, import_sequence
+from AIFReconLib.io.foreign.importing import import_sequence
+from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
-from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.message import said
 
@@ -48,12 +48,12 @@ PROBE = TransformName("Probe", "Tracker")
 def imported(made: Made, path) -> tuple[np.ndarray, np.ndarray | None, list[str]]:
     """Poses and times as a user gets them who answers each question with the truth; and the questions."""
     path.write_text(made.text, encoding="utf-8")
-    form, sure, asked = PoseFormat(), False, []
+    form, sure, asked = ImportOptions(), False, []
     for _question in range(8):
         try:
             poses = read_poses(path, form)
             images = ImportedImages(np.zeros((len(poses.matrices), 4, 4), np.uint8), "images")
-            sequence, _understood = import_sequence(images, poses, ImportSettings(PROBE, form=form, sure=sure))
+            sequence, _understood = import_sequence(images, poses, replace(form, transform=str(PROBE), sure=sure))
         except AIFReconError as error:
             asked.append((*said(error).settings, str(error))[0])
             if asked[-1] not in made.answers or asked.count(asked[-1]) > 1:

@@ -15,7 +15,7 @@ from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import FileFormatError
 from AIFReconLib.io.foreign.mechanisms import read_joint_poses, read_mechanism
 from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.foreign.poses.rotations import PoseFormat
+from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 
@@ -33,7 +33,7 @@ def described(tmp_path, **table):
 
 def read(tmp_path, mechanism, text=TABLE, **form):
     (tmp_path / "joints.csv").write_text(text)
-    return read_joint_poses(tmp_path / "joints.csv", mechanism, PoseFormat(**form))
+    return read_joint_poses(tmp_path / "joints.csv", mechanism, ImportOptions(**form))
 
 
 def about(degrees, direction, point):
@@ -71,7 +71,7 @@ def test_joints_of_urdf_and_axes_in_the_base_describe_the_same_arm(tmp_path):
         {"name": "reach", "type": "prismatic", "axis": [1, 0, 1], "xyz": [0.02, 0, 0.03]},
     ]
     text = "yaw elbow reach\n0.3 -1.1 0.02\n-2 0.4 -0.1\n"
-    arm = read(tmp_path, described(tmp_path, joint=joints), text, angle_unit="rad", length_unit="m").matrices
+    arm = read(tmp_path, described(tmp_path, joint=joints), text, angle_unit="rad", units="m").matrices
     frames, frame = [], np.eye(4)
     for joint in joints:
         origin = np.eye(4)
@@ -86,7 +86,7 @@ def test_joints_of_urdf_and_axes_in_the_base_describe_the_same_arm(tmp_path):
         for j, f in zip(joints, frames)
         if j["type"] != "fixed"
     ]
-    same = read(tmp_path, described(tmp_path, axis=axes, home=frames[-1].tolist()), text, angle_unit="rad", length_unit="m").matrices
+    same = read(tmp_path, described(tmp_path, axis=axes, home=frames[-1].tolist()), text, angle_unit="rad", units="m").matrices
     np.testing.assert_allclose(arm, same, atol=1e-9)
     # In meters, as the table says: by hand, the elbow is at 0.3 m from the yaw's axis, 0.1 m up
     expected = about(np.degrees(0.3), [0, 0, 1], np.zeros(3)) @ [300, 0, 100, 1]

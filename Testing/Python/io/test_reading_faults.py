@@ -18,8 +18,8 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.disk import small_files
 from AIFReconLib.io.disk.small_files import read_bytes
 from AIFReconLib.io.foreign.openers import open_images
+from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
-from AIFReconLib.io.foreign.poses.rotations import PoseFormat
 from AIFReconLib.io.metafile import opening
 from AIFReconLib.io.metafile.metafile import Metafile
 from AIFReconLib.io.sequence.files import read_sequence
@@ -155,7 +155,7 @@ def test_a_table_that_ends_before_its_length_is_not_taken_for_a_shorter_one(tmp_
     status = os.stat_result([*os.stat(tmp_path / "p.csv")[:6], 10_000, 0, 0, 0])
     monkeypatch.setattr(small_files.os, "fstat", lambda _: status)
     with pytest.raises(FileFormatError, match="changed while it was read"):
-        read_poses(tmp_path / "p.csv", PoseFormat())
+        read_poses(tmp_path / "p.csv", ImportOptions())
 
 
 def test_of_a_long_file_no_more_than_the_limit_is_read(tmp_path):

@@ -19,8 +19,8 @@ from fuzz.registry import TARGETS  # noqa: E402
 from fuzz.target import check  # noqa: E402
 
 from AIFReconLib.io.foreign.openers import natural_order  # noqa: E402
+from AIFReconLib.io.foreign.options import ImportOptions  # noqa: E402
 from AIFReconLib.io.foreign.poses.files import read_poses  # noqa: E402
-from AIFReconLib.io.foreign.poses.rotations import PoseFormat  # noqa: E402
 from AIFReconLib.io.metafile.text_values import parse_number  # noqa: E402
 from AIFReconLib.io.sequence.files import KINDS  # noqa: E402
 
@@ -130,7 +130,7 @@ def test_a_superscript_in_a_file_s_name_is_no_number():
 def test_a_row_with_a_quaternion_and_more_is_what_was_said_of_it(tmp_path, text):
     """Said to be a quaternion, it was read as Euler angles (TypeError, KeyError) or as a matrix of one number and zeros."""
     (tmp_path / "poses.json").write_text(text)
-    table = read_poses(tmp_path / "poses.json", PoseFormat())
+    table = read_poses(tmp_path / "poses.json", ImportOptions())
     assert "quaternion" in table.understood[0]
     np.testing.assert_array_equal(table.matrices[0], [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
-from ....arrays import Floats, Matrix
+from ....arrays import Floats, Mask, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
 from ....message import listed, said
 from ...disk.small_files import read_bytes
+from ...disk.tables import read_table
+from ..options import ImportOptions
 from .headings import (
     ANGLES,
     FRAME,
@@ -37,7 +38,7 @@ from .headings import (
     layout_of,
 )
 from .json_sheet import sheet_of_json
-from .rotations import PoseFormat, PoseValueError, poses_of, rotation_kind
+from .rotations import PoseValueError, poses_of, rotation_kind
 from .sheet import MAXIMUM_BYTES, Cells, Sheet, is_number, sheets_of, text_of
 from .statuses import statuses_of
 from .times import Times, times_of
@@ -48,6 +49,10 @@ _WORDS = (IMAGE, STATUS, OCCLUDED, TOOL)
 
 _KINDS = {"Rotation", "Position"}
 """What Motive writes above the axes of both."""
+
+
+_ALSO = {"length_unit": "units", "good_statuses": "status_ok"}
+"""What files of one's own may call options."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +85,7 @@ class PoseTable:
     knows_length: bool = False
 
 
-def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
+def read_poses(path: str | Path, form: ImportOptions | None = None) -> PoseTable:
     """The poses in a .csv, .txt, .tsv, .json or .npy file.
 
     Raises FileFormatError, which names the row and the column, or the key, that cannot be used; SettingsError when a convention is left
@@ -93,10 +98,10 @@ def read_poses(path: str | Path, form: PoseFormat | None = None) -> PoseTable:
         and a quaternion or Euler angles, each with a time in front or not. Of several tools, side by side or one below the other, the
         one that `form` names. NumPy: (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12). JSON: a list of poses, or of objects with matrix, or
         translation and quaternion or euler.
-    form : PoseFormat
+    form : ImportOptions
         What the file does not say.
     """
-    path, form = Path(path), form or PoseFormat()
+    path, form = Path(path), form or ImportOptions()
     try:
         if path.suffix.lower() == ".npy":
             return _of_array(path, form)
@@ -128,7 +133,7 @@ def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[
     return times, cells.words(named[0]) if named else None
 
 
-def _of_array(path: Path, form: PoseFormat) -> PoseTable:
+def _of_array(path: Path, form: ImportOptions) -> PoseTable:
     """An array of matrices."""
     try:
         array = np.load(io.BytesIO(read_bytes(path, MAXIMUM_BYTES, FileFormatError)), allow_pickle=False)
@@ -140,7 +145,7 @@ def _of_array(path: Path, form: PoseFormat) -> PoseTable:
     return _posed(dict(zip(MATRIX, lines.T)), form, None, None, [f"pose {number}" for number in range(len(lines))])
 
 
-def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat) -> PoseTable:
+def _of_sheets(sheets: Sequence[Sheet], form: ImportOptions) -> PoseTable:
     """The poses of the first table that holds some."""
     if not sheets:
         raise FileFormatError("it holds no poses. Give a file with one pose per frame.")
@@ -156,28 +161,30 @@ def _of_sheets(sheets: Sequence[Sheet], form: PoseFormat) -> PoseTable:
     return replace(table, understood=(*table.understood, *others))
 
 
-def _of_sheet(sheet: Sheet, form: PoseFormat) -> PoseTable:
-    layout = _layout(form.columns) if form.columns is not None else layout_of(sheet.headings or (), sheet.above)
+def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
+    names = form.column_names
+    layout = _layout(names) if names is not None else layout_of(sheet.headings or (), sheet.above)
     if layout is not None:
-        columns = layout.get("columns", ())
-        columns = columns.split() if isinstance(columns, str) else columns
+        written = layout.get("columns", ())
+        names = tuple(written.split() if isinstance(written, str) else written) or None
         unsaid = {each.name: layout[each.name] for each in fields(form) if each.name in layout and getattr(form, each.name) is None}
-        form = replace(form, **{**unsaid, "columns": tuple(columns) or None})
-    if form.columns is None and sheet.headings is None and sheet.width == 4:
+        form = replace(form, **unsaid)
+    if names is None and sheet.headings is None and sheet.width == 4:
         return _of_blocks(sheet, form)
-    columns = _columns(sheet, form, (layout or {}).get("headings", {}))
+    columns = _columns(sheet, names, form, (layout or {}).get("headings", {}))
     track, told, is_chosen = track_of(columns, sheet, form.tool, layout is not None)
     cells = sheet.read(len(columns), [place for place, column in track.described.items() if column.role in _WORDS])
     cells, told_rows = rows_of(track, cells, form.tool, is_chosen)
     numeric = {role: place for role, place in track.columns.items() if role not in (*_WORDS, TIME, FRAME, RECEIVED)}
     values = {role: cells.numbers(place, role) for role, place in numeric.items()}
-    length = form.length_unit or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
+    length = form.units or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
     times = times_of(track.described, cells, form.time_unit)
     if times.seconds is None and FRAME in track.columns and (rate := _rate(sheet, track)) is not None:
         frames = cells.numbers(track.columns[FRAME], FRAME)
         times = Times((frames - frames[0]) / rate, (f"time: frame numbers at {rate:g} frames/s, as the file says",))
     table = _posed(values, form, length, _unit(track, ANGLES), cells)
-    statuses, told_status = _statuses(track, cells, table.matrices, form)
+    moved = np.asarray(np.isfinite(table.matrices).all(axis=(1, 2)) & table.matrices[:, :3, 3].any(axis=1))
+    statuses, told_status = statuses_in(track, cells, moved, form)
     unused = in_words_of_the_table(column for place, column in enumerate(columns) if place not in track.described and column.heading != "-")
     understood = [*table.understood, *([f"as {layout['maker']} writes"] if layout and "maker" in layout else []), *told, *told_rows]
     understood += [*times.told, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
@@ -188,10 +195,12 @@ def _of_sheet(sheet: Sheet, form: PoseFormat) -> PoseTable:
     return replace(table, times=times.seconds, images=images, statuses=statuses, understood=tuple(understood))
 
 
-def _posed(values: dict[str, Floats], form: PoseFormat, length: str | None, angle: str | None, where: Cells | Sequence[str]) -> PoseTable:
+def _posed(
+    values: dict[str, Floats], form: ImportOptions, length: str | None, angle: str | None, where: Cells | Sequence[str]
+) -> PoseTable:
     """The poses that fields give, alone; `where` says where each stands."""
     kind = rotation_kind(values, form, angle)
-    length = length or form.length_unit
+    length = length or form.units
     try:
         matrices = poses_of(values, kind)
     except PoseValueError as error:
@@ -206,21 +215,16 @@ def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
     word = columns[0] if len(columns) == 1 else ""
     if not word.lower().endswith(".json"):
         return next((maker for maker in TABLES["makers"] if maker["name"] == word.lower()), None)
-    try:
-        layout = json.loads(text_of(Path(word)))
-    except (ValueError, RecursionError) as error:
-        if isinstance(error, FileFormatError):
-            raise
-        layout = None
+    layout: Any = read_table(Path(word), FileFormatError, "Correct the file.")
     is_one = isinstance(layout, dict) and isinstance(layout.get("columns", ""), str | list)
     if not is_one or not isinstance(layout.get("headings", {}), dict):
         raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.")
-    return cast("dict[str, Any]", layout)
+    return {_ALSO.get(name, name): value for name, value in layout.items()}
 
 
-def _columns(sheet: Sheet, form: PoseFormat, own: dict[str, str]) -> list[Column]:
-    """What each column holds; `own` are a maker's headings."""
-    names = form.columns or (_names_of_numbers(sheet, form) if sheet.headings is None else None)
+def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, own: dict[str, str]) -> list[Column]:
+    """What each column holds; `names` are those that are said, `own` a maker's headings."""
+    names = names or (_names_of_numbers(sheet, form) if sheet.headings is None else None)
     if names is not None and any("=" in word for word in names):
         return _assigned(sheet, names)
     if names is not None:
@@ -253,7 +257,7 @@ def _assigned(sheet: Sheet, words: Sequence[str]) -> list[Column]:
     return columns
 
 
-def _names_of_numbers(sheet: Sheet, form: PoseFormat) -> Sequence[str]:
+def _names_of_numbers(sheet: Sheet, form: ImportOptions) -> Sequence[str]:
     """What the columns of a table without headings are, by their number."""
     count = sheet.width
     if count in (16, 17, 12, 13):
@@ -273,7 +277,7 @@ def _rate(sheet: Sheet, track: Track) -> float | None:
     return rate if rate > 0.0 and TIME not in track.columns else None
 
 
-def _of_blocks(sheet: Sheet, form: PoseFormat) -> PoseTable:
+def _of_blocks(sheet: Sheet, form: ImportOptions) -> PoseTable:
     """Matrices of three or four lines of four numbers each."""
     cells = sheet.read(4)
     lines = np.stack([cells.numbers(place, str(place + 1)) for place in range(4)], axis=1)
@@ -306,11 +310,11 @@ def _length_above(above: Sequence[Sequence[str]]) -> str | None:
     return None
 
 
-def _statuses(track: Track, cells: Cells, matrices: Matrix, form: PoseFormat) -> tuple[tuple[str, ...] | None, list[str]]:
-    for role in (STATUS, OCCLUDED):
-        if role in track.columns:
-            place = track.columns[role]
-            moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
-            statuses, told = statuses_of(cells.words(place), track.described[place].heading, role, moved, form.good_statuses)
-            return statuses, [told]
-    return None, []
+def statuses_in(track: Track, cells: Cells, has_pose: Mask, form: ImportOptions) -> tuple[tuple[str, ...] | None, list[str]]:
+    """One of Plus's statuses for each row, where a column says them, and in words how it was taken."""
+    role = next((role for role in (STATUS, OCCLUDED) if role in track.columns), None)
+    if role is None:
+        return None, []
+    place = track.columns[role]
+    statuses, told = statuses_of(cells.words(place), track.described[place].heading, role, has_pose, form.status_ok or ())
+    return statuses, [told]

@@ -48,6 +48,9 @@ WAYS = (TURN, COUNTED_TURN, QUATERNION, UNORDERED_QUATERNION, ROTATION_VECTOR, E
 POSE = frozenset(name for way in (MATRIX, TRANSLATION, *WAYS) for name in way)
 
 QUATERNION_ORDERS = ("xyzw", "wxyz")
+VECTOR = "vector"
+"""In the place of an order of Euler angles: the three numbers are a rotation vector, axis times angle."""
+
 LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 ANGLES = ("deg", "rad")
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "100ns": 1e-7, "ns": 1e-9}

@@ -5,7 +5,6 @@ What a file cannot say for itself (the order of a quaternion's numbers, the axes
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,8 +15,8 @@ from ....arrays import Floats, Mask, Matrix
 from ....errors import AIFReconError, SettingsError
 from ....message import listed
 from ....remedies import ANGLE_UNIT, NAME_THE_COLUMNS
+from ..options import ImportOptions
 from .headings import (
-    ANGLES,
     AZIMUTH,
     COUNTED_TURN,
     EULER,
@@ -25,16 +24,12 @@ from .headings import (
     LENGTHS,
     MATRIX,
     QUATERNION,
-    QUATERNION_ORDERS,
     ROTATION_VECTOR,
-    TIMES,
     TRANSLATION,
     UNORDERED_QUATERNION,
+    VECTOR,
     WAYS,
 )
-
-VECTOR = "vector"
-"""In the place of an order of Euler angles: the three numbers are a rotation vector, axis times angle."""
 
 EULER_ORDERS = ("xyz", "zyx", "XYZ", "ZYX", VECTOR)
 """The usual ones."""
@@ -54,60 +49,6 @@ NEEDED = (
 ROWS, COLUMNS = "row by row", "column by column"
 _FULL_TURN = 2 * np.pi + 0.01
 """Angles beyond it, in rad, are none."""
-
-
-@dataclass(frozen=True)
-class PoseFormat:
-    """What the user says of a file of poses.
-
-    Parameters
-    ----------
-    columns : tuple of str or None
-        Names of the columns, for files without a header or with names of their own; ``-`` for one that is not used.
-    tool : str or None
-        Name of the tool, or its place from 1, where the file holds several.
-    quaternion_order : "xyzw", "wxyz" or None
-        For quaternions whose numbers have no names.
-    euler_order : str or None
-        Axes in the order in which the turns are applied: ``xyz`` about fixed axes, ``ZYX`` about the axes that turn along. Angles
-        with names belong to the axes of those names; without, they come in the order of the turns. ``vector``: the three numbers are
-        a rotation vector, axis times angle.
-    angle_unit : "deg", "rad" or None
-        None: as the file says.
-    length_unit : "mm", "cm", "m" or None
-        None: as the file says, else mm.
-    time_unit : "s", "ms", "us", "ns" or None
-        None: as the file says, else by the size of the numbers.
-    good_statuses : tuple of str
-        Words of the tracker that mean that a pose is valid, where they are not known here.
-    column_major : bool or None
-        Matrices are written column by column; None: row by row where that cannot be otherwise.
-    """
-
-    columns: tuple[str, ...] | None = None
-    tool: str | None = None
-    quaternion_order: str | None = None
-    euler_order: str | None = None
-    angle_unit: str | None = None
-    length_unit: str | None = None
-    time_unit: str | None = None
-    good_statuses: tuple[str, ...] = ()
-    column_major: bool | None = None
-
-    def __post_init__(self) -> None:
-        if self.quaternion_order not in (None, *QUATERNION_ORDERS):
-            raise SettingsError(f"Input quaternion_order must be xyzw or wxyz; got {self.quaternion_order!r}. See the tracker's manual.")
-        order = self.euler_order
-        if order not in (None, VECTOR) and not (re.fullmatch("[xyz]{3}|[XYZ]{3}", order) and order[0] != order[1] != order[2]):
-            raise SettingsError(
-                f"Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along), or vector; got {order!r}. See "
-                "the tracker's manual."
-            )
-        for name, choices in (("angle_unit", ANGLES), ("length_unit", tuple(LENGTHS)), ("time_unit", tuple(TIMES))):
-            if getattr(self, name) not in (None, *choices):
-                raise SettingsError(
-                    f"Input {name} must be {listed(choices, ' or ')}; got {getattr(self, name)!r}. See the tracker's manual."
-                )
 
 
 class PoseValueError(AIFReconError, ValueError):
@@ -142,7 +83,7 @@ class RotationKind:
         return f"translation in {length} and {how}"
 
 
-def rotation_kind(values: Mapping[str, Floats], form: PoseFormat, unit: str | None) -> RotationKind:
+def rotation_kind(values: Mapping[str, Floats], form: ImportOptions, unit: str | None) -> RotationKind:
     """How the fields of a table, numbers (n,) by name, give a rotation; `unit` is that of angles, as the table says it.
 
     Raises SettingsError when they give none, a convention is left open, or angles are beyond two turns.

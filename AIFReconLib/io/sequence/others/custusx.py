@@ -32,7 +32,6 @@ IMAGE, TOOL = TransformName("Image", "Reference"), TransformName("Tool", "Refere
 CALIBRATION = TransformName("Image", "Tool")
 NEAR = 0.1
 """s. How far from a pose of the tool CustusX may have gone on with it, where the next is farther than `LONGEST_GAP`."""
-_MOST_BYTES = 2**25
 
 
 def _read(path: Path, orientation: str | None) -> Recorded:
@@ -48,14 +47,13 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         return images
 
     _, first_spacing = _frame(frames[0], orientation)
-    if len(times) != len(frames):
-        raise SequenceFormatError(f"{times_path}: there must be a time for each frame; got {len(times)} for {len(frames)} frames.")
+    _same(times_path, "a time for each frame", len(times), len(frames), "frames")
     images = DecodedImages(len(frames), decode, lambda n: str(frames[n]))
-    probe = _probe(Path(f"{base}.probedata.xml"))
-    spacing = first_spacing or (probe.spacing if probe is not None else None)
+    of_probe, image_to_tool = _probe(Path(f"{base}.probedata.xml")) or (None, None)
+    spacing = first_spacing or of_probe
     if spacing is None:
         raise SequenceFormatError(f"{frames[0]}: the size of a pixel is neither there nor in {base}.probedata.xml. Copy that file too.")
-    name, samples, header, notes = _poses(base, times, spacing, probe)
+    name, samples, header, notes = _poses(base, times, spacing, image_to_tool)
     records = [FrameRecord(float(time), transforms={name: sample}, stated_spacing=spacing) for time, sample in zip(times, samples)]
     return Recorded(images, records, transforms=header, notes=notes)
 
@@ -63,15 +61,14 @@ def _read(path: Path, orientation: str | None) -> Recorded:
 _Poses = tuple[TransformName, Sequence[TransformSample], dict[TransformName, TransformSample], tuple[str, ...]]
 
 
-def _poses(base: str, times: Floats, spacing: tuple[float, float], probe: _Probe | None) -> _Poses:
+def _poses(base: str, times: Floats, spacing: tuple[float, float], image_to_tool: Matrix | None) -> _Poses:
     """What the poses of the frames are, one each, transforms of all frames, and what a user should know."""
     of_frames, of_tool, tool_times = (Path(f"{base}{suffix}") for suffix in (".fp", ".tp", ".tts"))
     to_mm = np.diag([*spacing, sum(spacing) / 2, 1.0])
     clock = _numbers(tool_times) / 1000.0 if tool_times.exists() else None
     if of_frames.exists():
         matrices = _matrices(of_frames) @ to_mm
-        if len(matrices) != len(times):
-            raise SequenceFormatError(f"{of_frames}: there must be a pose for each frame; got {len(matrices)} for {len(times)} frames.")
+        _same(of_frames, "a pose for each frame", len(matrices), len(times), "frames")
         seen = np.ones(len(times), bool) if clock is None else _tracked(times, clock)
         lost = np.count_nonzero(~seen)
         note = f"CustusX went on with the last pose in {lost} frames that the tracker did not see; they are left out." if lost else ""
@@ -80,14 +77,18 @@ def _poses(base: str, times: Floats, spacing: tuple[float, float], probe: _Probe
     if not of_tool.exists() or clock is None:
         raise SequenceFormatError(f"{base}.fp: neither this file nor .tp and .tts of the same name are there. Copy the whole folder.")
     matrices = _matrices(of_tool)
-    if len(matrices) != len(clock):
-        raise SequenceFormatError(f"{of_tool}: there must be a time for each pose; got {len(clock)} for {len(matrices)} poses.")
+    _same(of_tool, "a time for each pose", len(clock), len(matrices), "poses")
     track = PoseTrack(zip(clock.tolist(), map(TransformSample, matrices)))
     found = [track.at(float(time))[0] for time in times]
     samples = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
-    if probe is None:
+    if image_to_tool is None:
         return TOOL, samples, {}, ("The acquisition does not say where the image lies in the probe (.probedata.xml).",)
-    return TOOL, samples, {CALIBRATION: TransformSample(probe.image_to_tool @ to_mm)}, ()
+    return TOOL, samples, {CALIBRATION: TransformSample(image_to_tool @ to_mm)}, ()
+
+
+def _same(path: Path, what: str, got: int, count: int, of: str) -> None:
+    if got != count:
+        raise SequenceFormatError(f"{path}: there must be {what}; got {got} for {count} {of}.")
 
 
 def _tracked(times: Floats, clock: Floats) -> Mask:
@@ -101,26 +102,16 @@ def _tracked(times: Floats, clock: Floats) -> Mask:
     return seen
 
 
-class _Probe:
-    """What a probe definition says of the image: the size of a pixel, and where it lies in the tool.
+def _probe(path: Path) -> tuple[tuple[float, float], Matrix] | None:
+    """What a probe definition says of the image: the size of a pixel, and where it lies in the tool; None where it says nothing of it.
 
     The tool has its z axis along the beams and its -y axis along the rows of the image; its origin is pixel `origin_p`
     (`ProbeSector::get_tMu` and `get_uMv`).
     """
-
-    def __init__(self, spacing: tuple[float, float], origin: Sequence[float]):
-        self.spacing = spacing
-        self.image_to_tool: Matrix = np.array([[0.0, 0, -1, 0], [-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-        self.image_to_tool[:3, 3] = -self.image_to_tool[:3, :3] @ (np.array(origin) * [*spacing, sum(spacing) / 2])
-
-
-def _probe(path: Path) -> _Probe | None:
-    """None where the file is not there, or says nothing of the image."""
     if not path.exists():
         return None
     try:
-        root = parse_xml(path, bare_doctype=True)
-        image = root.find("configuration/image")
+        image = parse_xml(path, bare_doctype=True).find("configuration/image")
         if image is None:
             return None
         spacing, origin = (parse_numbers(image.get(name, "")) for name in ("spacing", "origin_p"))
@@ -128,7 +119,9 @@ def _probe(path: Path) -> _Probe | None:
         raise SequenceFormatError(f"{path}: the definition of the probe cannot be read. {error}") from error
     if len(spacing) < 2 or min(spacing[:2]) <= 0 or len(origin) != 3 or not np.isfinite([*spacing, *origin]).all():
         raise SequenceFormatError(f"{path}: spacing must be numbers above 0 and origin_p three numbers. Copy the file again.")
-    return _Probe((spacing[0], spacing[1]), origin)
+    image_to_tool = np.array([[0.0, 0, -1, 0], [-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+    image_to_tool[:3, 3] = -image_to_tool[:3, :3] @ np.multiply(origin, [*spacing[:2], sum(spacing[:2]) / 2])
+    return (spacing[0], spacing[1]), image_to_tool
 
 
 def _frame(path: Path, orientation: str | None) -> tuple[Numbers, tuple[float, float] | None]:
@@ -172,13 +165,12 @@ def _times_of_frames(path: Path) -> Path:
 
 def _numbers(path: Path) -> Floats:
     """All numbers of a small file."""
-    data = read_bytes(path, _MOST_BYTES + 1, SequenceFormatError)
     try:
-        numbers = parse_numbers(data[:_MOST_BYTES].decode("ascii", "replace"))
+        numbers = parse_numbers(read_bytes(path, None, SequenceFormatError).decode("ascii", "replace"))
     except NotANumberError as error:
         raise SequenceFormatError(f"{path}: it must hold numbers alone; {error}. Copy the file again.") from error
-    if len(data) > _MOST_BYTES or not np.isfinite(numbers).all():
-        raise SequenceFormatError(f"{path}: it must hold finite numbers, in {_MOST_BYTES} bytes at most. Copy the file again.")
+    if not np.isfinite(numbers).all():
+        raise SequenceFormatError(f"{path}: it must hold finite numbers. Copy the file again.")
     return np.array(numbers, dtype=np.float64)
 
 

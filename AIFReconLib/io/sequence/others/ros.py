@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import re
 import weakref
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -45,8 +46,8 @@ _PURPOSE = "Bags of ROS"
 class _Found:
     """What the messages of a bag say, each with its time in s."""
 
-    images: list[tuple[int, float]] = field(default_factory=list)
-    """When each was written (ns), and its own time."""
+    times: list[float] = field(default_factory=list)
+    """Of the images."""
     frame: str = ""
     tracks: dict[TransformName, list[tuple[float, TransformSample]]] = field(default_factory=dict)
     still: dict[TransformName, TransformSample] = field(default_factory=dict)
@@ -65,43 +66,30 @@ class _Bag:
         self._decode = store.deserialize_ros1 if first else store.deserialize_cdr
         self._reader = library("rosbags.rosbag1" if first else "rosbags.rosbag2", _PURPOSE).Reader(path)
         self._reader.open()
-        self._under_way: list[Generator[Any, None, None]] = []
-        weakref.finalize(self, _close, self._reader, self._under_way)
+        self._images: list[Generator[Any, None, None]] = []
+        weakref.finalize(self, _close, self._reader, self._images)
         self.by_type: dict[str, list[Any]] = {}
         for connection in self._reader.connections:
             self.by_type.setdefault(connection.msgtype, []).append(connection)
-        self._next = -1
+        self._next = 0
 
-    def messages(self, connections: list[Any]) -> Generator[tuple[Any, int, Any], None, None]:
+    def messages(self, connections: list[Any]) -> Iterator[tuple[Any, int, Any]]:
         """Connection, when it was written (ns), and message, from the first on."""
-        return _messages(self._reader, self._decode, connections, None)
+        for connection, written, raw in self._reader.messages(connections=connections):
+            yield connection, written, self._decode(raw, TREES[0] if connection.msgtype in TREES else connection.msgtype)
 
-    def image(self, connections: list[Any], number: int, written: list[int]) -> Any:
-        """The message of one image; they are read on from the one before."""
-        if number != self._next:
-            first = number
-            while first and written[first - 1] == written[number]:
-                first -= 1
-            _end(self._under_way)
-            self._under_way.append(_messages(self._reader, self._decode, connections, written[number]))
-            for _ in range(number - first):
-                next(self._under_way[0])
+    def image(self, connections: list[Any], number: int) -> Any:
+        """The message of one image. They are read on from the one before; going back starts over."""
+        if number < self._next or not self._images:
+            self._images[:], self._next = [self._reader.messages(connections=connections)], 0
+        connection, _, raw = next(islice(self._images[0], number - self._next, None))
         self._next = number + 1
-        return next(self._under_way[0])[2]
-
-
-def _messages(reader: Any, decode: Callable[[bytes, str], Any], connections: list[Any], start: int | None) -> Generator[Any, None, None]:
-    for connection, written, raw in reader.messages(connections=connections, start=start):
-        yield connection, written, decode(raw, TREES[0] if connection.msgtype in TREES else connection.msgtype)
-
-
-def _end(under_way: list[Generator[Any, None, None]]) -> None:
-    while under_way:
-        under_way.pop().close()
+        return self._decode(raw, connection.msgtype)
 
 
 def _close(reader: Any, under_way: list[Generator[Any, None, None]]) -> None:
-    _end(under_way)
+    while under_way:
+        under_way.pop().close()
     reader.close()
 
 
@@ -123,16 +111,15 @@ def _read(path: Path, orientation: str | None) -> Recorded:
             raise SequenceFormatError(f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. {remedy}")
         decode = IMAGES[topics[0].msgtype]
         found = _found(bag, topics)
-        written = [time for time, _ in found.images]
 
         def image(number: int) -> Numbers:
             with decoding(f"{path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
-                pixels: Numbers = decode(bag.image(topics, number, written), MAXIMUM_FRAME_BYTES)
+                pixels: Numbers = decode(bag.image(topics, number), MAXIMUM_FRAME_BYTES)
                 return pixels
 
-        images = DecodedImages(len(written), image, lambda n: f"{path}, image {n}")
+        images = DecodedImages(len(found.times), image, lambda n: f"{path}, image {n}")
     tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
-    records = [FrameRecord(time, transforms=_at(tracks, time)) for _, time in found.images]
+    records = [FrameRecord(time, transforms=_at(tracks, time)) for time in found.times]
     return Recorded(images, records, transforms=found.still, notes=_notes(found, bag))
 
 
@@ -142,9 +129,9 @@ def _found(bag: _Bag, topics: list[Any]) -> _Found:
     poses = [connection for kind in (*POSES, TRANSFORM, *TREES) for connection in bag.by_type.get(kind, ())]
     for connection, written, message in bag.messages([*topics, *poses]):
         if connection.msgtype in IMAGES:
-            found.images.append((written, _time(message.header, written)))
+            found.times.append(_time(message.header, written))
             found.frame = found.frame or message.header.frame_id
-            if len(found.images) > MAXIMUM_FRAMES:
+            if len(found.times) > MAXIMUM_FRAMES:
                 raise SequenceFormatError(f"{bag.path}: it holds more than {MAXIMUM_FRAMES} images. Split the recording.")
         elif connection.msgtype in POSES:
             of_topic = re.sub("_?(pose|odom(etry)?|stamped|with_?covariance)", "", connection.topic.rstrip("/").lower())
@@ -159,7 +146,7 @@ def _found(bag: _Bag, topics: list[Any]) -> _Found:
                     found.still[name] = _sample(matrix)
                 else:
                     _add(found.tracks, name, _time(item.header, written), matrix)
-    if not found.images:
+    if not found.times:
         raise SequenceFormatError(f"{bag.path}: topic {topics[0].topic} holds no image. Record it again.")
     return found
 

@@ -7,7 +7,7 @@ scene.
 
 from __future__ import annotations
 
-import shutil
+import os
 import tempfile
 import weakref
 import zipfile
@@ -29,7 +29,7 @@ from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
 from ...disk.workspace import workspace
 from ...disk.xml_tree import parse_xml
-from ...metafile.text_values import NotANumberError, parse_numbers
+from ...metafile.text_values import NotANumberError, parse_matrix
 from ..decoded_images import decoding
 from ..kinds import Recorded, RecordingKind
 from ..metafiles import METAFILES
@@ -43,22 +43,18 @@ _PICTURES, _MOVES = "VolumeSequenceStorage", "LinearTransformSequenceStorage"
 
 def _read(path: Path, orientation: str | None) -> Recorded:
     require_regular_file(path, SequenceFormatError)
-    with decoding(f"{path}: it cannot be read as a scene of Slicer", "Save it from Slicer again."), zipfile.ZipFile(path) as archive:
-        stack = ExitStack()
+    readable = decoding(f"{path}: it cannot be read as a scene of Slicer", "Save it from Slicer again.")
+    with readable, zipfile.ZipFile(path) as archive, ExitStack() as stack:
         folder = stack.enter_context(workspace(Path(tempfile.gettempdir())))
-        unpacked: dict[str, Path] = {}
         try:
-            recorded = _recorded(_Scene.of(path, archive, folder, unpacked), orientation)
-        except BaseException as error:
-            stack.close()
-            if isinstance(error, AIFReconError) and str(folder) in said(error):
-                text = str(said(error))
-                for member, file in unpacked.items():
-                    text = text.replace(str(file), member)
-                raise SequenceFormatError(f"{path}: {text}", error) from error
-            raise
-    images = _Unpacked(recorded.images)
-    weakref.finalize(images, stack.close)
+            recorded = _recorded(_Scene.of(path, archive, folder), orientation)
+        except AIFReconError as error:
+            text = str(said(error))
+            if str(folder) not in text:
+                raise
+            raise SequenceFormatError(f"{path}: {text.replace(f'{folder}{os.sep}', '')}", error) from error
+        images = _Unpacked(recorded.images)
+        weakref.finalize(images, stack.pop_all().close)
     return replace(recorded, images=images)
 
 
@@ -80,27 +76,15 @@ class _Scene:
     folder: Path
     nodes: Mapping[str, Element]
     base: str
-    unpacked: dict[str, Path]
 
     @classmethod
-    def of(cls, path: Path, archive: zipfile.ZipFile, folder: Path, unpacked: dict[str, Path]) -> _Scene:
+    def of(cls, path: Path, archive: zipfile.ZipFile, folder: Path) -> _Scene:
         names = [name for name in archive.namelist() if name.lower().endswith(".mrml")]
         if len(names) != 1:
             raise SequenceFormatError(f"{path}: it must hold one scene (.mrml); got {len(names)}. Save it from Slicer again.")
-        scene = cls(path, archive, folder, {}, str(PurePosixPath(names[0]).parent), unpacked)
-        root = parse_xml(scene.file(names[0]))
+        root = parse_xml(Path(archive.extract(names[0], folder)))
         nodes = {node.get("id", ""): node for node in root.iter() if node.get("id")}
-        return replace(scene, nodes=nodes)
-
-    def file(self, member: str) -> Path:
-        """A file of the bundle, unpacked."""
-        if member not in self.unpacked:
-            info = self.archive.getinfo(member)
-            target = self.folder / f"{len(self.unpacked)}{''.join(PurePosixPath(member).suffixes[-2:])}"
-            with self.archive.open(info) as source, open(target, "xb") as copy:
-                shutil.copyfileobj(source, copy)
-            self.unpacked[member] = target
-        return self.unpacked[member]
+        return cls(path, archive, folder, nodes, str(PurePosixPath(names[0]).parent))
 
     def references(self, node: Element) -> dict[str, str]:
         """Ids of the first node in each role."""
@@ -121,7 +105,7 @@ class _Scene:
         for spelled in (name, unquote(name)):
             member = str(PurePosixPath(self.base, spelled))
             if spelled and member in self.archive.NameToInfo:
-                return self.file(member)
+                return Path(self.archive.extract(member, self.folder))
         raise SequenceFormatError(
             f"{self.path}: the file of {node.get('name')} ({name or 'none'}) is not in it. Save it from Slicer again."
         )
@@ -208,12 +192,9 @@ def _still(scene: _Scene, link: Element) -> Matrix:
 
         return read_transform(scene.stored(link))
     try:
-        numbers = parse_numbers(text)
+        return parse_matrix(text)
     except NotANumberError as error:
         raise SequenceFormatError(f"{scene.path}: {link.get('name')} must be 16 numbers; {error}. Save it from Slicer again.") from error
-    if len(numbers) != 16:
-        raise SequenceFormatError(f"{scene.path}: {link.get('name')} must be 16 numbers; got {len(numbers)}. Save it from Slicer again.")
-    return np.array(numbers).reshape(4, 4)
 
 
 def _beside(scene: _Scene, records: Sequence[FrameRecord], moves: list[Element]) -> Sequence[FrameRecord]:
