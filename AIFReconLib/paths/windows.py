@@ -68,15 +68,14 @@ class Window:
 
 def windows_of(
     surroundings: Surroundings,
-    entries: Floats,
-    ends: Floats,
-    number: Integers,
-    last: Integers,
+    points: tuple[Floats, Floats],
+    joined: tuple[Integers, Integers],
     clearance: Floats,
     seen: Floats,
     states: Bytes,
 ) -> tuple[Window, ...]:
-    """The windows among lines from ``entries[number]`` to ``ends[last]``: free ones by their clearance, then the largest not seen."""
+    """The windows among lines that join entries and ends: free ones by their clearance, then the largest not seen."""
+    (entries, ends), (number, last) = points, joined
     found: list[Window] = []
     for is_free, chosen in ((True, np.flatnonzero(states >= TIGHT)), (False, np.flatnonzero(states == NOT_SEEN))):
         groups = _joined(entries, ends, number[chosen], last[chosen])
