@@ -7,6 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -41,6 +42,9 @@ FRAMES_LOOKED_AT = 24
 """Tracked frames that are awaited to recognize the probe in, where neither options nor a configuration tell."""
 
 MOST_PREDICTIONS = 64
+
+MOST_WATCHES = 8
+"""That go on at a time, and snapshots."""
 
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
@@ -159,6 +163,7 @@ class LiveSession:
         self._inserter = Inserter(self.settings, bone, longest_delay, sign, parts)
         self._grid = grid = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock, self._looking = threading.RLock(), threading.Lock()
+        self.pool = ThreadPoolExecutor(MOST_WATCHES, "aifrecon live watch")
         self._known = known_imaging(configuration, True, region, probe)
         # With gray levels that are told no frame must be awaited
         self._seen_imaging = None if self._known is None or asked.gray_levels is None else self._known.judging((), asked)
@@ -257,6 +262,7 @@ class LiveSession:
             self._collector.join()
         self._close_scouting()
         self._inserter.close()
+        self.pool.shutdown(wait=False)
         self._phase = STOPPED
         self.finished.set()
         if self.recorder is not None:
