@@ -100,7 +100,6 @@ class Channel:
 
     Parameters
     ----------
-    connection : Connection
     patience : float or None
         s after which an end that takes nothing, or stops in the middle of something, counts as closed; None: it is
         waited for. Not on Windows, where it is waited for.

@@ -46,7 +46,6 @@ class Scan(LiveScan):
 
     Parameters
     ----------
-    job : ScanJob
     progress : Progress or None
         Of what is made before the first frame is received: the bone map, the network, compiled code, the surface of bone.
     """

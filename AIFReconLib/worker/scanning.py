@@ -22,7 +22,6 @@ class Seen:
 
     Parameters
     ----------
-    statistics : LiveStatistics
     grid : VoxelGrid or None
         The voxels that are or will be filled.
     scouted : int

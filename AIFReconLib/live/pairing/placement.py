@@ -60,7 +60,6 @@ class ImagePlacement:
 
     Parameters
     ----------
-    configuration : PlusConfiguration
     image_to_reference, reference : str or None
         As in `SynchronizerSettings`.
     uses_image_matrix, trusting : bool
@@ -126,7 +125,6 @@ class ImagePlacement:
 
         Parameters
         ----------
-        message : ImageMessage
         sent : dict of TransformName to TransformSample
             Every transform that has come as messages of its own, at the time of the image; MISSING where none belongs to it.
         metadata : dict of TransformName to TransformSample

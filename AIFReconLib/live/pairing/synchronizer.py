@@ -100,7 +100,6 @@ class Synchronizer:
 
     Parameters
     ----------
-    settings : SynchronizerSettings
     configuration : PlusConfiguration or None
         Gives calibration and other fixed transforms, and the names of the frames.
 

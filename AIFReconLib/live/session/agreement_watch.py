@@ -46,8 +46,6 @@ class AgreementWatch(Watch):
 
     Parameters
     ----------
-    session : LiveSession
-    bone : BoneField
     labels_to_reference : (4, 4) array, mm
         Rigid.
     """

@@ -40,7 +40,6 @@ class BoneWatch(Watch):
     ----------
     session : LiveSession
         Made with `bone`.
-    bone : GrowingBone
     estimator : callable from Imaging to BoneEstimator, or None
         What tells bone in a frame, made when region and probe are known; None: the predictions that the session receives.
     record : Path or None

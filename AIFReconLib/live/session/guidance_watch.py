@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import Floats, Matrix, Numbers
 from ...bone.growing_bone import GrowingBone
 from ...effective_settings import Imaging
-from ...geometry.volume import Volume, VoxelGrid
+from ...geometry.volume import Volume
 from ...guidance.bone import GuidedBone, bone_of_echoes, guided_bone
 from ...guidance.bone_coverage import CoverageAccumulator, FrameGeometry
 from ...guidance.coverage import is_awry, unrefuted
@@ -54,7 +54,6 @@ class GuidanceWatch(Watch):
 
     Parameters
     ----------
-    session : LiveSession
     labels : Volume of integers, or GrowingBone
         Where the frames alone tell of bone, what they have told.
     labels_to_reference : (4, 4) array or None, mm
@@ -94,9 +93,6 @@ class GuidanceWatch(Watch):
         self._poses: list[Matrix] = []
         self._again: list[Matrix] = []
         self._since: list[Matrix] = []
-        self._grid: VoxelGrid | None = None
-        self._boxed: GuidedBone | None = None
-        self._is_in_box = True
         self._ahead: Iterator[object] | None = None
         self._told = self._advised = self._renewed = 0.0
         if isinstance(labels, GrowingBone):
@@ -114,6 +110,11 @@ class GuidanceWatch(Watch):
     def _tell_problem(self, problem: str) -> None:
         self.state = Guidance(problem=problem)
         self.prepared.set()
+
+    def _breathe(self) -> bool:
+        # What is done ahead ends as a frame comes: once inserted, that one is looked at next
+        has_come = self._ahead is not None and self._session.latest is not self._newest and self._session.wait_for_rest(0.0) > 0.0
+        return self._resume() if has_come else super()._breathe()
 
     def _take_labels(self, labels: Volume) -> None:
         self._labels, self._bone_of_ct, self._growing = labels, None, None
@@ -214,10 +215,7 @@ class GuidanceWatch(Watch):
 
     def _why_not(self, met: CoverageAccumulator) -> str | None:
         grid = self._session.grid
-        if grid is not self._grid or met.bone is not self._boxed:
-            self._grid, self._boxed = grid, met.bone
-            self._is_in_box = grid is None or holds_bone(grid, met.bone)
-        if not self._is_in_box:
+        if grid is not None and not holds_bone(grid, met.bone):
             return NOT_IN_BOX
         far = len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met)
         return FAR if far else None

@@ -53,7 +53,6 @@ class Inserter:
     ----------
     settings : Recipe
         With everything resolved.
-    bone : BoneMap or None
     longest_delay : float or None, s
         Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
     sign : callable
@@ -165,7 +164,8 @@ class Inserter:
         """
         with self._changed:
             rests = self._rests
-            self._changed.wait_for(lambda: self._rests != rests, timeout)
+            if timeout > 0.0:
+                self._changed.wait_for(lambda: self._rests != rests, timeout)
             return 0.0 if self._waiting_frames else self._rhythm.until_next(time.monotonic())
 
     def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:

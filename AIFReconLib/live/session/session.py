@@ -75,14 +75,12 @@ class LiveSession:
     ----------
     source : MessageSource
         E.g. an `OpenIGTLinkClient`; started and stopped by the session.
-    settings : Recipe
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
         Where to reconstruct. None: in the configuration's box, else it begins by scouting; see `grid_from_scout` and `use_grid`.
     configuration : PlusConfiguration or None
         Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
-    synchronizer : SynchronizerSettings
     record : str, Path, Recorder or None
         A sequence file for every frame that is received, tracked or not.
     frame_limit : int or None
@@ -103,9 +101,9 @@ class LiveSession:
 
     Notes
     -----
-    Two threads: one takes messages, makes frames of them and records them; the other inserts. Frames are inserted in the order in which
-    their images arrive, so with images in the order of their times the volume is, to the bit, that of `reconstruct` on the recording with
-    the same grid, region and probe.
+    Two threads: one takes messages, makes frames of them and records them; the other inserts. Watches work in
+    `pool`. Frames are inserted in the order in which their images arrive, so with images in the order of their
+    times the volume is, to the bit, that of `reconstruct` on the recording with the same grid, region and probe.
     Frames in are accounted for: ``frames_received = inserted + skipped + waiting`` in `statistics`.
     """
 

@@ -100,8 +100,7 @@ class Watch(ABC):
 
     def _breathe(self) -> bool:
         """Wait for the next moment in which nothing is received or inserted; False when the end has come."""
-        is_over = self._closing.wait(max(self._period, REST * (time.monotonic() - self._resumed)))
-        if not is_over and (self._session.latest is self._newest or self._session.wait_for_rest(0.0) == 0.0):
+        if not self._closing.wait(max(self._period, REST * (time.monotonic() - self._resumed))):
             self._session.wait_for_rest(PATIENCE)
         return self._resume()
 

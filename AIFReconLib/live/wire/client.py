@@ -45,7 +45,6 @@ class OpenIGTLinkClient(QueueSource):
 
     Parameters
     ----------
-    host : str
     port : int
         Plus listens on 18944.
     takes_readings : bool

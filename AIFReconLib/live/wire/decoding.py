@@ -56,7 +56,6 @@ def decode(raw: RawMessage, received: float = 0.0) -> tuple[Decoded, ...]:
 
     Parameters
     ----------
-    raw : RawMessage
     received : float, s of `time.monotonic`
         When its last byte arrived.
     """

@@ -43,7 +43,6 @@ def encode_message(
     device : str
         Cut to 20 bytes, as the header has no more.
     timestamp : float, s since 1970 (UTC)
-    content : bytes
     version : int
         1, or 2: with extended header and metadata.
     metadata : dict of str to str

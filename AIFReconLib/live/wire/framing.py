@@ -41,7 +41,6 @@ class RawMessage:
     timestamp : float, s since 1970 (UTC)
     size, crc : int
         Bytes of the body, and its checksum.
-    body : bytes
     problem : str or None
         Why the body cannot be believed.
     """
