@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -29,8 +29,6 @@ from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .sweep.frames import TrackedSequence
 from .sweep.multi_sweep import names_of
 from .sweep.poses import SweepPoses
-
-Value = TypeVar("Value")
 
 BEFORE_FRAMES = (*OF_READING, *OF_REGION, "importance_mask", *OF_GRID)
 """Settings that are at work before the first frame enters: a `Reconstructor` is given what came of them."""
@@ -94,14 +92,10 @@ def resolve_settings(settings: Recipe, configuration: PlusConfiguration, has_bon
         settings,
         method=method,
         spacing=configuration.spacing if settings.spacing is None else settings.spacing,
-        skip=_first_known(settings.skip, configuration.skip),
+        skip=configuration.skip if settings.skip is None else settings.skip,
         interpolation=interpolation or "nearest",
-        pixel_rejection=_first_known(settings.pixel_rejection, configuration.pixel_rejection),
+        pixel_rejection=configuration.pixel_rejection if settings.pixel_rejection is None else settings.pixel_rejection,
     )
-
-
-def _first_known(own: Value | None, configured: Value | None) -> Value | None:
-    return configured if own is None else own
 
 
 def reconstructor_parts(asked: Recipe, resolved: Recipe, configuration: PlusConfiguration) -> ReconstructorParts:
@@ -306,16 +300,13 @@ def _require_one_imaging(sequence: TrackedSequence, about_probe: bool, about_reg
     """Return if sweeps that were joined show the same part of the image alike, as far as that is left to their configurations."""
     first, names = sequence.configuration, names_of(sequence.sweeps)
     for other, name in zip(sequence.sweeps, names, strict=True):
-        if about_region and other.configuration.imaged_region != first.imaged_region:
-            raise BeamGeometryError(
-                f"The configurations of {names[0]} and {name} name different parts of the image.",
-                "Give {clip_px:X Y W H} for all, or reconstruct them one by one.",
-            )
-        if about_probe and other.configuration.probe != first.probe:
-            raise BeamGeometryError(
-                f"The configurations of {names[0]} and {name} name different probes.",
-                "Give {probe} for all, or reconstruct them one by one.",
-            )
+        for differs, what, setting in (
+            (about_region and other.configuration.imaged_region != first.imaged_region, "parts of the image", "{clip_px:X Y W H}"),
+            (about_probe and other.configuration.probe != first.probe, "probes", "{probe}"),
+        ):
+            if differs:
+                contradiction = f"The configurations of {names[0]} and {name} name different {what}."
+                raise BeamGeometryError(contradiction, f"Give {setting} for all, or reconstruct them one by one.")
 
 
 def scanned_alike(configuration: PlusConfiguration, pixel: tuple[float, float]) -> tuple[PlusConfiguration, tuple[str, ...]]:
@@ -345,11 +336,8 @@ def _with_black_surround_told(sequence: TrackedSequence, known: Imaging, pixel: 
     note = Sentence(
         f"The configuration's clip rectangle is the whole image of {columns} x {rows} pixels, and ultrasound fills only a part of "
         "it: the black around it enters the volume too.",
-        "Recognized: {clip_px:{x} {y} {width} {height}}.",
-        x=int(left),
-        y=int(top),
-        width=int(right - left),
-        height=int(bottom - top),
+        "Recognized: {clip_px:{rectangle}}.",
+        rectangle=f"{left} {top} {right - left} {bottom - top}",
     )
     return replace(known, notes=(*known.notes, note))
 
@@ -373,5 +361,4 @@ def recognized_imaging(
         if need_probe and probe is None:
             raise
         return Imaging(region or ImageRegion(), probe)
-    note = f"{RECOGNIZED}: {detected.description}."
-    return Imaging(region or detected.region, probe or detected.probe, (note,))
+    return Imaging(region or detected.region, probe or detected.probe, (f"{RECOGNIZED}: {detected.description}.",))

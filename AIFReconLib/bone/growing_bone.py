@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Integers
 from ..geometry.transforms import CLOSEST
 from ..geometry.volume import Volume, VoxelGrid
-from ..progress import Progress, part, report
+from ..progress import Progress, Steps
 from .echoes.found import LEAST_DARK, SweepEchoes
 from .echoes.surface import EchoSurface
 from .map import BoneMap
@@ -59,14 +59,14 @@ class GrowingBone(BoneMap):
         shows_bone = not self.least_a_frame or dark >= LEAST_DARK * echoes
         return bool(shows_bone and echoes >= max(self.least_a_frame * frames, 1))
 
-    def so_far(self, progress: Progress | None = None) -> BoneMap | None:
+    def so_far(self) -> Steps[BoneMap | None]:
         """The map as it is now, where enough is known; another thread may `learn` and a third may `spread` meanwhile."""
-        return self._surface.whole(progress) if self._is_enough else None
+        return (yield from self._surface.whole()) if self._is_enough else None
 
-    def spread(self, progress: Progress | None = None) -> bool:
+    def spread(self) -> Steps[bool]:
         """Bring what was learned since the last time to the voxels of the reconstructor; whether there was anything.
 
-        `progress` hears of steps of some 15 ms. For one thread alone; another may `learn` meanwhile.
+        In steps of some 15 ms. For one thread alone; another may `learn` meanwhile.
         """
         has_news = self._surface.take_in()
         if not self._on_grid or not self._is_enough:
@@ -79,19 +79,19 @@ class GrowingBone(BoneMap):
         elif not has_news:
             return False
         low, high = (end(grid.corners(), axis=0) for end in (np.min, np.max))
-        news = self._surface.news(part(progress, 0.0, 0.5), within=(low, high))
+        news = yield from self._surface.news(within=(low, high))
         if news is not None:
-            _write(news, grid, placed, part(progress, 0.5, 1.0))
+            yield from _write(news, grid, placed)
         return news is not None
 
 
-def _write(new: BoneMap, grid: VoxelGrid, placed: BoneOnGrid, progress: Progress | None) -> None:
+def _write(new: BoneMap, grid: VoxelGrid, placed: BoneOnGrid) -> Steps[None]:
     """Bring a part of the map to the voxels that lie in it."""
     found = new.at_voxels(grid)
     near, last = found.coordinates, np.array(new.probability.shape)[:, None] - 1
     j, i = (numbers.ravel() for numbers in np.mgrid[slice(*near.rows), slice(*near.columns)])
     for k in range(*near.planes):
-        report(progress, k / grid.shape[0], "Telling the volume of bone")
+        yield k / grid.shape[0], "Telling the volume of bone"
         there = near.of_voxels(np.full_like(j, k), j, i)
         held = np.all((there > -CLOSEST) & (there < last + CLOSEST), axis=0)
         voxels = np.ravel_multi_index((np.full(held.sum(), k), j[held], i[held]), grid.shape)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Integers, Matrix, Numbers, Singles
 from ..errors import GeometryError
-from ..geometry.box import Box, box_around
+from ..geometry.box import box_around
 from ..geometry.volume import Volume, VoxelGrid, as_volume
 from ..io.volume.label_files import read_labels
 from ..machine.memory import LARGEST_GRID, require_memory
@@ -131,7 +131,7 @@ class BoneMap(Described):
         probability = _smoothed(probability, sigma_kji)
         probability /= probability.max()
         report(progress, 0.9, "Making the bone map")
-        placed = _matrix_of_box(labels.placed_by(labels_to_reference), box)
+        placed = labels.placed_by(labels_to_reference)[box].ijk_to_reference
         made = {"bone_sigma_voxels": float(sigma_voxels)} if sigma_mm is None else {"bone_sigma_mm": float(sigma_mm)}
         bone_map = cls(Volume(probability, placed), Volume(bone.astype(np.uint8), placed), made=made)
         report(progress, 1.0, "Made the bone map")
@@ -293,10 +293,3 @@ def _sobel_magnitude(array: Singles) -> Singles:
 
     in_parts(measure, len(edges) - 1, usable_cores())
     return length
-
-
-def _matrix_of_box(volume: Volume, box: Box) -> Matrix:
-    """ijk_to_reference of the part `box` [k, j, i] of a volume."""
-    shift = np.eye(4)
-    shift[:3, 3] = [s.start for s in box[::-1]]
-    return volume.ijk_to_reference @ shift

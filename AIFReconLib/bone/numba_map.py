@@ -25,16 +25,13 @@ def smoothed(values: Singles, step: int, result: Singles) -> None:
 
 @compiled
 def look_up(
-    flat: Singles,
-    arrays: tuple[Singles, Singles],
+    arrays: tuple[Singles, Singles, Singles],
     slopes: Singles | None,
     box: tuple[tuple[int, int, int], tuple[int, int], tuple[int, int], tuple[int, int]],
-    starts: Floats,
-    matrix: Floats,
+    coordinates: tuple[Floats, Floats],
     voxels: Integers,
     occupied: Integers | None,
-    probability: Singles,
-    directions: Singles,
+    found: tuple[Singles, Singles],
 ) -> None:
     """Probability and direction of bone at some voxels.
 
@@ -44,21 +41,20 @@ def look_up(
 
     Parameters
     ----------
-    flat : (k j i,) float32 array
-        The probability of `BoneAtVoxels`.
-    arrays : potential [k, j, i] and to_reference (3, 3), float32, of `BoneAtVoxels`
+    arrays : probability, flat, potential [k, j, i] and to_reference (3, 3), float32, of `BoneAtVoxels`
     slopes : (3 k j i,) float32 array, or None where they are the Sobel gradient of the potential
     box : shape, planes, rows and columns of the `MapCoordinates`
-    starts, matrix : float64 arrays of the `MapCoordinates`
+    coordinates : starts and matrix, float64, of the `MapCoordinates`
     voxels : (m,) int64 array, flat [k, j, i]
     occupied : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`, or None
         Directions are wanted where the probability is 0, too, and these are the places at which anything is not 0. Without it they are 0
         there.
-    probability : (m,) float32 array
-    directions : (m, 3) float32 array
+    found : probability (m,) and directions (m, 3), float32
         Results.
     """
-    potential, turn = arrays
+    flat, potential, turn = arrays
+    starts, matrix = coordinates
+    probability, directions = found
     shape, in_planes, in_rows, in_columns = box
     planes, rows, columns = potential.shape
     patch, rise, summed = np.empty(64, np.float32), np.empty(64, np.float32), np.empty(64, np.float32)

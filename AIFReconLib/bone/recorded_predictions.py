@@ -172,8 +172,7 @@ def _own_rectangle(predicted: TrackedSequence) -> Rectangle | None:
 
 def _times(sequence: TrackedSequence) -> Floats | None:
     """Time stamps, (frames,) s; None where one is missing."""
-    stamps = [math.nan if record.timestamp is None else record.timestamp for record in sequence.records]
-    found = np.array(stamps, dtype=np.float64)
+    found = sequence.timestamps
     return found if found.size and np.isfinite(found).all() else None
 
 

@@ -39,14 +39,8 @@ CLEARLY, TRIED = 0.8, 2
 """The part of the angles' distance as given below which a repair is clearly better, and how many of the best are laid on the CT's bone."""
 
 
-@dataclass(frozen=True, eq=False)
-class Repair:
-    """One thing that may be wrong, and the echoes as they would lie were it mended."""
-
-    words: str  #: What is wrong, as in "the images look ..."
-    advice: str
-    details: dict[str, object]
-    make: Callable[[], ImagedEchoes]
+Repair = tuple[Sentence, Callable[[], ImagedEchoes]]
+"""One thing that may be wrong, in words as in "the images look ..." with what to do, and the echoes as they would lie were it mended."""
 
 
 @dataclass(frozen=True)
@@ -154,11 +148,11 @@ def _off_each_other(echoes: ImagedEchoes) -> str:
     return f"echoes of different angles lie {apart:.1f} mm off each other's surface" if apart == apart else "bone is shown from one angle"
 
 
-def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Repair, ImagedEchoes]]:
+def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Sentence, ImagedEchoes]]:
     """The repairs with which angles agree clearly better than as given."""
-    for repair in tried:
+    for repair, make in tried:
         try:
-            mended = repair.make()
+            mended = make()
         except AIFReconError:
             continue
         apart = crossing(mended)
@@ -192,8 +186,8 @@ def _size(echoes: ImagedEchoes, found: Calibration) -> CalibrationCheck:
     )
 
 
-def _told(repair: Repair, why: str) -> CalibrationCheck:
-    return CalibrationCheck(False, Sentence(f"{repair.words} ({why}).", repair.advice, **repair.details))
+def _told(repair: Sentence, why: str) -> CalibrationCheck:
+    return CalibrationCheck(False, Sentence(f"{repair} ({why}).", repair))
 
 
 def _near(found: Calibration) -> CalibrationCheck:
@@ -219,21 +213,19 @@ def _near(found: Calibration) -> CalibrationCheck:
 
 def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:
     """All that is tried."""
-    yield Repair("the images look mirrored", "Mend recordings with {convert} {mirror}.", {}, partial(mirrored, echoes))
+    yield Sentence("the images look mirrored", "Mend recordings with {convert} {mirror}."), partial(mirrored, echoes)
     whole = [with_configured_transforms(sweep) for sweep in sweeps]
     recorded = whole[0].transform_names()
     for step in sweep_poses(sweeps[0], recipe.image_to_reference, recipe.reference).path:
         name = step if step in recorded else step.inverse
         if name in recorded and name not in (CROPPED, CROPPED.inverse):
-            mend = partial(_inverted, echoes, whole, name, recipe)
-            yield Repair(
-                f"{name} looks recorded as its inverse", "Mend recordings with {convert} {invert:{name}}.", {"name": str(name)}, mend
-            )
+            words = Sentence(f"{name} looks recorded as its inverse", "Mend recordings with {convert} {invert:{name}}.", name=str(name))
+            yield words, partial(_inverted, echoes, whole, name, recipe)
     calibration = _calibration(whole[0], recipe)
     if calibration is not None:
-        for words, turn in quarter_turns():
-            mend = partial(_turned, echoes, calibration, turn)
-            yield Repair(f"the probe's marker looks turned {words} since it was calibrated", CALIBRATE, {}, mend)
+        for way, turn in quarter_turns():
+            words = Sentence(f"the probe's marker looks turned {way} since it was calibrated", CALIBRATE)
+            yield words, partial(_turned, echoes, calibration, turn)
 
 
 def mirrored(echoes: ImagedEchoes) -> ImagedEchoes:

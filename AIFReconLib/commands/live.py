@@ -217,7 +217,7 @@ def _bone_lines(scan: LiveScan) -> list[str]:
     watch, recorded = scan.bone_watch, scan.session.recorded
     if watch is None:
         return []
-    lines = [*watch.state.lines(scan.session.statistics.frames_received)]
+    lines = [*watch.lines(scan.session.statistics.frames_received)]
     if watch.recorded is not None:
         lines.append(f"recorded what was said of bone to {watch.recorded}")
     if recorded is not None:

@@ -123,7 +123,6 @@ class ComparisonFigure:
         Its outline is drawn over the CT; without one over all volumes.
     mask : Volume or None
         As reconstructions give it: where it is 0 nothing was scanned, and the picture is tinted instead of black.
-    title : str
     window : (2,) or None
         Gray levels shown black and white, the same for all. By default 0 to 255 for 8-bit volumes, others to the brightest voxel of all.
     white : bool

@@ -33,22 +33,19 @@ ASIDE, STEEPEST_DEG = 5.0, 30.0
 """mm from the middle of the canal within which lines end, and the largest angle between a line and the shortest way from the skin."""
 
 
-@dataclass(frozen=True)
-class RocResult:
-    """How well a number tells free lines from blocked ones; NaN where there are too few of either."""
-
-    area: float
-    """Under the curve of free found against blocked called free: how often a free line is told from a blocked one. One half is chance."""
-    called_free: float  #: Share of the blocked lines that look as free as nine in ten free ones do
+Roc = tuple[float, float]
+"""How well a number tells free lines from blocked ones: the area under the curve of free found against blocked called free, which is how
+often a free line is told from a blocked one (one half is chance); and the share of the blocked lines that look as free as nine in ten
+free ones do. NaN where there are too few of either."""
 
 
-def told_apart(free: Numbers, blocked: Numbers) -> RocResult:
+def told_apart(free: Numbers, blocked: Numbers) -> Roc:
     """Of free lines and blocked ones by a number, (n,) and (m,), that is to be greater for free ones."""
     if min(len(free), len(blocked)) < FEWEST:
-        return RocResult(np.nan, np.nan)
+        return np.nan, np.nan
     order = np.sort(blocked)
     below = (np.searchsorted(order, free, "left") + np.searchsorted(order, free, "right")) / 2
-    return RocResult(float(below.mean() / len(blocked)), float((blocked >= np.quantile(free, 1 - FOUND)).mean()))
+    return float(below.mean() / len(blocked)), float((blocked >= np.quantile(free, 1 - FOUND)).mean())
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +76,7 @@ class StraightLines:
         found: Singles = values_at(volume, points_along(self.entries, self.ends)).max(axis=1)
         return found
 
-    def told_by(self, number: Numbers) -> RocResult:
+    def told_by(self, number: Numbers) -> Roc:
         """How well a number of each line, (n,), tells the free ones, for which it is to be greater."""
         return told_apart(number[self.free], number[self.blocked])
 

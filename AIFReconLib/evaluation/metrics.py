@@ -102,7 +102,7 @@ def evaluate(
         everywhere = np.ones(len(chosen), dtype=bool)
         oblique = truth.best_cosine[chosen] < np.cos(np.radians(OBLIQUE_DEG))
     shadow_mean, shadow_std = _shadow(gray, measured, volume, truth)
-    lines = None if truth.lines is None else truth.lines.told_by(-truth.lines.brightest(volume))
+    lines_area, lines_called_free = (np.nan, np.nan) if truth.lines is None else truth.lines.told_by(-truth.lines.brightest(volume))
     return BoneMetrics(
         bone=responses.summary(everywhere),
         oblique=responses.summary(oblique),
@@ -110,8 +110,8 @@ def evaluate(
         shadow_mean=shadow_mean,
         shadow_std=shadow_std,
         speckle_snr=_speckle_snr(gray, measured, volume, truth),
-        lines_area=np.nan if lines is None else lines.area,
-        lines_called_free=np.nan if lines is None else lines.called_free,
+        lines_area=lines_area,
+        lines_called_free=lines_called_free,
     )
 
 

@@ -59,7 +59,6 @@ def methods_paragraph(made: Mapping[str, Mapping[str, object]], measured: str, o
         What they were measured against, in a sentence.
     own_bone : iterable of str
         Volumes that were measured against the bone that weighted their frames.
-    cases : int
     """
     known = listed((made_in_words(name, settings) for name, settings in made.items() if settings), "; ")
     unknown = listed(name for name, settings in made.items() if not settings)

@@ -15,6 +15,7 @@ from ..imaging.gray_window import gray_window
 from ..io.disk.atomic import atomic_output
 from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, INK, edge_letters, new_figure, own_looks, png_of
 from .slices import Plane, axis_ends, cut, planes, whole_cut
+from .surface import median
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -134,20 +135,13 @@ def middle_of_bone(volume: Volume, scanned: Mask, labels: Volume | None) -> Floa
         if len(met):
             # Bone in the shadow of other bone is not worth a look
             bright = np.clip(np.nan_to_num(volume.array[k, j, i][scanned[k, j, i]].astype(np.float64)), 0, None) ** 2
-            return np.array([_middle(along, bright) for along in met.T], dtype=np.float64)
+            return np.array([median(along, bright) for along in met.T], dtype=np.float64)
     middle = [
         np.average(np.arange(n), weights=along) if (along := np.count_nonzero(scanned, axis=axes)).any() else (n - 1) / 2
         for n, axes in zip(grid.size, ((0, 1), (0, 2), (1, 2)), strict=True)
     ]
     center: Floats = transform_points(grid.ijk_to_reference, np.array([middle]))[0]
     return center
-
-
-def _middle(values: Floats, weights: Floats) -> float:
-    """The value on either side of which lies half of the weight."""
-    order = np.argsort(values)
-    upto = np.cumsum(weights[order])
-    return float(values[order[np.searchsorted(upto, upto[-1] / 2)]])
 
 
 def _cut_panel(

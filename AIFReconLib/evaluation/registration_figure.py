@@ -11,9 +11,9 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers, Numbers
-from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from .figures import new_figure, own_looks, save_figure
+from .lines import values_at
 from .surface import DISTANCE_LIMIT, distance_from_labels
 
 if TYPE_CHECKING:
@@ -151,9 +151,9 @@ def draw_cuts(figure: FigureBase, points: Floats, field_of_bone: Volume, like: F
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-    distances = np.abs(_sample(field_of_bone, points))
+    distances = np.abs(values_at(field_of_bone, points, DISTANCE_LIMIT))
     shown = points if like is None else like
-    close = np.abs(_sample(field_of_bone, shown)) < NEAR
+    close = np.abs(values_at(field_of_bone, shown, DISTANCE_LIMIT)) < NEAR
     shown = shown[close] if close.any() else shown
     panels = figure.subplots(1, 3)
     colors = LinearSegmentedColormap.from_list("distance", COLORS)
@@ -166,7 +166,7 @@ def draw_cuts(figure: FigureBase, points: Floats, field_of_bone: Volume, like: F
         spans = [np.arange(low[axis] - 12, high[axis] + (45 if axis == 1 else 12), 0.5) for axis in (right, up)]
         plane = np.zeros((len(spans[1]), len(spans[0]), 3))
         plane[..., across], plane[..., right], plane[..., up] = offset, spans[0][None, :], spans[1][:, None]
-        field = _sample(field_of_bone, plane.reshape(-1, 3)).reshape(plane.shape[:2])
+        field = values_at(field_of_bone, plane, DISTANCE_LIMIT)
         if (field < 0).any():
             panel.contourf(*spans, field, levels=[-100, 0], colors=[BONE], alpha=0.35)
             panel.contour(*spans, field, levels=[0], colors=[BONE], linewidths=0.9)
@@ -186,10 +186,3 @@ def _densest(values: Floats, width: float = SLAB) -> float:
     counts, edges = np.histogram(values, bins=np.arange(values.min(), values.max() + 2 * width, width))
     best = int(counts.argmax())
     return float((edges[best] + edges[best + 1]) / 2)
-
-
-def _sample(distance: Volume, points: Floats) -> Floats:
-    """Distances (n,) at points (n, 3), by linear interpolation; the limit outside."""
-    ijk = transform_points(distance.grid.reference_to_ijk, points)
-    distances = scipy.ndimage.map_coordinates(distance.array, ijk.T[::-1], order=1, mode="constant", cval=DISTANCE_LIMIT)
-    return np.asarray(distances, dtype=np.float64)

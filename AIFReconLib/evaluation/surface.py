@@ -98,9 +98,7 @@ def distance_from_labels(labels: Volume) -> Volume:
     distance -= np.asarray(scipy.ndimage.distance_transform_edt(bone, sampling=spacing_kji)).astype(np.float32)
     np.clip(distance, -DISTANCE_LIMIT, DISTANCE_LIMIT, out=distance)
     distance = scipy.ndimage.gaussian_filter(distance, SMOOTHING_VOXELS, mode="nearest")
-    shift = np.eye(4)
-    shift[:3, 3] = [s.start for s in box[::-1]]
-    return Volume(distance, labels.ijk_to_reference @ shift)
+    return Volume(distance, labels[box].ijk_to_reference)
 
 
 def bone_surface(distance: Volume, labels: Volume | None = None, pitch: float = PITCH) -> BoneSurface:

@@ -300,5 +300,5 @@ def beams_from_the_back() -> Floats:
 def _coarse(labels: Volume) -> Volume:
     """Every so many voxels of labels that are finer than guidance needs."""
     factors = np.maximum(np.floor(VOXEL / labels.grid.spacing + 0.5), 1).astype(int)
-    i, j, k = factors
-    return Volume(labels.array[::k, ::j, ::i], labels.ijk_to_reference @ np.diag([*factors, 1.0]))
+    i, j, k = factors.tolist()
+    return labels[::k, ::j, ::i]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -71,15 +70,6 @@ def support_for(visibility: Floats) -> Floats:
     return support
 
 
-@dataclass(frozen=True, eq=False)
-class FrameView:
-    """What one frame does at the points in its beams."""
-
-    points: Integers  #: (m,). Numbers of the points in beams that come within `GRAZING_DEG` of their normals.
-    cosines: Floats  #: (m,). Of the angles of incidence.
-    status: Bytes  #: (m,). SHADOWED, DARK or MET.
-
-
 class FrameGeometry:
     """Tells what a frame meets of the bone, for one kind of image.
 
@@ -95,8 +85,11 @@ class FrameGeometry:
         self._rays = BoneRays(bone.distance)
         self._starts = bone.starts
 
-    def view(self, image_to_reference: Matrix, image: Bytes | None = None) -> FrameView:
+    def view(self, image_to_reference: Matrix, image: Bytes | None = None) -> tuple[Integers, Floats, Bytes]:
         """What a frame at this pose meets; without an image, as if it were lit everywhere.
+
+        Numbers of the points in beams that come within `GRAZING_DEG` of their normals, (m,), cosines of the angles of incidence, and
+        whether each is `SHADOWED`, `DARK` or `MET`.
 
         The pose is (4, 4), pixels to mm, the image (rows, columns) on the standard gray scale (see `GrayLevels`).
         """
@@ -106,7 +99,7 @@ class FrameGeometry:
         if image is not None:
             open_ = np.flatnonzero(~blocked)
             status[open_[~self._lit(image, pixel_spacing(image_to_reference), pixels[open_])]] = DARK
-        return FrameView(seen, cosines, status)
+        return seen, cosines, status
 
     def support(self, image_to_reference: Matrix) -> tuple[Integers, Integers, Floats]:
         """What several frames (m, 4, 4) meet as if they were lit: frame, point, and what that adds to its support, by `support_of`."""
@@ -196,14 +189,11 @@ class CoverageAccumulator:
 
     def insert(self, image_to_reference: Matrix, image: Bytes | None = None) -> None:
         """Add a frame; the arguments are those of `FrameGeometry.view`."""
-        self.add(self.geometry.view(image_to_reference, image))
-
-    def add(self, view: FrameView) -> None:
-        """Add a frame that was looked at."""
-        met = view.status == MET
-        points = view.points[met]
-        self.best_cosine[points] = np.fmax(self.best_cosine[points], view.cosines[met])
-        self.support[points] += support_of(view.cosines[met])
+        seen, cosines, status = self.geometry.view(image_to_reference, image)
+        met = status == MET
+        points = seen[met]
+        self.best_cosine[points] = np.fmax(self.best_cosine[points], cosines[met])
+        self.support[points] += support_of(cosines[met])
         self.frames[points] += 1
-        self.shadowed[view.points[view.status == SHADOWED]] += 1
-        self.dark[view.points[view.status == DARK]] += 1
+        self.shadowed[seen[status == SHADOWED]] += 1
+        self.dark[seen[status == DARK]] += 1

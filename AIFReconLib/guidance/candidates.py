@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Singles
-from ..progress import Progress, part, report
+from ..progress import Progress, Steps, carry_out, part
 from .bone import GuidedBone
 from .bone_coverage import MOST, FrameGeometry, expected_visibility, support_for, unseen
 from .passes import Hand, Pass
@@ -24,7 +24,7 @@ DRAWS = 3
 """How often each pass is looked at, as the hand happens to make it."""
 
 FRAMES_AT_ONCE, PAIRS_AT_ONCE = 12, 100_000
-"""Frames, and pairs of pass and point, that are computed between two reports of progress, some 3 ms: in a live scan frames come first."""
+"""Frames, and pairs of pass and point, that are computed in one step, some 3 ms: in a live scan frames come first."""
 
 LEAST_GAIN = 0.001
 """Of the weighted area: a pass that adds less is not worth its frames."""
@@ -63,19 +63,19 @@ class Candidates:
         self._seen: list[_Seen] = []
         draws = draws if hand else 1
         for draw in range(draws):
-            self.look_again(part(progress, draw / draws, (draw + 1) / draws))
+            carry_out(self.look_again(), part(progress, draw / draws, (draw + 1) / draws))
 
     @property
     def is_rough(self) -> bool:
         """Whether passes are still to be looked at again."""
         return self._hand is not None and len(self._seen) < DRAWS
 
-    def look_again(self, progress: Progress | None = None) -> None:
+    def look_again(self) -> Steps[None]:
         """Look at every pass once more, as the hand happens to make it; until that is done what is told stays as it was."""
         found: list[tuple[Integers, Singles, Integers]] = []
         first = 0
         while first < len(self.passes):
-            report(progress, first / len(self.passes), "Looking at candidate passes")
+            yield first / len(self.passes), "Looking at candidate passes"
             ways: list[list[ProbePlacement]] = []
             while first + len(ways) < len(self.passes) and (not ways or sum(map(len, ways)) < FRAMES_AT_ONCE):
                 ways.append(self._placements(first + len(ways))[len(self._seen)])
@@ -112,23 +112,21 @@ class Candidates:
         looked: Floats = support[self._looked]
         return looked
 
-    def gains(self, support: Floats, rounds: int = 1, progress: Progress | None = None) -> Floats:
+    def gains(self, support: Floats, rounds: int = 1) -> Steps[Floats]:
         """What each pass adds to the weighted area that is expected to show, (n,) mm^2.
 
         `support` (points,) is what there is, as `looked` gives it; a pass has `rounds` times its `least` frames.
         """
         there = support.astype(np.float32)
         missing, gains = unseen(there), np.zeros(len(self.passes))
-        # Another thread may look at passes again meanwhile
-        looks = self._seen
-        for seen in looks:
+        for seen in self._seen:
             for first in range(0, len(seen.points), PAIRS_AT_ONCE):
-                report(progress, 0.0, "Comparing candidate passes")
+                yield 0.0, "Comparing candidate passes"
                 some = slice(first, first + PAIRS_AT_ONCE)
                 points = seen.points[some]
                 more = missing[points] - unseen(there[points] + np.float32(rounds) * seen.support[some])
                 gains += np.bincount(seen.owner[some], self._weights[points] * more, len(gains))
-        return MOST / len(looks) * gains
+        return MOST / len(self._seen) * gains
 
     def make(self, number: int, support: Floats) -> Floats:
         """Support after a pass, which a sure hand would need for what this hand is expected to show."""

@@ -98,7 +98,7 @@ class Advisor:
     """Advises moves over bone, as a probe was moved over it.
 
     The poses so far, (n, 4, 4), tell where the skin is. Candidate passes are looked at `draws` times for now, which takes a second or two;
-    see `look_again`.
+    the `candidates` of `moves` may be looked at again.
     """
 
     def __init__(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None, draws: int = DRAWS):
@@ -106,15 +106,11 @@ class Advisor:
         images = images_like(image_to_reference[0], beams.frame_size, beams.probe, beams.region)
         skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(image_to_reference)))
         self._bone, self._probe = bone, ProbeOnBack(images, skin, bone.patient_to_reference)
-        self._next = NextMove(bone, self._probe, bone.aim, progress, draws=draws)
+        self.moves = NextMove(bone, self._probe, bone.aim, progress, draws=draws)
 
-    def look_again(self, progress: Progress | None = None) -> bool:
-        """Look at candidate passes once more, so that advice becomes better; False where that was done as often as it helps."""
-        return self._next.look_again(progress)
-
-    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None) -> Advice:
-        """What to do next, from a pose."""
-        return self.to(self._next.advise(met, image_to_reference, progress), image_to_reference)
+    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, gains: Floats | None = None) -> Advice:
+        """What to do next, from a pose, with the gains of all moves where they are known."""
+        return self.to(self.moves.advise(met, image_to_reference, gains), image_to_reference)
 
     def to(self, move: Move | None, image_to_reference: Matrix) -> Advice:
         """The way to a move that was advised before, from another pose."""

@@ -89,8 +89,8 @@ class ColoredBone:
         if not bone.is_of_ct:
             return cls(_tiles(bone.surface), np.repeat(np.arange(len(bone)), 4))
         step = max(round(CELL / bone.distance.grid.spacing.max()), 1)
-        distance = bone.distance.array[::step, ::step, ::step].astype(np.float32) - np.float32(LIFTED)
-        mesh = bone_mesh(Volume(distance, bone.distance.ijk_to_reference @ np.diag([step, step, step, 1.0])))
+        coarse = bone.distance[::step, ::step, ::step]
+        mesh = bone_mesh(replace(coarse, array=coarse.array.astype(np.float32) - np.float32(LIFTED)))
         return cls(mesh, _nearest(bone, mesh))
 
     def placed_by(self, motion: Matrix) -> ColoredBone:

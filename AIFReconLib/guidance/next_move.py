@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Matrix
+from ..arrays import Floats, Matrix
 from ..message import listed
-from ..progress import Progress
+from ..progress import Progress, Steps, carry_out
 from .bone import GuidedBone
 from .bone_coverage import CoverageAccumulator
 from .candidates import DRAWS, Candidates
@@ -73,7 +73,7 @@ class NextMove:
     another is better by `STABLE` or it has nothing more to add.
 
     `target` as in `GuidedBone.target`; without a `hand` moves are expected to be made exactly. Candidate passes are looked at `draws` times
-    for now, which takes some seconds; see `look_again`.
+    for now, which takes some seconds; `candidates.look_again` does so once more.
     """
 
     def __init__(
@@ -86,23 +86,20 @@ class NextMove:
         draws: int = DRAWS,
     ):
         self._bone, self._probe = bone, probe
-        self._candidates = Candidates(freehand_passes(bone), bone, probe, target, hand, progress, draws)
-        self._passes = self._candidates.passes
+        self.candidates = Candidates(freehand_passes(bone), bone, probe, target, hand, progress, draws)
+        self._passes = self.candidates.passes
         self._advised: Pass | None = None
 
-    def look_again(self, progress: Progress | None = None) -> bool:
-        """Look at candidate passes once more, so that advice becomes better; False where that was done as often as it helps."""
-        if not self._candidates.is_rough:
-            return False
-        self._candidates.look_again(progress)
-        return True
+    def gains(self, met: CoverageAccumulator) -> Steps[Floats]:
+        """What each candidate pass would add to what was met."""
+        return self.candidates.gains(self.candidates.looked(met.support), ROUNDS)
 
-    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None) -> Move | None:
-        """What to do next from a pose; None when nothing is worth its labor any more."""
+    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, gains: Floats | None = None) -> Move | None:
+        """What to do next from a pose, with the `gains` where they are known; None when nothing is worth its labor any more."""
         now = self._probe.placement(image_to_reference)
-        gains = self._candidates.gains(self._candidates.looked(met.support), ROUNDS, progress)
+        gains = carry_out(self.gains(met)) if gains is None else gains
         values = gains / np.array([one.least * (1.0 + LABOR * _labor(now, _middle(one))) for one in self._passes])
-        worth = gains >= self._candidates.worth
+        worth = gains >= self.candidates.worth
         if not worth.any():
             self._advised = None
             return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -49,17 +49,8 @@ class Pass:
 
     def placements(self, frames: int) -> list[ProbePlacement]:
         """Where each of so many frames is taken: in the middles of as many parts of the way."""
-        fractions = (np.arange(frames) + 0.5) / frames
-        return [
-            replace(
-                self.start,
-                **{
-                    name: float(getattr(self.start, name) + fraction * (getattr(self.stop, name) - getattr(self.start, name)))
-                    for name in ("x", "z", "in_plane_deg", "across_deg")
-                },
-            )
-            for fraction in fractions
-        ]
+        start, stop = (np.array(astuple(end)) for end in (self.start, self.stop))
+        return [ProbePlacement(*(start + part * (stop - start)).tolist()) for part in (np.arange(frames) + 0.5) / frames]
 
     def poses(self, probe: ProbeOnBack, frames: int | None = None) -> Matrix:
         """image_to_reference of its frames, (frames, 4, 4); `least` of them by default."""
@@ -81,17 +72,7 @@ class Hand:
         """A pass as this hand makes it; another one with every call."""
         off = rng.standard_normal(5) * ([self.off_mm] * 2 + [self.off_deg] * 3)
         wander = rng.standard_normal((len(placements), 5)) * ([self.wander_mm] * 2 + [self.wander_deg] * 3)
-        return [
-            replace(
-                one,
-                x=one.x + float(x),
-                z=one.z + float(z),
-                turn_deg=one.turn_deg + float(turn),
-                in_plane_deg=one.in_plane_deg + float(tilt),
-                across_deg=one.across_deg + float(across),
-            )
-            for one, (x, z, turn, tilt, across) in zip(placements, off + wander, strict=True)
-        ]
+        return [ProbePlacement(*(astuple(one) + by).tolist()) for one, by in zip(placements, off + wander, strict=True)]
 
 
 HAND = Hand()

@@ -12,7 +12,7 @@ from ..errors import GeometryError, SettingsError
 from ..geometry.transforms import as_matrix, invert, transform_points
 from ..geometry.volume import Volume
 from ..message import Described
-from ..progress import Progress, part, report
+from ..progress import Progress, carry_out, part, report
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..remedies import PLACE_THE_CT
@@ -221,7 +221,7 @@ def _greedy(candidates: Candidates, support: Floats, frames: int) -> tuple[float
     new = np.full(len(least), NEW_PASS)
     left, added = frames, 0.0
     while True:
-        gains = candidates.gains(support)
+        gains = carry_out(candidates.gains(support))
         per_frame = np.where(least <= left, gains / (least + new), -1.0)
         best = int(np.argmax(per_frame))
         if per_frame[best] < 0 or gains[best] < candidates.worth:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -68,7 +68,7 @@ class ProbeImages:
             angle, radius = (angles.min() + angles.max()) / 2, np.hypot((columns - column) * x, (rows - row) * y).min()
         return float(column + radius * np.sin(angle) / x), float(row + radius * np.cos(angle) / y)
 
-    @property
+    @cached_property
     def image_to_face(self) -> Matrix:
         """(4, 4), pixels to mm: origin in the middle of the face, x along the columns, y down the rows, z = x cross y."""
         x, y = self.spacing
@@ -184,10 +184,6 @@ class ProbeOnBack:
     images: ProbeImages
     skin: Skin
     patient_to_reference: Matrix  #: (4, 4), mm
-    _to_face: Matrix = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_to_face", self.images.image_to_face)
 
     def pose(self, placement: ProbePlacement) -> Matrix:
         """image_to_reference of a probe that stands so, (4, 4)."""
@@ -203,7 +199,7 @@ class ProbeOnBack:
         ways = self.skin.ways_back(x, z, beams)
         faces = np.tile(np.eye(4), (len(x), 1, 1))
         faces[:, :3, :3], faces[:, :3, 3] = turns, targets - ways[:, None] * beams
-        poses: Matrix = self.patient_to_reference @ faces @ self._to_face
+        poses: Matrix = self.patient_to_reference @ faces @ self.images.image_to_face
         return poses
 
     def placement(self, image_to_reference: Matrix) -> ProbePlacement:

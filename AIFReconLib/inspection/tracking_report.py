@@ -44,15 +44,6 @@ class PoseJump:
 
 
 @dataclass(frozen=True)
-class VoxelCoverage:
-    """Voxels of the grid, how many were measured, and how many were filled from neighbors."""
-
-    voxels: int
-    measured: int
-    filled: int
-
-
-@dataclass(frozen=True)
 class TrackingReport:
     """What a user should know of the tracking of a sweep."""
 
@@ -71,7 +62,7 @@ class TrackingReport:
     median_step: float | None = None
     largest_step: float | None = None
     """mm. The same as distances, whatever the time between."""
-    coverage: VoxelCoverage | None = None  #: Of the grid of a reconstruction
+    coverage: dict[str, int] | None = None  #: Of a reconstruction: how many `voxels`, how many were `measured` and how many `filled`
 
     def rows(self) -> list[tuple[str, str]]:
         """Names and values for a table."""
@@ -87,7 +78,7 @@ class TrackingReport:
             rows.append(("frame to frame", step))
         rows.append(("pose jumps", str(len(self.jumps)) if self.jumps else "none"))
         if self.coverage is not None:
-            measured, filled = (n / self.coverage.voxels for n in (self.coverage.measured, self.coverage.filled))
+            measured, filled = (self.coverage[name] / self.coverage["voxels"] for name in ("measured", "filled"))
             rows.append(("volume", describe_coverage(measured, filled)))
         return rows
 
@@ -123,7 +114,6 @@ class TrackingReport:
 
     def to_dict(self) -> dict[str, object]:
         """For JSON: numbers rounded to 6 places, units in the names."""
-        coverage = self.coverage
         return {
             "frames": self.frames,
             "frames_used": self.used,
@@ -137,7 +127,7 @@ class TrackingReport:
             ],
             "speed_mm_per_s": {"median": _rounded(self.median_speed), "maximum": _rounded(self.highest_speed)},
             "step_mm": {"median": _rounded(self.median_step), "maximum": _rounded(self.largest_step)},
-            "coverage": coverage and {"voxels": coverage.voxels, "measured": coverage.measured, "filled": coverage.filled},
+            "coverage": self.coverage,
         }
 
 
@@ -161,7 +151,7 @@ def tracking_report(sequence: TrackedSequence, poses: SweepPoses, result: Recons
         if len(result.sweeps) > 1:
             used, skipped = result.sweeps[number].inserted, result.sweeps[number].skipped
         mask = result.mask.array
-        coverage = VoxelCoverage(int(mask.size), int((mask == MEASURED).sum()), int((mask == FILLED).sum()))
+        coverage = {"voxels": mask.size, "measured": int((mask == MEASURED).sum()), "filled": int((mask == FILLED).sum())}
     numbers = np.array([n for n in time_order(sequence) if poses.problems[n] is None], dtype=np.int64)
     found = TrackingReport(len(sequence), used, skipped, coverage=coverage)
     if len(numbers) > 1:

@@ -184,7 +184,7 @@ def free_paths(
     clearance, seen = surroundings.along(entries[number], ends[last])
     states = states_of(clearance, seen)
     report(progress, 0.9, "Telling windows apart")
-    windows = windows_of(surroundings, entries, ends, number, last, clearance, seen, states)
+    windows = windows_of(surroundings, (entries, ends), (number, last), clearance, seen, states)
     # Of each entry the best line: by its state, then by its clearance
     order = np.lexsort((clearance, states, number))
     best = order[np.flatnonzero(np.diff(number[order], append=-1))]

@@ -7,35 +7,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..arrays import Bytes, Floats, Integers, Matrix
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
 from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
-from .states import states_of
-
-
-@dataclass(frozen=True, eq=False)
-class MetLine:
-    """A line, and what it meets."""
-
-    entry: Floats  #: (3,), mm in Reference. On the skin.
-    end: Floats  #: (3,)
-    clearance: float  #: mm. Distance from the bone that is known, less the margin.
-    seen: float  #: 0 to 1. The share of it that was seen.
-
-    @property
-    def depth(self) -> float:
-        """mm from the skin to the end."""
-        return float(np.linalg.norm(self.end - self.entry))
-
-    @property
-    def state(self) -> int:
-        """One of `AIFReconLib.paths.states`."""
-        return int(states_of(np.array([self.clearance]), np.array([self.seen]))[0])
+from .states import MetLine
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..arrays import Bytes, Floats
@@ -21,3 +23,23 @@ def states_of(clearance: Floats, seen: Floats) -> Bytes:
     open_ = np.where(seen < 1.0, NOT_SEEN, np.where(clearance < ROOM, TIGHT, FREE))
     states: Bytes = np.where(clearance <= 0.0, BLOCKED, open_).astype(np.uint8)
     return states
+
+
+@dataclass(frozen=True, eq=False)
+class MetLine:
+    """A line, and what it meets."""
+
+    entry: Floats  #: (3,), mm in Reference. On the skin.
+    end: Floats  #: (3,)
+    clearance: float  #: mm. Distance from the bone that is known, less the margin.
+    seen: float  #: 0 to 1. The share of it that was seen.
+
+    @property
+    def depth(self) -> float:
+        """mm from the skin to the end."""
+        return float(np.linalg.norm(self.end - self.entry))
+
+    @property
+    def state(self) -> int:
+        """One of `AIFReconLib.paths.states`."""
+        return int(states_of(np.array([self.clearance]), np.array([self.seen]))[0])

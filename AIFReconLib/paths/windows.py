@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Bytes, Floats, Integers
-from .states import NOT_SEEN, TIGHT
+from .states import NOT_SEEN, TIGHT, MetLine
 from .surroundings import Surroundings
 
 ENTRY_PITCH, END_PITCH = 2.0, 1.5
@@ -25,23 +25,14 @@ FEWEST, MOST = 4, 3
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
-    """Lines that are neighbors and all free, or all not seen, by the best of them; points in Reference, mm."""
+class Window(MetLine):
+    """Lines that are neighbors and all free, or all not seen: the best of them, and what they are together."""
 
     name: str
     is_free: bool  #: Seen, and not blocked; else part of every line was not seen
-    entry: Floats  #: (3,)
-    end: Floats  #: (3,)
-    clearance: float  #: mm. Distance from bone less the margin; of a window that was not seen from what bone is known.
-    seen: float  #: 0 to 1
     width: tuple[float, float]  #: mm across all its lines where the best one is nearest to bone: the narrow and the wide way
     lines: int
     unseen: Floats = field(repr=False)  #: (n, 3). Places of its lines that were not seen, one in each cube of `UNSEEN_PITCH`.
-
-    @property
-    def depth(self) -> float:
-        """mm from the skin to the end."""
-        return float(np.linalg.norm(self.end - self.entry))
 
     @property
     def direction(self) -> Floats:
@@ -68,15 +59,14 @@ class Window:
 
 def windows_of(
     surroundings: Surroundings,
-    entries: Floats,
-    ends: Floats,
-    number: Integers,
-    last: Integers,
+    points: tuple[Floats, Floats],
+    joined: tuple[Integers, Integers],
     clearance: Floats,
     seen: Floats,
     states: Bytes,
 ) -> tuple[Window, ...]:
-    """The windows among lines from ``entries[number]`` to ``ends[last]``: free ones by their clearance, then the largest not seen."""
+    """The windows among lines that join entries and ends: free ones by their clearance, then the largest not seen."""
+    (entries, ends), (number, last) = points, joined
     found: list[Window] = []
     for is_free, chosen in ((True, np.flatnonzero(states >= TIGHT)), (False, np.flatnonzero(states == NOT_SEEN))):
         groups = _joined(entries, ends, number[chosen], last[chosen])
@@ -90,7 +80,7 @@ def windows_of(
             entry, end, begins, finishes = entries[number[best]], ends[last[best]], entries[number[lines]], ends[last[lines]]
             width, unseen = _width(surroundings, begins, finishes, entry, end), surroundings.unseen(begins, finishes, UNSEEN_PITCH)
             name, clear, share = f"Path {len(found) + 1}", float(clearance[best]), float(seen[best])
-            found.append(Window(name, is_free, entry, end, clear, share, width, len(lines), unseen))
+            found.append(Window(entry, end, clear, share, name, is_free, width, len(lines), unseen))
     return tuple(found)
 
 

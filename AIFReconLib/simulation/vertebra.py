@@ -39,7 +39,6 @@ class Vertebra:
     name : str
         "L2" to "L5", or "S1".
     vertebra_to_reference : (4, 4) float64 array
-    sizes : VertebraSizes
     spinous_deviation : float
         Sideways shift of the spinous process's tip, mm.
     """

@@ -15,46 +15,22 @@ class RemoteObject(NamedTuple):
 class Call(NamedTuple):
     """``function(*arguments, **named)``, with `progress` where the function takes it."""
 
-    number: int
     function: Callable[..., Any] | str  #: The name of a method: of the first argument, which is kept
-    arguments: tuple[Any, ...] = ()
-    named: Mapping[str, Any] = {}
-    keep: bool = False  #: What is returned stays in the worker, as `RemoteObject` of this number
+    arguments: tuple[Any, ...]
+    named: Mapping[str, Any]
+    keep: bool  #: What is returned stays in the worker, as `RemoteObject` of this call's number
 
 
-CANCEL, FORGET, RECEIVED = "cancel", "forget", "received"
+CALL, CANCEL, FORGET, RECEIVED = "call", "cancel", "forget", "received"
+"""From the program: a call is wanted; it is wanted no more and ends at its next report; what is kept of it is; its value has come."""
+
+PROGRESS, VALUE, ERROR, LOG = "progress", "value", "error", "log"
+"""From the worker: (fraction, what is being done) of a call; it has ended, with a value or an error; (logger, level, text) of no call."""
 
 
-class Told(NamedTuple):
-    """A call is wanted no more and ends at its next report; what is kept of it is; or what it returned has come."""
-
-    number: int
-    what: str  #: `CANCEL`, `FORGET` or `RECEIVED`
-
-
-class ProgressReport(NamedTuple):
-    """How far a call is: fraction, 0 to 1, and what is being done."""
+class Message(NamedTuple):
+    """What one side tells the other of a call, by its number."""
 
     number: int
-    fraction: float
-    step: str
-
-
-class Returned(NamedTuple):
-    """A call has ended, with a value or with an error."""
-
-    number: int
-    value: Any = None
-    error: BaseException | None = None
-
-
-class Logged(NamedTuple):
-    """What the library notes for a log, of no call."""
-
-    name: str
-    level: int
-    text: str
-    number: int = -1
-
-
-Message = Call | Told | ProgressReport | Returned | Logged
+    kind: str
+    content: Any = None

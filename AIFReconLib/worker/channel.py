@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike
 
 from ..errors import InsufficientMemoryError
 from ..machine.processes import python_program
-from .calls import Message, Returned
+from .calls import ERROR, Message
 
 LARGE = 1 << 20
 """Bytes from which on an array crosses in shared memory: what is smaller is as fast through the connection."""
@@ -100,7 +100,6 @@ class Channel:
 
     Parameters
     ----------
-    connection : Connection
     patience : float or None
         s after which an end that takes nothing, or stops in the middle of something, counts as closed; None: it is
         waited for. Not on Windows, where it is waited for.
@@ -118,7 +117,7 @@ class Channel:
                 for direction in (socket.SO_SNDTIMEO, socket.SO_RCVTIMEO):
                     same.setsockopt(socket.SOL_SOCKET, direction, struct.pack("ll", int(patience), int(patience % 1 * 1e6)))
 
-    def send(self, what: Message) -> None:
+    def send(self, message: Message) -> None:
         """Send a message; it holds whatever can be pickled.
 
         Raises
@@ -140,13 +139,13 @@ class Channel:
             places.append((_ours[placed[0]], placed[1], raw.nbytes))
             return False
 
-        text = pickle.dumps(what, protocol=5, buffer_callback=crosses_within)
+        text = pickle.dumps(message[1:], protocol=5, buffer_callback=crosses_within)
         with self._sending:
             self._sent += 1
             # Until the other end says that it has it
             self._kept.append((self._sent, mappings))
             try:
-                self._connection.send((what.number, self._received, places, text))
+                self._connection.send((message.number, self._received, places, text))
             except OSError as error:
                 raise BrokenPipeError(*error.args) from error
 
@@ -155,7 +154,7 @@ class Channel:
         return self._connection.poll(timeout)
 
     def receive(self) -> Message:
-        """What was sent, waited for; where it cannot be had here (no memory, no such class), `Returned` with the error.
+        """What was sent, waited for; where it cannot be had here (no memory, no such class), an `ERROR`.
 
         Raises EOFError or OSError when the other end is closed.
         """
@@ -165,14 +164,14 @@ class Channel:
         try:
             seen = {name: _seen(name, first + size) for name, first, size in places}
             buffers = [memoryview(seen[name])[first : first + size] for name, first, size in places]
-            what: Message = pickle.loads(text, buffers=buffers)
+            message = Message(number, *pickle.loads(text, buffers=buffers))
         except EOFError:
             raise
         except Exception as error:
-            return Returned(number, error=error)
+            return Message(number, ERROR, error)
         finally:
             self._received += 1
-        return what
+        return message
 
     def close(self) -> None:
         """Send and receive no more."""

@@ -88,8 +88,6 @@ class FetchedImages:
 
     Parameters
     ----------
-    worker : Worker
-    file : RemoteObject
     stack : LeftBehind
         What the recording has in their place.
     progress : Progress or None

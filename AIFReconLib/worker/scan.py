@@ -30,7 +30,7 @@ from ..progress import Progress, part, report
 from ..registration.live import SECONDS
 from ..workflows.job import ScanJob
 from ..workflows.live_scan import LiveScan
-from .scanning import Ended, Seen, SeenFrame
+from .scanning import Ended, Seen
 
 SNAP_EVERY = 0.5
 """s between two snapshots of the volume: each has holes filled, which takes cores from insertion."""
@@ -46,7 +46,6 @@ class Scan(LiveScan):
 
     Parameters
     ----------
-    job : ScanJob
     progress : Progress or None
         Of what is made before the first frame is received: the bone map, the network, compiled code, the surface of bone.
     """
@@ -116,13 +115,13 @@ class Scan(LiveScan):
             grid=session.grid,
             scouted=session.scouted,
             spans=tuple(self._spans),
-            frame=None if latest is None or latest.number == frame else SeenFrame.of(latest),
+            frame=latest if latest is not None and latest.number != frame and latest.status == "OK" else None,
             result=None if result is None else self._shown(result),
             guidance=None if guidance is None or is_told else guidance.seen(surface),
             has_fallen=state is not None and state.has_fallen,
             compared=-1 if self._agreement is None else self._agreement.looked_at,
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
-            bone_lines=() if self.bone_watch is None else self.bone_watch.state.lines(statistics.frames_received),
+            bone_lines=() if self.bone_watch is None else self.bone_watch.lines(statistics.frames_received),
             problems=tuple(problem for problem in problems if problem),
             record=None if session.recorder is None else session.recorder.path,
         )
@@ -156,7 +155,7 @@ class Scan(LiveScan):
             self._guidance = GuidanceWatch(self.session, self.growing, unseen=self._job.unseen)
         elif not wanted and self._guidance is not None:
             ended, self._guidance = self._guidance, None
-            ended.stop(wait=False)
+            ended.stop(wait_for_it=False)
 
     def place(self, bone_to_reference: Matrix, labels: Volume | None = None) -> None:
         """The CT lies elsewhere now, or has other labels."""
@@ -165,7 +164,7 @@ class Scan(LiveScan):
             self.labels = labels
             self._agreement = AgreementWatch(self.session, BoneField.from_labels(labels), bone_to_reference)
             if before is not None:
-                before.stop(wait=False)
+                before.stop(wait_for_it=False)
         elif before is not None:
             before.place(bone_to_reference)
         if self._guidance is not None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..arrays import Floats, Matrix, Numbers
+from ..arrays import Floats
 from ..compounding.state import Reconstruction
 from ..geometry.volume import VoxelGrid
 from ..live.pairing.synchronizer import LiveFrame
@@ -17,37 +17,19 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenFrame:
-    """A frame with image and pose."""
-
-    number: int
-    image: Numbers  #: (rows, columns)
-    image_to_reference: Matrix  #: (4, 4), pixels to mm
-    received: float  #: s of `time.monotonic`
-
-    @classmethod
-    def of(cls, frame: LiveFrame) -> SeenFrame | None:
-        """That of a frame of a stream; None where it has no place."""
-        if frame.status != "OK" or frame.image is None or frame.image_to_reference is None:
-            return None
-        return cls(frame.number, frame.image, frame.image_to_reference, frame.received)
-
-
-@dataclass(frozen=True, eq=False)
 class Seen:
     """A look at a scan.
 
     Parameters
     ----------
-    statistics : LiveStatistics
     grid : VoxelGrid or None
         The voxels that are or will be filled.
     scouted : int
         Tracked frames seen since scouting began.
     spans : Spans
         What of the recording is in the volume.
-    frame : SeenFrame or None
-        The newest, where it was not seen yet.
+    frame : LiveFrame or None
+        The newest, where it has image and pose and was not seen yet.
     result : Reconstruction or None
         The volume, where it has changed.
     guidance : GuidanceSeen or None
@@ -70,7 +52,7 @@ class Seen:
     grid: VoxelGrid | None = None
     scouted: int = 0
     spans: Spans = ALL
-    frame: SeenFrame | None = None
+    frame: LiveFrame | None = None
     result: Reconstruction | None = None
     guidance: GuidanceSnapshot | None = None
     has_fallen: bool = False

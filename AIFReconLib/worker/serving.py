@@ -11,18 +11,20 @@ import pickle
 import threading
 import time
 import traceback
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from typing import Any
 
 from ..errors import WorkerDiedError
 from ..progress import Progress
-from .calls import CANCEL, FORGET, Call, Logged, Message, ProgressReport, RemoteObject, Returned, Told
+from .calls import CALL, CANCEL, ERROR, FORGET, LOG, PROGRESS, VALUE, Call, Message, RemoteObject
 from .channel import Channel
 
 LIBRARY = "AIFReconLib"
 """Whose log is heard in the program, too."""
+
+MOST_CALLS = 64
+"""At a time; more wait for their turn."""
 
 REPORT_EVERY = 0.05
 """s between two reports of a call."""
@@ -63,37 +65,33 @@ class _Server(logging.Handler):
         self._channel = channel
         self._canceled: dict[int, threading.Event] = {}
         self._kept: dict[int, Any] = {}
-        self._ending: list[threading.Thread] = []
-        self._in_order = ThreadPoolExecutor(1)
+        self._calls, self._in_order, self._endings = ThreadPoolExecutor(MOST_CALLS), ThreadPoolExecutor(1), ThreadPoolExecutor()
 
     def run(self) -> None:
         while True:
-            message = self._channel.receive()
-            if isinstance(message, Call):
-                self._canceled[message.number] = threading.Event()
-                if self._is_short(message):
-                    self._in_order.submit(self._answer, message)
-                else:
-                    _thread(self._answer, message)
-            elif isinstance(message, Told) and message.what == CANCEL:
-                self._cancel(message.number)
-            elif isinstance(message, Told) and message.what == FORGET:
-                self._let_go(message.number)
-            elif isinstance(message, Returned) and message.error is not None:
+            number, kind, content = self._channel.receive()
+            if kind == CALL:
+                self._canceled[number] = threading.Event()
+                pool = self._in_order if self._is_short(content) else self._calls
+                pool.submit(self._answer, number, content)
+            elif kind == CANCEL:
+                self._cancel(number)
+            elif kind == FORGET:
+                self._let_go(number)
+            elif kind == ERROR:
                 # A call that cannot be understood here
-                _thread(self._send, Returned(message.number, error=_that_crosses(message.error)))
-            del message  # and with it the arrays that came
+                self._calls.submit(self._send, Message(number, ERROR, _that_crosses(content)))
+            del content  # and with it the arrays that came
 
     def end(self) -> None:
         for canceled in tuple(self._canceled.values()):
             canceled.set()
         for number in tuple(self._kept):
             self._let_go(number)
-        for thread in self._ending:
-            thread.join()
+        self._endings.shutdown()
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._send(Logged(record.name, record.levelno, self.format(record)))
+        self._send(Message(-1, LOG, (record.name, record.levelno, self.format(record))))
 
     def _send(self, message: Message) -> None:
         with contextlib.suppress(ConnectionError):  # nobody hears it any more
@@ -110,8 +108,7 @@ class _Server(logging.Handler):
         """Have a kept object end what it does, if it can, while calls are heard."""
         kept = self._kept.pop(number, None)
         if hasattr(kept, "close"):
-            self._ending = [thread for thread in self._ending if thread.is_alive()]
-            self._ending.append(_thread(_close, kept))
+            self._endings.submit(_close, kept)
 
     def _is_short(self, call: Call) -> bool:
         """Whether a call is of a method that tells no progress: those are answered in the order in which they were asked."""
@@ -119,12 +116,12 @@ class _Server(logging.Handler):
         method = getattr(self._kept.get(first.number), str(call.function), None) if isinstance(first, RemoteObject) else None
         return method is not None and "progress" not in inspect.signature(method).parameters
 
-    def _answer(self, call: Call) -> None:
-        number, canceled = call.number, self._canceled[call.number]
+    def _answer(self, number: int, call: Call) -> None:
+        canceled = self._canceled[number]
         try:
-            answer = Returned(number, self._called(call, canceled))
+            answer = Message(number, VALUE, self._called(number, call, canceled))
         except BaseException as error:
-            answer = Returned(number, error=_that_crosses(error))
+            answer = Message(number, ERROR, _that_crosses(error))
         del call, self._canceled[number]
         if canceled.is_set():
             self._let_go(number)
@@ -132,22 +129,22 @@ class _Server(logging.Handler):
             self._send(answer)
         except Exception as error:  # it cannot be pickled
             try:
-                self._send(Returned(number, error=_that_crosses(error)))
+                self._send(Message(number, ERROR, _that_crosses(error)))
             except Exception:
                 # Who waits for an answer hears of the end of this process at least
                 os._exit(1)
 
-    def _called(self, call: Call, canceled: threading.Event) -> Any:
+    def _called(self, number: int, call: Call, canceled: threading.Event) -> Any:
         arguments = [self._meant(each) for each in call.arguments]
         named = {name: self._meant(each) for name, each in call.named.items()}
         function = getattr(arguments.pop(0), call.function) if isinstance(call.function, str) else call.function
         if "progress" in inspect.signature(function).parameters:
-            named["progress"] = self._progress(call.number, canceled)
+            named["progress"] = self._progress(number, canceled)
         value = function(*arguments, **named)
         if not call.keep:
             return value
-        self._kept[call.number] = value
-        return RemoteObject(call.number)
+        self._kept[number] = value
+        return RemoteObject(number)
 
     def _meant(self, argument: Any) -> Any:
         """The argument, or the object that it stands for."""
@@ -165,16 +162,10 @@ class _Server(logging.Handler):
             now = time.monotonic()
             if now - last[0] >= REPORT_EVERY or step != last[1]:
                 last = now, step
-                self._send(ProgressReport(number, fraction, step))
+                self._send(Message(number, PROGRESS, (fraction, step)))
             return not canceled.is_set()
 
         return progress
-
-
-def _thread(function: Callable[..., None], *arguments: Any) -> threading.Thread:
-    thread = threading.Thread(target=function, args=arguments, name="aifrecon worker", daemon=True)
-    thread.start()
-    return thread
 
 
 def _close(kept: Any) -> None:

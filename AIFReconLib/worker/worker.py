@@ -17,7 +17,7 @@ from typing import Any
 from ..errors import WorkerDiedError
 from ..machine.processes import start_python
 from ..progress import Progress, report
-from .calls import CANCEL, FORGET, RECEIVED, Call, Logged, Message, ProgressReport, RemoteObject, Returned, Told
+from .calls import CALL, CANCEL, ERROR, FORGET, LOG, PROGRESS, RECEIVED, Call, Message, RemoteObject
 from .channel import Channel
 from .serving import LIBRARY, TracebackInWorker, serve
 
@@ -51,13 +51,13 @@ class Task:
     def __init__(self, worker: Worker, number: int):
         self._worker, self._number = worker, number
         self.latest: tuple[float, str] = (0.0, "")
-        self._returned: Returned | None = None
+        self._answer: Message | None = None
 
     @property
     def is_done(self) -> bool:
         """Whether `result` has something to return or to raise; returns at once."""
         self._worker.listen()
-        return self._returned is not None
+        return self._answer is not None
 
     def result(self, progress: Progress | None = None) -> Any:
         """What the call returns, waited for; what it raises is raised here.
@@ -70,34 +70,32 @@ class Task:
             Hears of the call every 20 ms at least, and may cancel it.
         """
         try:
-            while self._returned is None:
+            while self._answer is None:
                 self._worker.listen(LOOK_EVERY)
-                if self._returned is None:
+                if self._answer is None or self._answer.kind != ERROR:
                     report(progress, *self.latest)
-            if self._returned.error is None:
-                report(progress, *self.latest)
         except BaseException:
             self.cancel()
-            if self._returned is not None and isinstance(self._returned.value, RemoteObject):
-                self._worker.forget(self._returned.value)
+            if self._answer is not None and isinstance(self._answer.content, RemoteObject):
+                self._worker.forget(self._answer.content)
             raise
-        if self._returned.error is not None:
-            raise self._returned.error
-        return self._returned.value
+        if self._answer.kind == ERROR:
+            raise self._answer.content
+        return self._answer.content
 
     def cancel(self) -> None:
         """The call is wanted no more: it ends at its next report, and nobody hears of it."""
         self._worker.drop(self._number)
 
-    def take(self, message: ProgressReport | Returned) -> None:
+    def take(self, message: Message) -> None:
         """Hear from the worker."""
-        if isinstance(message, ProgressReport):
-            self.latest = message.fraction, message.step
+        if message.kind == PROGRESS:
+            self.latest = message.content
             return
-        self._returned = message
-        where = None if message.error is None else message.error.__dict__.pop("where", None)
-        if message.error is not None and where is not None:
-            message.error.__cause__ = TracebackInWorker(f"\n{where}")
+        self._answer = message
+        where = message.content.__dict__.pop("where", None) if message.kind == ERROR else None
+        if where is not None:
+            message.content.__cause__ = TracebackInWorker(f"\n{where}")
 
 
 class Worker:
@@ -141,7 +139,7 @@ class Worker:
 
     def forget(self, kept: RemoteObject) -> None:
         """Close what is kept, where it has `close`, and let it go."""
-        self._send(Told(kept.number, FORGET))
+        self._send(Message(kept.number, FORGET))
 
     @property
     def pid(self) -> int | None:
@@ -179,18 +177,19 @@ class Worker:
     def drop(self, number: int) -> None:
         """Cancel a call; what it says from now on is not heard."""
         if self._tasks.pop(number, None) is not None:
-            self._send(Told(number, CANCEL))
+            self._send(Message(number, CANCEL))
 
     def _hear(self, message: Message) -> None:
         self._has_spoken = True
-        if isinstance(message, Logged):
-            logging.getLogger(message.name).log(message.level, "%s", message.text)
+        if message.kind == LOG:
+            name, level, text = message.content
+            logging.getLogger(name).log(level, "%s", text)
             return
         task = self._tasks.get(message.number)
-        if isinstance(message, Returned):
+        if message.kind != PROGRESS:
             self._tasks.pop(message.number, None)
-            self._send(Told(message.number, RECEIVED))
-        if task is not None and isinstance(message, (ProgressReport, Returned)):
+            self._send(Message(message.number, RECEIVED))
+        if task is not None:
             task.take(message)
 
     def _begin(self, function: Callable[..., Any] | str, arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:
@@ -200,7 +199,7 @@ class Worker:
         task = Task(self, number := next(self._numbers))
         self._tasks[number] = task
         try:
-            self._send(Call(number, function, arguments, named, keep))
+            self._send(Message(number, CALL, Call(function, arguments, named, keep)))
         except BaseException:
             self._tasks.pop(number, None)
             raise
@@ -253,7 +252,7 @@ class Worker:
         lost, self._tasks = self._tasks, {}
         self._process = self._channel = None
         for number, task in lost.items():
-            task.take(Returned(number, error=WorkerDiedError(why)))
+            task.take(Message(number, ERROR, WorkerDiedError(why)))
 
     def _require_own_thread(self) -> None:
         if self._thread is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.guidance.probe import ProbeImages
@@ -14,6 +15,7 @@ class IdleSession:
     """What a watch asks of a session: the newest frame, and when to work."""
 
     latest = grid = None
+    pool = ThreadPoolExecutor()
 
     def imaging(self) -> Imaging:
         """What is known of the images."""

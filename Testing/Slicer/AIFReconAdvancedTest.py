@@ -181,5 +181,5 @@ class AIFReconAdvancedTest(unittest.TestCase):
         self.assertIn("of the voxels measured", self.ui.reportLabel.text)
         self.assertIn("average", self.ui.reportLabel.text)
         _title, report = self.widget.logic.trackingReport(self.parameters)
-        self.assertEqual(report.coverage.voxels, voxels.size)
+        self.assertEqual(report.coverage["voxels"], voxels.size)
         self.ui.trackingMoreButton.checked = False

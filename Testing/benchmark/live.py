@@ -156,7 +156,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
                 print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
         computed = (time.process_time() - computed) / (time.monotonic() - began)
         dropped = client.statistics.dropped
-        looked_at = asking.state.frames / (time.monotonic() - began) if asking else None
+        looked_at = asking.frames / (time.monotonic() - began) if asking else None
         for watch in watches:
             watch.stop()
         session.stop()
@@ -182,7 +182,7 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         "worst_latency_p99_ms": 1000 * max((p99 for p99 in p99s if np.isfinite(p99)), default=float("nan")),
         "cores_used": computed,
         "bone_looked_for_per_s": looked_at,
-        "bone_problem": str(asking.state.problem) if asking and asking.state.problem else None,
+        "bone_problem": str(asking.problem) if asking and asking.problem else None,
         "snapshot_ms": 1000 * float(np.median(snapshots)) if snapshots else None,
         "memory_mib": samples[-1],
         "memory_growth_mib": samples[-1] - settled[0],

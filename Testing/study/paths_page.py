@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from AIFReconLib.evaluation.lines import BLOCKED, FREE, RocResult, told_apart
+from AIFReconLib.evaluation.lines import BLOCKED, FREE, Roc, told_apart
 from AIFReconLib.paths.states import FREE as GIVEN_FREE
 from AIFReconLib.paths.states import ROOM, TIGHT, states_of
 from AIFReconLib.paths.surroundings import FAR
@@ -66,27 +66,27 @@ class Judged:
         """Which ones the product calls free or tight, (n,) bool."""
         return states_of(self.clearance, self.seen) >= TIGHT
 
-    def told_by(self, number: np.ndarray) -> RocResult:
+    def told_by(self, number: np.ndarray) -> Roc:
         """By a number that is to be greater for free lines."""
         return told_apart(number[self.free], number[self.blocked])
 
     def told_by_seen(self) -> float:
         """Blocked called free where nine in ten of the free lines that were seen are found; what was not seen is not called free."""
         all_seen = self.seen >= 1.0
-        return told_apart(self.clearance[self.free & all_seen], np.where(all_seen, self.clearance, -np.inf)[self.blocked]).called_free
+        return told_apart(self.clearance[self.free & all_seen], np.where(all_seen, self.clearance, -np.inf)[self.blocked])[1]
 
     def cells(self) -> list[str]:
         """What a line of the tables holds."""
         free, blocked, given = self.free, self.blocked, self.given
-        bright = RocResult(np.nan, np.nan) if self.brightest is None else self.told_by(-self.brightest)
+        bright = (np.nan, np.nan) if self.brightest is None else self.told_by(-self.brightest)
         near = self.told_by(self.clearance)
         clear = states_of(self.clearance, self.seen) == GIVEN_FREE
         off = np.abs(np.maximum(self.clearance + self.margin, 0.0) - np.clip(self.truth, 0.0, FAR))
         return [
-            _number(bright.area),
-            _share(bright.called_free),
-            _number(near.area),
-            _share(near.called_free),
+            _number(bright[0]),
+            _share(bright[1]),
+            _number(near[0]),
+            _share(near[1]),
             _share(self.told_by_seen()),
             _share(_mean(self.seen[free] >= 1.0)),
             _share(_mean(given[free])),

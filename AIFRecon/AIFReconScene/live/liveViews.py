@@ -23,7 +23,7 @@ asks every view to be drawn anew."""
 class LiveViews:
     """Moves the red slice with the probe and puts everything back at the end; `opacity`, 0 to 1, is that of the volume over the CT.
 
-    `frame` is the `SeenFrame` that is seen, or None.
+    `frame` is the `LiveFrame` that is seen, or None.
     """
 
     def __init__(self, ctNode, opacity: float):
@@ -39,7 +39,7 @@ class LiveViews:
         return self._node if self._node and self._node.GetScene() else None
 
     def showFrame(self, frame) -> None:
-        """Show a `SeenFrame`, and let the red slice lie in it."""
+        """Show a `LiveFrame`, and let the red slice lie in it."""
         node, (rows, columns) = self.frameNode, frame.image.shape
         if node is None:
             self._node = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLScalarVolumeNode", FRAME_NAME)

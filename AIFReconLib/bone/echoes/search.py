@@ -52,7 +52,6 @@ def sweep_echoes(
 
     Parameters
     ----------
-    sequences : TrackedSequence or several
     recipe : Recipe or None
         As in `reconstruct`.
     most_frames : int or None

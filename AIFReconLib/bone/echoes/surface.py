@@ -11,6 +11,7 @@ images", SIGGRAPH: what a line of sight says of the space before and behind a po
 from __future__ import annotations
 
 import copy
+import itertools
 import threading
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -25,7 +26,7 @@ from ...geometry.volume import Volume, VoxelGrid
 from ...machine.memory import LARGEST_GRID, require_memory
 from ...machine.threads import in_parts, usable_cores
 from ...message import Sentence, listed, said
-from ...progress import Progress, part, report
+from ...progress import Progress, Steps, carry_out, part
 from ...recipe.recipe import Recipe
 from ...remedies import CHECK_PROBE_AND_CLIP
 from ...sweep.frames import TrackedSequence
@@ -71,6 +72,8 @@ CUT_OFF = 3.0
 PAIRS = [(a, b) for a in range(3) for b in range(a, 3)]
 AT_ONCE = 4096
 """Echoes that are added, and voxels that planes are laid at, in one step."""
+
+LAYING = "Laying echoes together"
 
 BYTES_PER_VOXEL = 90
 """While planes are laid: sums and their blurred forms for two moments at a time, what beams passed, distances, and the map."""
@@ -137,7 +140,7 @@ def surface_of(echoes: SweepEchoes, progress: Progress | None = None) -> BoneMap
     """
     surface = EchoSurface()
     surface.add(echoes)
-    found = surface.news(progress, usable_cores())
+    found = carry_out(surface.news(usable_cores()), progress)
     if found is None:
         raise GeometryError("No frame shows an echo of bone.", CHECK_PROBE_AND_CLIP)
     return replace(found, notes=(f"Bone is the surface that {len(echoes):,} echoes of {len(np.unique(echoes.frames)):,} frames lie on.",))
@@ -191,13 +194,13 @@ class EchoSurface:
             self._changed += [end(of, axis=0) for of in (cubes, crossed) for end in (np.min, np.max)]
         return bool(self._changed)
 
-    def whole(self, progress: Progress | None = None) -> BoneMap | None:
+    def whole(self) -> Steps[BoneMap | None]:
         """The map of all that was taken in, for another than who asks for `news`."""
         other = EchoSurface()
         with self._adding:
             other._shown, other._crossed = copy.deepcopy((self._shown, self._crossed))
         other.renew()
-        return other.news(progress)
+        return (yield from other.news())
 
     def renew(self) -> None:
         """The next `news` are of all that is known."""
@@ -209,9 +212,9 @@ class EchoSurface:
         cubes, beyond = self._shown.cubes, int(FARTHEST / SPACING) + 1
         return cubes.min(axis=0) - beyond, cubes.max(axis=0) + beyond
 
-    def news(self, progress: Progress | None = None, threads: int = 1, within: tuple[Floats, Floats] | None = None) -> BoneMap | None:
+    def news(self, threads: int = 1, within: tuple[Floats, Floats] | None = None) -> Steps[BoneMap | None]:
         """The part of the map that has changed since this was asked last, as far as it lies in a box (from, to; mm in Reference)."""
-        report(progress, 0.0, "Laying echoes together")
+        yield 0.0, LAYING
         if not self.take_in():
             return None
         changed, self._changed = np.array(self._changed), []
@@ -226,7 +229,7 @@ class EchoSurface:
         shape = tuple((stop - start + 1)[::-1].tolist())
         require_memory(shape[::-1], np.full(3, SPACING), BYTES_PER_VOXEL, most=LARGEST_GRID)
         voxels, sums, crossed = self._trusted(start, stop, shape)
-        report(progress, 0.2, "Laying echoes together")
+        yield 0.2, LAYING
         away = _away(voxels, shape)
         part_of = tuple(slice(a, b + 1) for a, b in zip((low - start)[::-1].tolist(), (high - start)[::-1].tolist(), strict=True))
         wanted = np.zeros(shape, bool)
@@ -237,7 +240,7 @@ class EchoSurface:
         def gather(number: int) -> None:
             moments[number] = _blurred(voxels, sums[number], shape, NEIGHBORHOOD).reshape(-1)[near]
 
-        in_parts(gather, len(sums), threads, part(progress, 0.3, 0.7), "Laying echoes together")
+        yield from _each(gather, len(sums), threads, 0.3)
         places = np.stack(np.unravel_index(near, shape)[::-1], axis=1) + start
         probability, inside, slopes = np.zeros(shape, np.float32), np.zeros(shape, np.uint8), np.zeros((3, *shape), np.float32)
 
@@ -249,13 +252,13 @@ class EchoSurface:
             inside[at] = heights > 0
             slopes[(slice(None), *at)] = normals.T
 
-        in_parts(lay, -(-near.size // AT_ONCE), threads, part(progress, 0.7, 1.0), "Laying echoes together")
+        yield from _each(lay, -(-near.size // AT_ONCE), threads, 0.7)
         border, between, beyond, across = _between(*crossed)
         larger = between > probability.reshape(-1)[border]
         border = border[larger]
         probability.reshape(-1)[border], inside.reshape(-1)[border] = between[larger], beyond[larger]
         slopes.reshape(3, -1)[:, border] = across[:, larger]
-        report(progress, 1.0, "Laid echoes together")
+        yield 1.0, "Laid echoes together"
         around = VoxelGrid.from_spacing(SPACING * start, shape[::-1], SPACING).ijk_to_reference
         surface, behind = (Volume(values, around)[part_of] for values in (probability, inside))
         return BoneMap(surface, behind, slopes=np.ascontiguousarray(slopes[(slice(None), *part_of)]))
@@ -269,6 +272,14 @@ class EchoSurface:
         trust = echo / (echo + SHADOWED * crossed[0].reshape(-1)[voxels])
         believed = trust >= LEAST_TRUST
         return voxels[believed], (sums * trust)[:, believed], crossed
+
+
+def _each(work: Callable[[int], None], parts: int, threads: int, start: float) -> Steps[None]:
+    """Parts of the work, so many at a time as there are threads."""
+    numbers = itertools.count()
+    for first in range(0, parts, threads):
+        yield start + 0.3 * first / parts, LAYING
+        in_parts(lambda _: work(next(numbers)), min(threads, parts - first), threads)
 
 
 def _moments(echoes: SweepEchoes) -> Floats:

@@ -41,9 +41,9 @@ class BoneAtVoxels:
         probability, directions = np.empty(voxels.size, np.float32), np.empty((voxels.size, 3), np.float32)
         box = coordinates.shape, coordinates.planes, coordinates.rows, coordinates.columns
         slopes, occupied = self.all_slopes if everywhere else self.slopes, self.occupied if everywhere else None
-        flat, arrays = self.map_probability.reshape(-1), (self.potential, self.to_reference)
+        arrays = self.map_probability.reshape(-1), self.potential, self.to_reference
         slopes = None if slopes is None else slopes.reshape(-1)
-        fast.look_up(flat, arrays, slopes, box, coordinates.starts, coordinates.matrix, voxels, occupied, probability, directions)
+        fast.look_up(arrays, slopes, box, (coordinates.starts, coordinates.matrix), voxels, occupied, (probability, directions))
         return probability, directions
 
     def _at(self, voxels: Integers, everywhere: bool) -> tuple[Singles, Singles]:

@@ -27,13 +27,8 @@ LONGEST_NAME = 200
 UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedImage:
-    """The pose of an image (None without), its status, and all of its transforms."""
-
-    image_to_reference: Matrix | None
-    status: str
-    transforms: dict[TransformName, TransformSample]
+Placed = tuple[Matrix | None, str, dict[TransformName, TransformSample]]
+"""The pose of an image (None without), its status, and all of its transforms."""
 
 
 def stream_name(text: str) -> TransformName | None:
@@ -65,7 +60,6 @@ class ImagePlacement:
 
     Parameters
     ----------
-    configuration : PlusConfiguration
     image_to_reference, reference : str or None
         As in `SynchronizerSettings`.
     uses_image_matrix, trusting : bool
@@ -126,12 +120,11 @@ class ImagePlacement:
         sent: Mapping[TransformName, TransformSample],
         metadata: Mapping[TransformName, TransformSample],
         problems: Mapping[TransformName, str],
-    ) -> PlacedImage:
+    ) -> Placed:
         """The image's pose and status.
 
         Parameters
         ----------
-        message : ImageMessage
         sent : dict of TransformName to TransformSample
             Every transform that has come as messages of its own, at the time of the image; MISSING where none belongs to it.
         metadata : dict of TransformName to TransformSample
@@ -152,7 +145,7 @@ class ImagePlacement:
         transforms.pop(of_image.inverse, None)
         transforms[of_image] = TransformSample(message.image_to_sender, status)
         if doubt is not None:
-            return PlacedImage(None, doubt, transforms)
+            return None, doubt, transforms
         # The server has followed the other ways
         return self._follow(message, transforms, problems, str(self.wanted) if frame == self.wanted.target else self._named)
 
@@ -241,28 +234,28 @@ class ImagePlacement:
         transforms: dict[TransformName, TransformSample],
         problems: Mapping[TransformName, str],
         named: str | None,
-    ) -> PlacedImage:
+    ) -> Placed:
         """Follow the ways exactly as for a frame of a recording, so that live and offline agree to the bit."""
         source, target = self.wanted.source, self.wanted.target
         ways = self._look_up(source, target, frozenset(transforms), named)
         if isinstance(ways, TransformError):
             self._tell(said(ways), transforms)
-            return PlacedImage(None, f"no transform leads from {source} to {target}", transforms)
+            return None, f"no transform leads from {source} to {target}", transforms
         if not transforms.keys() & set(ways.names):
             self._tell(f"By the configuration alone {source} is fixed to {target}, so all images would lie in one plane.", transforms)
-            return PlacedImage(None, f"{source} is fixed to {target}", transforms)
+            return None, f"{source} is fixed to {target}", transforms
         pose = frame_pose(ways, transforms, self._static(transforms), source)
         try:
             if pose.loops:
                 require_agreement("", message.image.shape[::-1], pose.ways, {0: pose.loops})
         except TransformError as error:
             self.problem = said(error)
-            return PlacedImage(None, f"two ways lead from {source} to {target}, and disagree", transforms)
+            return None, f"two ways lead from {source} to {target}, and disagree", transforms
         self.problem = None
         if pose.problem is None:
-            return PlacedImage(pose.matrix, "OK", transforms)
+            return pose.matrix, "OK", transforms
         culprit = next((name for name in problems if pose.problem.startswith(f"{name} ")), None)
-        return PlacedImage(None, f"{culprit} {problems[culprit]}" if culprit else pose.problem, transforms)
+        return None, f"{culprit} {problems[culprit]}" if culprit else pose.problem, transforms
 
     def _tell(self, what: str, transforms: Mapping[TransformName, TransformSample]) -> None:
         """Say what is wrong, and what is missing."""

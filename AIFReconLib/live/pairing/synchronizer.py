@@ -100,7 +100,6 @@ class Synchronizer:
 
     Parameters
     ----------
-    settings : SynchronizerSettings
     configuration : PlusConfiguration or None
         Gives calibration and other fixed transforms, and the names of the frames.
 
@@ -296,21 +295,21 @@ class Synchronizer:
             history.compare(self._decided_time, time)
         self._decided_time = time
         self._expected = frozenset(name for name, answer in answers.items() if answer is not None and answer.exact)
-        placed = self._placement.place(
+        pose, status, transforms = self._placement.place(
             message,
             {name: MISSING if answer is None else answer.sample for name, answer in answers.items()},
             waiting.metadata,
             {name: answer.problem for name, answer in answers.items() if answer is not None and answer.problem},
         )
-        if placed.status == "OK":
+        if status == "OK":
             self._known_times.append(time)
         number, self.frames = self.frames, self.frames + 1
         return LiveFrame(
             image=message.image,
-            image_to_reference=placed.image_to_reference,
+            image_to_reference=pose,
             timestamp=time,
-            status=placed.status,
+            status=status,
             number=number,
-            record=FrameRecord(timestamp=time, transforms=placed.transforms, fields={"FrameNumber": str(number)}),
+            record=FrameRecord(timestamp=time, transforms=transforms, fields={"FrameNumber": str(number)}),
             received=message.received,
         )

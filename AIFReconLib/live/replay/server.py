@@ -256,10 +256,10 @@ class ReplayServer:
         with suppress(OSError):
             while data := await reader.read(2**16):
                 for message in framer.feed(data):
-                    if self._version is None and message.header.version > 1:
+                    if self._version is None and message.version > 1:
                         client.version = 2
                     client.has_asked = True
-                    if message.header.kind == "GET_STATUS":
+                    if message.kind == "GET_STATUS":
                         client.send(encode_status("", 0.0, text="\n", version=client.version))
         self._clients.remove(client)
         self._missed += client.missed

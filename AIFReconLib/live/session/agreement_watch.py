@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -45,20 +46,18 @@ class AgreementWatch(Watch):
 
     Parameters
     ----------
-    session : LiveSession
-    bone : BoneField
     labels_to_reference : (4, 4) array, mm
         Rigid.
     """
 
     def __init__(self, session: LiveSession, bone: BoneField, labels_to_reference: Floats):
-        super().__init__(session, "aifrecon live agreement", PERIOD)
+        super().__init__(session, PERIOD)
         self._bone, self._labels_to_reference = bone, labels_to_reference
         self._live: LiveAgreement | None = None
         # Of the scan so far, and of the last seconds: replaced together
         self._echoes: tuple[list[SweepEchoes], SweepEchoes] = [], SweepEchoes.joined(())
         self.state = LiveState()
-        self._thread.start()
+        self._start()
 
     def place(self, labels_to_reference: Floats) -> None:
         """The CT lies elsewhere now; the last seconds are judged anew."""
@@ -79,16 +78,17 @@ class AgreementWatch(Watch):
             self._live.place(labels_to_reference)
             self._judge(self._live, self._echoes[0])
 
-    def _look(self, frame: LiveFrame | None) -> None:
+    def _look(self, frame: LiveFrame | None) -> Iterable[object]:
         imaging = None if frame is None else self._session.imaging()
         if frame is None or imaging is None:
-            return
+            return ()
         if self._live is None:
             self._live = LiveAgreement(self._bone, self._labels_to_reference, imaging)
         scan = [*self._echoes[0], self._live.add(frame)]
         if sum(map(len, scan)) > 3 * MOST_SEEN:
             scan = [SweepEchoes.joined(scan).thinned(MOST_SEEN)]
         self._judge(self._live, scan)
+        return ()
 
     def _judge(self, live: LiveAgreement, scan: list[SweepEchoes]) -> None:
         agreement, has_fallen = live.agreement(), live.has_fallen()

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from ...bone.predicted_bone import BoneEstimator, PointsOfFrames
 from ...bone.predictions import Prediction
 from ...bone.recorded_predictions import COVERS, SAME_TIME, probability_of
 from ...effective_settings import Imaging
-from ...errors import GeometryError, OperationCanceled
+from ...errors import GeometryError
 from ..pairing.synchronizer import LiveFrame
 from ..wire.messages import ImageMessage
 from .recording import Recorder
@@ -34,32 +33,6 @@ LONGEST_WAIT = 1.0
 """s that a prediction waits for its frame to be placed."""
 
 
-@dataclass(frozen=True)
-class BoneState:
-    """How the search goes.
-
-    Parameters
-    ----------
-    frames : int
-        In which bone was looked for, or for which a prediction came.
-    unmatched : int
-        Predictions that belong to no frame.
-    problem : Message or None
-        Why nothing, or no more, is known.
-    """
-
-    frames: int = 0
-    unmatched: int = 0
-    problem: str | None = None
-
-    def lines(self, frames: int) -> tuple[str, ...]:
-        """How it goes with so many frames received, in words."""
-        lines = [f"Bone is known from {self.frames} of {frames} frames."]
-        if self.unmatched:
-            lines.append(f"{self.unmatched} predictions belong to no frame with a pose.")
-        return tuple(lines if self.problem is None else [*lines, self.problem])
-
-
 class BoneWatch(Watch):
     """Lets a bone map grow while a session goes on.
 
@@ -67,18 +40,26 @@ class BoneWatch(Watch):
     ----------
     session : LiveSession
         Made with `bone`.
-    bone : GrowingBone
     estimator : callable from Imaging to BoneEstimator, or None
         What tells bone in a frame, made when region and probe are known; None: the predictions that the session receives.
     record : Path or None
         A sequence file for the predictions, 8 bit, which `RecordedPredictions` takes with the recorded scan. See `Recorder`.
+
+    Attributes
+    ----------
+    frames : int
+        In which bone was looked for, or for which a prediction came.
+    unmatched : int
+        Predictions that belong to no frame.
+    problem : str or None
+        Why nothing, or no more, is known.
 
     Notes
     -----
     An estimator looks at the newest frame as soon as it is done with the one before, for a network leaves Python to others while it
     works: one core at most is taken, and half of one while insertion is behind. Frames that come meanwhile are passed over, as
     evenly as they come. Streamed predictions are all taken. What is found while a scan has no box yet is kept for the volume that it
-    gets. A second thread brings it to the volume.
+    gets. Another watch brings it to the volume.
     """
 
     def __init__(
@@ -88,7 +69,7 @@ class BoneWatch(Watch):
         estimator: Callable[[Imaging], BoneEstimator] | None,
         record: Path | None = None,
     ):
-        super().__init__(session, "aifrecon live bone")
+        super().__init__(session)
         self._bone, self._make_estimator = bone, estimator
         self._recorder = None if record is None else Recorder(record)
         self.recorded: Path | None = None
@@ -96,28 +77,29 @@ class BoneWatch(Watch):
         self._points: PointsOfFrames | None = None
         self._waiting: list[ImageMessage] = []
         self._full = 1.0
-        self._newest: LiveFrame | None = None
-        self._frames = self._unmatched = 0
-        self._problem: str | None = None
+        self.frames = self.unmatched = 0
+        self.problem: str | None = None
         self._spreading = _Spreading(session, bone, self._tell_problem)
-        self._thread.start()
+        self._start()
 
-    @property
-    def state(self) -> BoneState:
-        """How it goes now."""
-        return BoneState(self._frames, self._unmatched, self._problem)
+    def lines(self, frames: int) -> tuple[str, ...]:
+        """How it goes with so many frames received, in words."""
+        lines = [f"Bone is known from {self.frames} of {frames} frames."]
+        if self.unmatched:
+            lines.append(f"{self.unmatched} predictions belong to no frame with a pose.")
+        return tuple(lines if self.problem is None else [*lines, self.problem])
 
-    def stop(self, wait: bool = True) -> None:
+    def stop(self, wait_for_it: bool = True) -> None:
         """Look at no more frames, and finish the recording of what was said."""
-        super().stop(wait)
-        self._spreading.stop(wait)
+        super().stop(wait_for_it)
+        self._spreading.stop(wait_for_it)
         recorder, self._recorder = self._recorder, None
-        if recorder is not None and wait:
+        if recorder is not None and wait_for_it:
             self.recorded = recorder.finish()
-            self._problem = recorder.failure or self._problem
+            self.problem = recorder.failure or self.problem
 
     def _tell_problem(self, problem: str) -> None:
-        self._problem = problem
+        self.problem = problem
 
     def _breathe(self) -> bool:
         """Wait for a frame, unless one has come meanwhile; where insertion is behind, rest as others do. False when the end has come."""
@@ -125,10 +107,9 @@ class BoneWatch(Watch):
             return super()._breathe()
         if self._session.latest is self._newest:
             self._session.wait_for_rest(PATIENCE)
-        self._newest, self._resumed = self._session.latest, time.monotonic()
-        return not self._closing.is_set()
+        return self._resume()
 
-    def _look(self, frame: LiveFrame | None) -> None:
+    def _look(self, frame: LiveFrame | None) -> Iterable[object]:
         if self._make_estimator is None:
             for of_frame, message in self._matched():
                 self._take(of_frame, Prediction(self._streamed(message)))
@@ -137,10 +118,11 @@ class BoneWatch(Watch):
             said = self._estimator.estimate(frame)
             if said is not None:
                 self._take(frame, said)
+        return ()
 
     def _take(self, frame: LiveFrame, said: Prediction | BoneEchoes | Numbers) -> None:
         imaging = self._session.imaging()
-        self._frames, self._problem = self._frames + 1, None
+        self.frames, self.problem = self.frames + 1, None
         if self._recorder is not None and isinstance(said, Prediction):
             self._recorder.append(_as_frame(frame, said))
         if imaging is not None:
@@ -161,7 +143,7 @@ class BoneWatch(Watch):
             elif now - message.received < LONGEST_WAIT:
                 waiting.append(message)
             else:
-                self._unmatched += 1
+                self.unmatched += 1
         self._waiting = waiting
         return found
 
@@ -182,13 +164,12 @@ class _Spreading(Watch):
     """Brings what is known of bone to the volume, in moments in which nothing is inserted."""
 
     def __init__(self, session: LiveSession, bone: GrowingBone, tell: Callable[[str], None]):
-        super().__init__(session, "aifrecon live bone map", SPREAD_EVERY)
+        super().__init__(session, SPREAD_EVERY)
         self._bone, self._tell = bone, tell
-        self._thread.start()
+        self._start()
 
-    def _look(self, frame: LiveFrame | None) -> None:
-        with contextlib.suppress(OperationCanceled):
-            self._bone.spread(lambda fraction, step: self._make_way())
+    def _look(self, frame: LiveFrame | None) -> Iterable[object]:
+        return self._bone.spread()
 
     def _tell_problem(self, problem: str) -> None:
         self._tell(problem)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Iterable, Iterator
 from functools import partial
 
 import numpy as np
@@ -14,15 +13,14 @@ import numpy as np
 from ...arrays import Floats, Matrix, Numbers
 from ...bone.growing_bone import GrowingBone
 from ...effective_settings import Imaging
-from ...errors import OperationCanceled
-from ...geometry.volume import Volume, VoxelGrid
+from ...geometry.volume import Volume
 from ...guidance.bone import GuidedBone, bone_of_echoes, guided_bone
 from ...guidance.bone_coverage import CoverageAccumulator, FrameGeometry
 from ...guidance.coverage import is_awry, unrefuted
 from ...guidance.guidance import FAR, NOT_IN_BOX, Advisor, Guidance, has_come_near, holds_bone
 from ...guidance.mesh import ColoredBone
 from ...guidance.window import window
-from ...progress import Progress, report
+from ...progress import Steps
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
 from .watch import Watch
@@ -56,7 +54,6 @@ class GuidanceWatch(Watch):
 
     Parameters
     ----------
-    session : LiveSession
     labels : Volume of integers, or GrowingBone
         Where the frames alone tell of bone, what they have told.
     labels_to_reference : (4, 4) array or None, mm
@@ -74,14 +71,14 @@ class GuidanceWatch(Watch):
     Notes
     -----
     A frame takes some 2 ms; those that come meanwhile are not looked at. Candidate passes are looked at for every place of the CT, in
-    pieces while no frame is inserted: advice is there when all were looked at once, and becomes better when they were looked at again.
+    steps between two frames: advice is there when all were looked at once, and becomes better when they were looked at again.
     Bone that grows is told anew every some seconds, from all poses so far, and what was told before stays until that is done.
     """
 
     def __init__(
         self, session: LiveSession, labels: Volume | GrowingBone, labels_to_reference: Matrix | None = None, unseen: Floats | None = None
     ):
-        super().__init__(session, "aifrecon guidance")
+        super().__init__(session)
         self.prepared = threading.Event()
         self.state = Guidance()
         self._labels_to_reference = np.eye(4) if labels_to_reference is None else np.asarray(labels_to_reference, dtype=np.float64)
@@ -96,18 +93,13 @@ class GuidanceWatch(Watch):
         self._poses: list[Matrix] = []
         self._again: list[Matrix] = []
         self._since: list[Matrix] = []
-        self._grid: VoxelGrid | None = None
-        self._boxed: GuidedBone | None = None
-        self._is_in_box = True
-        self._is_preparing = False
-        self._long_work = _LongWork(session, self._tell_problem)
-        self._told, self._advised = 0.0, 0.0
-        self._renewed = 0.0
+        self._ahead: Iterator[object] | None = None
+        self._told = self._advised = self._renewed = 0.0
         if isinstance(labels, GrowingBone):
             self._tell_problem(NOTHING_YET)
         else:
             self._ask("labels", partial(self._take_labels, labels))
-        self._thread.start()
+        self._start()
 
     def place(self, labels_to_reference: Matrix, labels: Volume | None = None) -> None:
         """The CT lies elsewhere now, or has other labels; what was met is told anew from the poses so far."""
@@ -115,14 +107,14 @@ class GuidanceWatch(Watch):
             self._ask("labels", partial(self._take_labels, labels))
         self._ask("place", partial(self._move, np.asarray(labels_to_reference, dtype=np.float64)))
 
-    def stop(self, wait: bool = True) -> None:
-        """Look at no more frames; where asked to, it waits for the step under way."""
-        super().stop(wait)
-        self._long_work.stop(wait)
-
     def _tell_problem(self, problem: str) -> None:
         self.state = Guidance(problem=problem)
         self.prepared.set()
+
+    def _breathe(self) -> bool:
+        # What is done ahead ends as a frame comes: once inserted, that one is looked at next
+        has_come = self._ahead is not None and self._session.latest is not self._newest and self._session.wait_for_rest(0.0) > 0.0
+        return self._resume() if has_come else super()._breathe()
 
     def _take_labels(self, labels: Volume) -> None:
         self._labels, self._bone_of_ct, self._growing = labels, None, None
@@ -137,7 +129,7 @@ class GuidanceWatch(Watch):
 
     def _begin(self) -> None:
         """Nothing is met yet of the bone where it lies now."""
-        self._mets, self._advisor = [], None
+        self._mets, self._advisor, self._ahead = [], None, None
         self._advised = 0.0
         self._bone = None if self._bone_of_ct is None else self._bone_of_ct.placed_by(self._labels_to_reference)
         if self._bone is not None:
@@ -147,7 +139,7 @@ class GuidanceWatch(Watch):
         self._bone_of_ct, self._colored = bone, ColoredBone.of(bone)
         self.state = Guidance.before(self._colored, bone)
 
-    def _look(self, frame: LiveFrame | None) -> None:
+    def _look(self, frame: LiveFrame | None) -> Iterable[object]:
         imaging = None if frame is None else self._session.imaging()
         if frame is not None and imaging is not None:
             image, pose = frame.placed()
@@ -155,16 +147,21 @@ class GuidanceWatch(Watch):
                 self._add(self._bone, imaging, image, pose)
             elif self._growing is not None:
                 self._remember(pose)
-            if self._growing is not None and not self._is_preparing and time.monotonic() - self._renewed >= RENEW_EVERY:
-                self._renew(self._growing, imaging, (image.shape[1], image.shape[0]))
-        if not self._mets:
-            return
-        for pose, met in itertools.product(self._again[:AT_ONCE], self._mets):
-            met.insert(pose)
-        self._again = self._again[AT_ONCE:]
-        self._tell(self._mets[0], self._mets[-1])
-        if self._advisor is None and not self._is_preparing and len(self._poses) >= SKIN_AFTER:
-            self._prepare(self._mets[-1])
+            if self._growing is not None and self._ahead is None and time.monotonic() - self._renewed >= RENEW_EVERY:
+                self._ahead = self._follow_anew(self._growing, imaging, (image.shape[1], image.shape[0]))
+        if self._mets:
+            for pose, met in itertools.product(self._again[:AT_ONCE], self._mets):
+                met.insert(pose)
+            self._again = self._again[AT_ONCE:]
+            yield from self._tell(self._mets[0], self._mets[-1])
+            if self._advisor is None and self._ahead is None and len(self._poses) >= SKIN_AFTER:
+                self._ahead = self._look_at_passes(self._mets[-1])
+        while self._ahead is not None and not self._asked and self._session.latest is self._newest:
+            # It is lost where it fails
+            ahead, self._ahead = self._ahead, None
+            if next(ahead, self) is not self:
+                self._ahead = ahead
+            yield None
 
     def _add(self, bone: GuidedBone, imaging: Imaging, image: Numbers, pose: Matrix) -> None:
         """Add a frame; the first says how large images are, and which way the probe looks."""
@@ -197,12 +194,12 @@ class GuidanceWatch(Watch):
             self._show(guided_bone(self._labels, None, self._labels_to_reference[:3, :3].T @ looks))
             self._begin()
 
-    def _tell(self, met: CoverageAccumulator, aim: CoverageAccumulator) -> None:
+    def _tell(self, met: CoverageAccumulator, aim: CoverageAccumulator) -> Iterator[object]:
         now, colored = time.monotonic(), self._colored
         if now - self._told < TELL_EVERY or colored is None or not self._poses:
             return
         self._told = now
-        self._make_way()
+        yield None
         problem = self._why_not(met)
         if problem is not None:
             self.state = Guidance.before(colored, met.bone, problem)
@@ -210,97 +207,40 @@ class GuidanceWatch(Watch):
         pose, advice = self._poses[-1], None
         if self._advisor is not None:
             if now - self._advised >= ADVISE_EVERY:
-                advice, self._advised = self._advisor.advise(aim, pose, self._go_on), now
+                gains = yield from self._advisor.moves.gains(aim)
+                advice, self._advised = self._advisor.advise(aim, pose, gains), now
             else:
                 advice = self._advisor.to(None if self.state.advice is None else self.state.advice.move, pose)
         self.state = Guidance.of(colored, met, advice)
 
     def _why_not(self, met: CoverageAccumulator) -> str | None:
         grid = self._session.grid
-        if grid is not self._grid or met.bone is not self._boxed:
-            self._grid, self._boxed = grid, met.bone
-            self._is_in_box = grid is None or holds_bone(grid, met.bone)
-        if not self._is_in_box:
+        if grid is not None and not holds_bone(grid, met.bone):
             return NOT_IN_BOX
         far = len(self._poses) >= FAR_AFTER and not self._again and not has_come_near(met)
         return FAR if far else None
 
-    def _begin_long(self, work: Callable[[Progress], None], goes_on: Callable[[], bool]) -> None:
-        """Have work done that takes seconds; what it finds is handed back before it is done with."""
-        self._is_preparing = True
-        self._long_work.begin(work, goes_on, lambda: self._ask("done", self._end_long))
-
-    def _end_long(self) -> None:
-        self._is_preparing = False
-
-    def _prepare(self, aim: CoverageAccumulator) -> None:
-        """Have candidate passes looked at."""
-        self._begin_long(partial(self._look_at_passes, aim, np.array(self._poses)), lambda: aim in self._mets)
-
-    def _look_at_passes(self, aim: CoverageAccumulator, poses: Matrix, progress: Progress) -> None:
-        advisor = Advisor(aim, poses, progress, draws=1)
-        self._ask("advisor", partial(self._take_advisor, aim, advisor))
-        while advisor.look_again(progress):
-            pass
-
-    def _take_advisor(self, aim: CoverageAccumulator, advisor: Advisor) -> None:
-        if aim in self._mets:
+    def _look_at_passes(self, aim: CoverageAccumulator) -> Iterator[object]:
+        advisor = Advisor(aim, np.array(self._poses), draws=0)
+        candidates = advisor.moves.candidates
+        while candidates.is_rough:
+            yield from candidates.look_again()
             self._advisor = advisor
 
-    def _renew(self, growing: GrowingBone, imaging: Imaging, frame_size: tuple[int, int]) -> None:
-        """Have told what echoes have shown of bone until now, and what all poses so far met of it."""
-        poses, self._since = self._poses, []
-        self._begin_long(partial(self._follow_anew, growing, poses, imaging, frame_size), lambda: self._growing is growing)
-
-    def _follow_anew(
-        self, growing: GrowingBone, poses: list[Matrix], imaging: Imaging, frame_size: tuple[int, int], progress: Progress
-    ) -> None:
-        try:
-            known = growing.so_far(progress) if len(poses) >= SKIN_AFTER else None
-            if known is None:
-                return
-            mets = self._none_met(bone_of_echoes(known, np.array(poses)), imaging, frame_size)
-            for number, pose in enumerate(poses):
-                report(progress, number / len(poses), "Following the beams")
-                for met in mets:
-                    met.insert(pose)
-            mets[0] = unrefuted(mets[0])
-            advisor = Advisor(mets[-1], np.array(poses), progress, draws=1)
-            self._ask("more bone", partial(self._take_mets, growing, mets, advisor, ColoredBone.of(mets[0].bone)))
-        finally:
-            self._renewed = time.monotonic()
-
-    def _take_mets(self, growing: GrowingBone, mets: list[CoverageAccumulator], advisor: Advisor, colored: ColoredBone) -> None:
-        if self._growing is growing:
-            self._colored, self._bone, self._mets, self._advisor = colored, mets[0].bone, mets, advisor
-            self._again = self._since
-
-    def _go_on(self, _fraction: float, _what: str) -> bool:
-        self._make_way()
-        return True
-
-
-class _LongWork(Watch):
-    """Does what takes seconds, in moments in which nothing is inserted; frames are looked at meanwhile."""
-
-    def __init__(self, session: LiveSession, tell: Callable[[str], None]):
-        super().__init__(session, "aifrecon guidance ahead")
-        self._tell = tell
-        self._thread.start()
-
-    def begin(self, work: Callable[[Progress], None], goes_on: Callable[[], bool], done: Callable[[], None]) -> None:
-        """Do a piece of work, as long as it `goes_on`; one at a time."""
-        self._ask("work", partial(self._do, work, goes_on, done))
-
-    def _do(self, work: Callable[[Progress], None], goes_on: Callable[[], bool], done: Callable[[], None]) -> None:
-        try:
-            with contextlib.suppress(OperationCanceled):
-                work(lambda _fraction, _step: self._make_way() and goes_on())
-        finally:
-            done()
-
-    def _look(self, frame: LiveFrame | None) -> None:
-        """Frames are looked at by others."""
-
-    def _tell_problem(self, problem: str) -> None:
-        self._tell(problem)
+    def _follow_anew(self, growing: GrowingBone, imaging: Imaging, frame_size: tuple[int, int]) -> Steps[None]:
+        """What echoes have shown of bone until now, and what all poses so far met of it."""
+        poses, self._since = np.array(self._poses), []
+        self._renewed = time.monotonic()
+        known = (yield from growing.so_far()) if len(poses) >= SKIN_AFTER else None
+        if known is None:
+            return
+        mets = self._none_met(bone_of_echoes(known, poses), imaging, frame_size)
+        for number, pose in enumerate(poses):
+            yield number / len(poses), "Following the beams"
+            for met in mets:
+                met.insert(pose)
+        mets[0] = unrefuted(mets[0])
+        advisor = Advisor(mets[-1], poses, draws=0)
+        yield from advisor.moves.candidates.look_again()
+        self._colored, self._bone, self._mets, self._advisor = ColoredBone.of(mets[0].bone), mets[0].bone, mets, advisor
+        self._again, self._renewed = list(self._since), time.monotonic()

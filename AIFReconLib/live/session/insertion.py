@@ -5,9 +5,11 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import deque
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -51,7 +53,6 @@ class Inserter:
     ----------
     settings : Recipe
         With everything resolved.
-    bone : BoneMap or None
     longest_delay : float or None, s
         Leave frames out when those that wait will take longer than this; None: never, and `put` waits instead.
     sign : callable
@@ -75,12 +76,10 @@ class Inserter:
         self.warm, self.ready = threading.Event(), threading.Event()
         self._patient = longest_delay is None
         self._keep_up = FrameDropper(longest_delay or 1.0)
-        lock = threading.RLock()
-        self._changed, self._resting = threading.Condition(lock), threading.Condition(lock)
-        self._tasks: deque[Callable[[], None] | tuple[LiveFrame, FrameCounters, bool]] = deque()
+        self._changed = threading.Condition()
         self._rhythm = Rhythm()
-        self._waiting_frames = self._waiting_bytes = 0
-        self._closed = False
+        self._waiting_frames = self._waiting_bytes = self._rests = self._restarts = 0
+        self._started = self._closed = False
         self._volume = threading.Lock()
         self._turnstile = threading.Lock()
         self._reconstructor: Reconstructor | None = None
@@ -89,68 +88,32 @@ class Inserter:
         self._insertions = 0
         self._seconds_per_frame = 0.0
         self._ready = 0.0
-        self._thread = threading.Thread(target=self._work, name="aifrecon live insertion", daemon=True)
+        self._thread = ThreadPoolExecutor(1, "aifrecon live insertion")
 
     def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
+        """Let the engine load and compile, before all else."""
+        if not self._started:
+            self._started = True
+            self._thread.submit(self._do, self._warm_up)
 
     def close(self) -> None:
         """Insert what waits, then end. Returns when that is done."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
-        if self._thread.ident is not None:
-            self._thread.join()
+        self._thread.shutdown()
 
     def begin(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> None:
         """Make an empty volume before any frame that is put from now on.
 
-        Parameters
-        ----------
-        grid : VoxelGrid
-        imaging : callable
-            Called on the thread, for every volume that is begun.
+        `imaging` is called on the thread, for every volume that is begun.
         """
-
-        def make() -> None:
-            known = imaging()
-            judges = method_named(self._settings.method_for(self._bone is not None)).needs_shadows
-            reconstructor = Reconstructor(
-                grid,
-                replace(self._settings, gray_levels=known.gray_levels.landmarks) if judges else self._settings,
-                self._bone,
-                probe=known.probe,
-                region=known.region,
-                threads=self._parts.threads,
-                importance=self._parts.importance,
-                holes=self._parts.holes,
-                fixed_point=self._parts.fixed_point,
-            )
-            with self._volume:
-                self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
-                self._imaging = known
-            self.error, self._ready = None, time.monotonic()
-            self.ready.set()
-
-        self._begin = make
-        with self._changed:
-            self._tasks.append(make)
-            self._changed.notify_all()
+        self._begin = partial(self._make, grid, imaging)
+        self._submit(self._begin)
 
     def judge_by(self, imaging: Callable[[], Imaging]) -> None:
         """Before any frame that is put from now on, take the gray levels of `imaging`, which is called on the thread."""
-
-        def judge() -> None:
-            known = imaging()
-            with self._volume:
-                self._imaging = known
-                if self._reconstructor is not None:
-                    self._reconstructor.judge_by(known.gray_levels)
-
-        with self._changed:
-            self._tasks.append(judge)
-            self._changed.notify_all()
+        self._submit(self._judge, imaging)
 
     @property
     def bone_on_grid(self) -> bool:
@@ -165,22 +128,16 @@ class Inserter:
     def restart(self) -> None:
         """Empty the volume, and forget the frames that wait."""
         with self._changed:
-            self._tasks = deque(task for task in self._tasks if callable(task))
+            self._restarts += 1
             self._waiting_frames = self._waiting_bytes = 0
-            if self._begin is not None:
-                self._tasks.append(self._begin)
             self._changed.notify_all()
+        if self._begin is not None:
+            self._submit(self._begin)
 
     def put(self, frame: LiveFrame, meter: FrameCounters, live: bool = True) -> None:
-        """Hand over a frame, usable or not.
+        """Hand over a frame, usable or not, and what it is counted by.
 
-        Parameters
-        ----------
-        frame : LiveFrame
-        meter : Meter
-            What it is counted by.
-        live : bool
-            It has just come. Others are never left out, and their latency tells nothing.
+        One that has not just come (`live`) is never left out, and its latency tells nothing.
         """
         with self._changed:
             if live:
@@ -190,13 +147,12 @@ class Inserter:
             elif frame.status == "OK":
                 admitted = self._keep_up.admit(self._waiting_frames * self._seconds_per_frame)
                 if not admitted or self._waiting_bytes + _bytes(frame) > MOST_WAITING_BYTES:
-                    frame = replace(frame, image=None, status=TOO_SLOW)
+                    frame = replace(frame, status=TOO_SLOW)
             if frame.status != "OK":
                 frame = replace(frame, image=None)
             self._waiting_frames += frame.status == "OK"
             self._waiting_bytes += _bytes(frame)
-            self._tasks.append((frame, meter, live))
-            self._changed.notify_all()
+            self._submit(self._insert, frame, meter, live, self._restarts)
 
     def wait_for_rest(self, timeout: float) -> float:
         """Return when next a frame was inserted and none waits, or after `timeout`, s; with 0 at once.
@@ -206,9 +162,10 @@ class Inserter:
         rest : float, s
             How long it is expected to last: 0 while a frame waits or is inserted, infinite where nobody knows when the next one comes.
         """
-        with self._resting:
+        with self._changed:
+            rests = self._rests
             if timeout > 0.0:
-                self._resting.wait(timeout)
+                self._changed.wait_for(lambda: self._rests != rests, timeout)
             return 0.0 if self._waiting_frames else self._rhythm.until_next(time.monotonic())
 
     def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
@@ -249,34 +206,63 @@ class Inserter:
         finally:
             self.warm.set()
 
-    def _work(self) -> None:
-        self._warm_up()
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._tasks or self._closed)
-                if not self._tasks:
-                    return
-                task = self._tasks.popleft()
-            try:
-                if callable(task):
-                    task()
-                else:
-                    self._insert(*task)
-            except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
-                self.error = error
-                self.ready.set()
-                logger.exception("The reconstruction of a live scan stopped")
-                if not callable(task):
-                    task[1].skip(AFTER_ERROR)
-            if not callable(task):
-                with self._changed:
-                    self._waiting_frames = max(self._waiting_frames - (task[0].status == "OK"), 0)
-                    self._waiting_bytes = max(self._waiting_bytes - _bytes(task[0]), 0)
-                    self._changed.notify_all()
-                    if not self._waiting_frames:
-                        self._resting.notify_all()
+    def _make(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> None:
+        known = imaging()
+        judges = method_named(self._settings.method_for(self._bone is not None)).needs_shadows
+        reconstructor = Reconstructor(
+            grid,
+            replace(self._settings, gray_levels=known.gray_levels.landmarks) if judges else self._settings,
+            self._bone,
+            probe=known.probe,
+            region=known.region,
+            threads=self._parts.threads,
+            importance=self._parts.importance,
+            holes=self._parts.holes,
+            fixed_point=self._parts.fixed_point,
+        )
+        with self._volume:
+            self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
+            self._imaging = known
+        self.error, self._ready = None, time.monotonic()
+        self.ready.set()
 
-    def _insert(self, frame: LiveFrame, meter: FrameCounters, live: bool) -> None:
+    def _judge(self, imaging: Callable[[], Imaging]) -> None:
+        known = imaging()
+        with self._volume:
+            self._imaging = known
+            if self._reconstructor is not None:
+                self._reconstructor.judge_by(known.gray_levels)
+
+    def _submit(self, work: Callable[..., None], *arguments: Any) -> None:
+        if not self._closed:
+            self.start()
+            self._thread.submit(self._do, work, *arguments)
+
+    def _do(self, work: Callable[..., None], *arguments: Any) -> None:
+        try:
+            work(*arguments)
+        except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
+            self.error = error
+            self.ready.set()
+            logger.exception("The reconstruction of a live scan stopped")
+
+    def _insert(self, frame: LiveFrame, meter: FrameCounters, live: bool, restarts: int) -> None:
+        if restarts != self._restarts:
+            return
+        try:
+            self._insert_into_volume(frame, meter, live)
+        except Exception:
+            meter.skip(AFTER_ERROR)
+            raise
+        finally:
+            with self._changed:
+                if restarts == self._restarts:
+                    self._waiting_frames -= frame.status == "OK"
+                    self._waiting_bytes -= _bytes(frame)
+                self._rests += not self._waiting_frames
+                self._changed.notify_all()
+
+    def _insert_into_volume(self, frame: LiveFrame, meter: FrameCounters, live: bool) -> None:
         if frame.status == "OK":
             image, _ = frame.placed()
             like = image.shape, image.dtype
@@ -291,7 +277,7 @@ class Inserter:
             pass
         started = time.monotonic()
         with self._volume:
-            reason = self._insert_into_volume(frame)
+            reason = frame.status if self._reconstructor is None else _inserted(self._reconstructor, frame)
         now = time.monotonic()
         if frame.status == "OK":
             self._insertions += 1
@@ -304,16 +290,15 @@ class Inserter:
         else:
             meter.skip(reason)
 
-    def _insert_into_volume(self, frame: TrackedFrame) -> str | None:
-        """Insert a frame; the answer is why it did not enter, None when it did."""
-        if self._reconstructor is None:
-            return frame.status
-        counts = self._reconstructor.counts
-        before = counts.inserted
-        self._reconstructor.insert(frame)
-        if counts.inserted > before:
-            return None
-        return next((reason for reason, numbers in counts.skipped.items() if numbers[-1] == frame.number), frame.status)
+
+def _inserted(reconstructor: Reconstructor, frame: TrackedFrame) -> str | None:
+    """Insert a frame; the answer is why it did not enter, None when it did."""
+    counts = reconstructor.counts
+    before = counts.inserted
+    reconstructor.insert(frame)
+    if counts.inserted > before:
+        return None
+    return next((reason for reason, numbers in counts.skipped.items() if numbers[-1] == frame.number), frame.status)
 
 
 def _bytes(frame: TrackedFrame) -> int:

@@ -120,9 +120,7 @@ class ScoutedFrames:
             Which pixels count, and the probe where a speed of sound moves them.
         settings : Recipe
             Of which spacing and speed of sound count.
-        bytes_per_voxel : int
         margin : float, mm
-        fits_spacing : bool
         """
         (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
         poses = poses[self._reachable((poses @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3])]

@@ -7,6 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -42,6 +43,9 @@ FRAMES_LOOKED_AT = 24
 
 MOST_PREDICTIONS = 64
 
+MOST_WATCHES = 8
+"""That go on at a time, and snapshots."""
+
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
 
@@ -71,14 +75,12 @@ class LiveSession:
     ----------
     source : MessageSource
         E.g. an `OpenIGTLinkClient`; started and stopped by the session.
-    settings : Recipe
     bone : BoneMap or None
         Needed by methods that weight by incidence.
     grid : VoxelGrid or None
         Where to reconstruct. None: in the configuration's box, else it begins by scouting; see `grid_from_scout` and `use_grid`.
     configuration : PlusConfiguration or None
         Gives calibration, names of frames, box, region, probe, method, spacing and skip where the other arguments leave them open.
-    synchronizer : SynchronizerSettings
     record : str, Path, Recorder or None
         A sequence file for every frame that is received, tracked or not.
     frame_limit : int or None
@@ -99,9 +101,9 @@ class LiveSession:
 
     Notes
     -----
-    Two threads: one takes messages, makes frames of them and records them; the other inserts. Frames are inserted in the order in which
-    their images arrive, so with images in the order of their times the volume is, to the bit, that of `reconstruct` on the recording with
-    the same grid, region and probe.
+    Two threads: one takes messages, makes frames of them and records them; the other inserts. Watches work in
+    `pool`. Frames are inserted in the order in which their images arrive, so with images in the order of their
+    times the volume is, to the bit, that of `reconstruct` on the recording with the same grid, region and probe.
     Frames in are accounted for: ``frames_received = inserted + skipped + waiting`` in `statistics`.
     """
 
@@ -159,6 +161,7 @@ class LiveSession:
         self._inserter = Inserter(self.settings, bone, longest_delay, sign, parts)
         self._grid = grid = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock, self._looking = threading.RLock(), threading.Lock()
+        self.pool = ThreadPoolExecutor(MOST_WATCHES, "aifrecon live watch")
         self._known = known_imaging(configuration, True, region, probe)
         # With gray levels that are told no frame must be awaited
         self._seen_imaging = None if self._known is None or asked.gray_levels is None else self._known.judging((), asked)
@@ -257,6 +260,7 @@ class LiveSession:
             self._collector.join()
         self._close_scouting()
         self._inserter.close()
+        self.pool.shutdown(wait=False)
         self._phase = STOPPED
         self.finished.set()
         if self.recorder is not None:

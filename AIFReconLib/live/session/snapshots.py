@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-import threading
+from concurrent.futures import Future, wait
 
 from ...compounding.state import Reconstruction
 from .session import LiveSession
@@ -12,56 +12,38 @@ logger = logging.getLogger(__name__)
 
 
 class SnapshotMaker:
-    """Makes one snapshot at a time on a thread of its own.
+    """Makes one snapshot at a time in the session's pool.
 
-    `request` and `take` return at once. A request while one is being made is met by that one. What goes wrong in making one is kept in
-    `error` until one succeeds.
+    `request` and `take` return at once. A request while one is being made, or was not taken yet, is met by that one. What goes wrong in
+    making one is kept in `error` until one succeeds.
     """
 
     def __init__(self, session: LiveSession):
         self._session = session
-        self._wanted = threading.Event()
-        self._lock = threading.Lock()
-        self._ready: Reconstruction | None = None
+        self._making: Future[Reconstruction | None] | None = None
         self._inserted = -1
-        self._closing = False
-        self.error: Exception | None = None
-        self._thread = threading.Thread(target=self._make, name="aifrecon snapshots", daemon=True)
-        self._thread.start()
+        self.error: BaseException | None = None
 
     def request(self) -> None:
         """Ask for a snapshot, which is made if frames have been inserted since the last one."""
-        self._wanted.set()
+        inserted = self._session.statistics.inserted
+        if self._making is None and inserted != self._inserted:
+            self._inserted = inserted
+            self._making = self._session.pool.submit(self._session.snapshot)
 
     def take(self) -> Reconstruction | None:
         """The newest snapshot that has not been taken yet, or None."""
-        with self._lock:
-            ready, self._ready = self._ready, None
-        return ready
+        if self._making is None or not self._making.done():
+            return None
+        made, self._making = self._making, None
+        before, self.error = self.error, made.exception()
+        if self.error is None:
+            return made.result()
+        if str(self.error) != str(before):  # it may come again with every request
+            logger.error("A snapshot of a live scan could not be made", exc_info=self.error)
+        return None
 
     def stop(self) -> None:
-        """Make no more; waits for the one that is being made."""
-        self._closing = True
-        self._wanted.set()
-        self._thread.join()
-
-    def _make(self) -> None:
-        while True:
-            self._wanted.wait()
-            self._wanted.clear()
-            if self._closing:
-                return
-            inserted = self._session.statistics.inserted
-            if inserted == self._inserted:
-                continue
-            self._inserted = inserted
-            try:
-                made = self._session.snapshot()
-            except Exception as error:  # kept and told: the scan goes on, and the next request tries again
-                if str(error) != str(self.error):  # it may come again with every request
-                    logger.exception("A snapshot of a live scan could not be made")
-                self.error = error
-                continue
-            self.error = None
-            with self._lock:
-                self._ready = made
+        """Wait for the one that is being made."""
+        if self._making is not None:
+            wait([self._making])

@@ -74,7 +74,6 @@ class LiveStatistics:
         Images of other devices; they are no frames either.
     recorded : int
         Frames in the recording.
-    recording_failure : str or None
     trouble : str or None
         One sentence on the last thing that went wrong with the stream; None while all is well.
     note : str or None

@@ -19,7 +19,7 @@ from .connection import check_port, open_connection
 from .decoding import READING_TYPES, codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Framer, RawMessage
-from .messages import EventKind, StreamEvent, StreamMessage
+from .messages import EventKind, StreamEvent
 from .sources import CONNECTED, DEVICES, ENDED, QueueSource, StreamStatistics
 
 logger = logging.getLogger(__name__)
@@ -38,14 +38,13 @@ STOP_TIMEOUT = 0.8
 RESOLVING_TIMEOUT = 10.0
 
 
-class OpenIGTLinkClient:
+class OpenIGTLinkClient(QueueSource):
     """Receives from a server, in a thread of its own, until it is stopped.
 
     Nine parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
 
     Parameters
     ----------
-    host : str
     port : int
         Plus listens on 18944.
     takes_readings : bool
@@ -91,6 +90,7 @@ class OpenIGTLinkClient:
             raise SettingsError(f"Input host must be a host name or an IP address; got {host!r}.")
         if queue_size < 1 or queue_bytes < 1 or size_limit < 1 or stall_after <= 0 or connect_timeout <= 0 or not retry_delays:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
+        super().__init__(queue_size, queue_bytes)
         self.host = host.strip()
         self.port = check_port(port)
         self._takes_readings = takes_readings
@@ -98,9 +98,19 @@ class OpenIGTLinkClient:
         self._stall_after = stall_after
         self._connect_timeout = connect_timeout
         self._retry_delays = tuple(retry_delays)
-        self._queue_limits = queue_size, queue_bytes
         self._control = threading.Lock()
-        self._run: _Run | None = None
+        self._lock = threading.Lock()
+        self._stopping, self._attempted = threading.Event(), threading.Event()
+        self._begin_anew(is_open=False)
+
+    def _begin_anew(self, is_open: bool = True) -> None:
+        super()._begin_anew(is_open)
+        self._received: Counter[tuple[str, str]] = Counter()
+        self._refusals: dict[str, str] = {}
+        self._refused = self._damaged = self._connections = 0
+        self._refusal_told = -EVENT_INTERVAL
+        self._first_error: LiveConnectionError | None = None
+        self._state = CONNECTING
 
     # ---- control
 
@@ -119,24 +129,29 @@ class OpenIGTLinkClient:
         """
         codec()
         with self._control:
-            if self._run is None or self._run.stopping.is_set():
-                self._run = _Run(self, QueueSource(*self._queue_limits))
-                self._run.start()
-            run = self._run
+            if not self._open:
+                # A thread that outlives its stop, for the name of a host is resolved, sees its own event
+                self._stopping, self._attempted = stopping, attempted = threading.Event(), threading.Event()
+                self._begin_anew()
+                name = f"OpenIGTLink {self.host}:{self.port}"
+                self._thread = threading.Thread(target=self._work, args=(stopping, attempted), name=name, daemon=True)
+                self._thread.start()
         if wait:
-            decided = run.attempted.wait(self._connect_timeout + RESOLVING_TIMEOUT)
-            if not decided or run.first_error:
+            decided = self._attempted.wait(self._connect_timeout + RESOLVING_TIMEOUT)
+            if not decided or self._first_error:
                 self.stop()
-                raise run.first_error or LiveConnectionError(
+                raise self._first_error or LiveConnectionError(
                     f"Host {self.host!r} was not found in {RESOLVING_TIMEOUT:g} s. Check its name, or give its IP address."
                 )
 
     def stop(self) -> None:
         """Disconnect; returns within a second, whatever the client is doing. What was received can still be taken."""
         with self._control:
-            run = self._run
-        if run is not None:
-            run.stop()
+            was_open = self._open
+            self._stopping.set()
+            super().stop()
+        if was_open and self._thread is not threading.current_thread():
+            self._thread.join(STOP_TIMEOUT)
 
     def __enter__(self) -> OpenIGTLinkClient:
         self.start()
@@ -147,22 +162,23 @@ class OpenIGTLinkClient:
 
     # ---- what was received
 
-    def get(self, timeout: float | None = None) -> StreamMessage | None:
-        """The next message or event in order of arrival; None if there is none within `timeout` s, or the client is stopped and empty."""
-        run = self._run
-        return None if run is None else run.queue.get(timeout)
-
     @property
     def state(self) -> str:
         """``connecting``, ``connected``, ``waiting to reconnect`` or ``stopped``."""
-        run = self._run
-        return ENDED if run is None or run.stopping.is_set() else run.state
+        return self._state if self._open else ENDED
 
     @property
     def statistics(self) -> StreamStatistics:
         """A snapshot of all counters since `start`, over all connections."""
-        run = self._run
-        return StreamStatistics() if run is None else run.statistics()
+        with self._lock:
+            return replace(
+                super().statistics,
+                received=dict(self._received),
+                refused=self._refused,
+                damaged=self._damaged,
+                reconnects=max(0, self._connections - 1),
+                refusals=dict(self._refusals),
+            )
 
     def devices(self) -> dict[str, tuple[str, ...]]:
         """Names of the devices seen since `start`, each with the types of its messages, in order of appearance."""
@@ -171,91 +187,58 @@ class OpenIGTLinkClient:
             seen[device] = (*seen.get(device, ()), kind)
         return seen
 
+    # ---- the thread
 
-class _Run:
-    """One life of a client, from start to stop: a thread that outlives its stop (the name of a host is resolved) touches nothing new."""
-
-    def __init__(self, client: OpenIGTLinkClient, queue: QueueSource):
-        self._client, self.queue = client, queue
-        self._lock = threading.Lock()
-        self._received: Counter[tuple[str, str]] = Counter()
-        self._refusals: dict[str, str] = {}
-        self._refused = self._damaged = self._connections = 0
-        self._refusal_told = -EVENT_INTERVAL
-        self._thread = threading.Thread(target=self._work, name=f"OpenIGTLink {client.host}:{client.port}", daemon=True)
-        self.stopping = threading.Event()
-        self.attempted = threading.Event()
-        self.first_error: LiveConnectionError | None = None
-        self.state = CONNECTING
-
-    def start(self) -> None:
-        self._thread.start()
-
-    def stop(self) -> None:
-        self.stopping.set()
-        self.queue.stop()
-        if self._thread is not threading.current_thread():
-            self._thread.join(STOP_TIMEOUT)
-
-    def statistics(self) -> StreamStatistics:
-        with self._lock:
-            return replace(
-                self.queue.statistics,
-                received=dict(self._received),
-                refused=self._refused,
-                damaged=self._damaged,
-                reconnects=max(0, self._connections - 1),
-                refusals=dict(self._refusals),
-            )
-
-    def _work(self) -> None:
-        client, attempt = self._client, 0
-        while not self.stopping.is_set():
-            self.state = CONNECTING
+    def _work(self, stopping: threading.Event, attempted: threading.Event) -> None:
+        attempt = 0
+        while not stopping.is_set():
+            self._state = CONNECTING
+            reason, before = "", self._received.total()
             try:
-                connection = open_connection(client.host, client.port, client._connect_timeout, self.stopping.is_set)
+                connection = open_connection(self.host, self.port, self._connect_timeout)
             except LiveConnectionError as error:
-                reason: str = said(error)
-                self.first_error = None if self.attempted.is_set() else error
-            else:
-                if connection is None:
+                if stopping.is_set():
                     break
-                before = self._received.total()
+                reason = said(error)
+                self._first_error = None if attempted.is_set() else error
+            else:
                 with connection:
-                    reason = self._serve(connection)
-                if self._received.total() > before:
-                    attempt = 0
-            if self.stopping.is_set():
+                    if stopping.is_set():
+                        break
+                    attempted.set()
+                    reason = self._serve(connection, stopping)
+            if stopping.is_set():
                 break
-            delay = client._retry_delays[min(attempt, len(client._retry_delays) - 1)]
+            if self._received.total() > before:
+                attempt = 0
+            delay = self._retry_delays[min(attempt, len(self._retry_delays) - 1)]
             attempt += 1
-            self.state = WAITING
-            self.attempted.set()
+            self._state = WAITING
+            attempted.set()
             self._emit("disconnected", f"{reason} Connecting again in {delay:g} s.", logging.WARNING)
-            self.stopping.wait(delay)
+            stopping.wait(delay)
 
-    def _serve(self, connection: socket.socket) -> str:
+    def _serve(self, connection: socket.socket, stopping: threading.Event) -> str:
         """Receive until the connection ends, and say why it did."""
         with self._lock:
             self._connections += 1
-        self.state = CONNECTED
-        self.attempted.set()
-        self._emit("connected", f"Connected to {self._client.host}, port {self._client.port}.", logging.INFO)
-        framer = Framer(self._client._size_limit)
+        self._state = CONNECTED
+        self._emit("connected", f"Connected to {self.host}, port {self.port}.", logging.INFO)
+        framer = Framer(self._size_limit)
         try:
             connection.sendall(encode_status_request())
-            ended = self._receive_all(connection, framer)
+            ended = self._receive_all(connection, framer, stopping)
         except OSError as error:
             ended = f"The connection was lost ({error.strerror or 'the network failed'})"
         pending = framer.describe_pending()
         return f"{ended} in the middle of {pending}." if pending else f"{ended}."
 
-    def _receive_all(self, connection: socket.socket, framer: Framer) -> str:
+    def _receive_all(self, connection: socket.socket, framer: Framer, stopping: threading.Event) -> str:
         """Receive until the stream ends, makes no sense any more or the client is stopped, and say which."""
         buffer = bytearray(CHUNK)
         view = memoryview(buffer)
         last, stalled = time.monotonic(), False
-        while not self.stopping.is_set():
+        while not stopping.is_set():
             size = _receive(connection, buffer)
             now = time.monotonic()
             if size == 0:
@@ -267,34 +250,31 @@ class _Run:
                 return framer.problem
             if messages:
                 last, stalled = now, False
-            elif not stalled and now - last > self._client._stall_after:
+            elif not stalled and now - last > self._stall_after:
                 stalled, pending = True, framer.describe_pending()
                 seen = f"nothing arrived in the middle of {pending}" if pending else "nothing arrived"
-                self._emit(
-                    "stalled", f"For {now - last:.1f} s {seen}. Waiting; check {self._client.host}, and the network.", logging.WARNING
-                )
+                self._emit("stalled", f"For {now - last:.1f} s {seen}. Waiting; check {self.host}, and the network.", logging.WARNING)
         return "The client was stopped"
 
     def _take(self, message: RawMessage, now: float) -> None:
         """Count a message, and queue what it holds."""
-        header = message.header
         if message.problem is not None:
             with self._lock:
                 self._damaged += 1
-            self._refuse(header.kind, message.problem, now)
+            self._refuse(message.kind, message.problem, now)
             return
         with self._lock:
-            key = header.device, header.kind
+            key = message.device, message.kind
             self._received[key if key in self._received or len(self._received) < DEVICES else (OTHERS, OTHERS)] += 1
-        if header.kind in READING_TYPES and not self._client._takes_readings:
+        if message.kind in READING_TYPES and not self._takes_readings:
             return  # who does not ask for them is not told of those that make no sense
         try:
             for content in decode(message, now):
-                self.queue.put(content)
+                self.put(content)
         except LiveMessageError as error:
             with self._lock:
                 self._refused += 1
-            self._refuse(header.kind, said(error), now)
+            self._refuse(message.kind, said(error), now)
 
     def _refuse(self, kind: str, why: str, now: float) -> None:
         """Tell why a message is left out; at most once in a while, because counters tell the rest."""
@@ -306,7 +286,7 @@ class _Run:
 
     def _emit(self, kind: EventKind, detail: str, level: int) -> None:
         logger.log(level, "%s", detail)
-        self.queue.put(StreamEvent(kind, detail, time.monotonic()))
+        self.put(StreamEvent(kind, detail, time.monotonic()))
 
 
 def _receive(connection: socket.socket, buffer: bytearray) -> int | None:

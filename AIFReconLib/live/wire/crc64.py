@@ -69,36 +69,20 @@ def _add_multiplied(target: Words, words: Words, tables: Words) -> None:
 @lru_cache(maxsize=64)
 def _tables(power: int) -> Words:
     """Products of every byte at each of the 8 places of a word with x^(64 2^power), modulo the polynomial; (8, 256), in wire order."""
-    factor = POLYNOMIAL  # x^64
-    for _ in range(power):
-        factor = _multiply(factor, factor)
-    bits = [factor]  # factor x^n
-    for _ in range(WORD_BITS - 1):
-        bits.append(_times_x(bits[-1]))
-    tables = np.zeros((8, 256), dtype=np.uint64)
-    for octet in range(8):
-        for bit in range(8):
-            block = 1 << bit
-            tables[octet, block : 2 * block] = tables[octet, :block] ^ np.uint64(bits[8 * (7 - octet) + bit])
-    return tables.astype(">u8").view(np.uint64)
+    if power == 0:
+        words = [bytes(place) + bytes([byte]) + bytes(7 - place) for place in range(8) for byte in range(256)]
+        return np.array([_walk(word) for word in words], ">u8").view(np.uint64).reshape(8, 256)
+    # Multiplied twice by the root
+    before = _tables(power - 1)
+    squared: Words = np.zeros(before.size, np.uint64)
+    _add_multiplied(squared, np.ascontiguousarray(before).reshape(-1), before)
+    return squared.reshape(8, 256)
 
 
 @lru_cache(maxsize=1)
 def _byte_table() -> list[int]:
-    """Products of every byte with x^64, modulo the polynomial."""
-    products: list[int] = _tables(0)[7].view(">u8").tolist()
-    return products
-
-
-def _times_x(value: int) -> int:
-    return ((value << 1) & _MASK) ^ (POLYNOMIAL if value >> (WORD_BITS - 1) else 0)
-
-
-def _multiply(a: int, b: int) -> int:
-    """The product of two polynomials of degree below 64, modulo the polynomial."""
-    product = 0
-    for bit in range(WORD_BITS - 1, -1, -1):
-        product = _times_x(product)
-        if (b >> bit) & 1:
-            product ^= a
-    return product
+    """Products of every byte with x^64."""
+    values = [byte << (WORD_BITS - 8) for byte in range(256)]
+    for _ in range(8):
+        values = [((value << 1) & _MASK) ^ (POLYNOMIAL if value >> (WORD_BITS - 1) else 0) for value in values]
+    return values

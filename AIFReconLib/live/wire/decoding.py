@@ -56,13 +56,12 @@ def decode(raw: RawMessage, received: float = 0.0) -> tuple[Decoded, ...]:
 
     Parameters
     ----------
-    raw : RawMessage
     received : float, s of `time.monotonic`
         When its last byte arrived.
     """
     if raw.problem is not None:
         raise LiveMessageError(raw.problem)
-    decoder = _DECODERS.get(raw.header.kind)
+    decoder = _DECODERS.get(raw.kind)
     if decoder is None:
         return ()
     try:
@@ -75,19 +74,18 @@ def decode(raw: RawMessage, received: float = 0.0) -> tuple[Decoded, ...]:
 
 
 def _describe(raw: RawMessage) -> str:
-    return f"{raw.header.kind} message of {raw.header.device!r}"
+    return f"{raw.kind} message of {raw.device!r}"
 
 
 def _unpack(raw: RawMessage) -> Any:
     """The message as pyigtl decodes it; of a type that it does not know, the metadata alone."""
-    header = raw.header
-    message = codec().MessageBase.create_message(header.kind) or codec().MessageBase()
+    message = codec().MessageBase.create_message(raw.kind) or codec().MessageBase()
     fields = {
-        "header_version": header.version,
-        "message_type": header.kind,
-        "device_name": header.device,
-        "timestamp": header.timestamp,
-        "body_size": header.size,
+        "header_version": raw.version,
+        "message_type": raw.kind,
+        "device_name": raw.device,
+        "timestamp": raw.timestamp,
+        "body_size": raw.size,
     }
     message.unpack(fields, raw.body)
     return message
@@ -109,8 +107,7 @@ def _image(raw: RawMessage, received: float) -> tuple[ImageMessage]:
     matrix = np.array(message.ijk_to_world_matrix, dtype=np.float64)
     if message.world_coordinate_system == "lps":
         matrix = LPS_FROM_RAS @ matrix
-    header = raw.header
-    return (ImageMessage(header.device, header.timestamp, image, matrix, message.metadata, received, header.version),)
+    return (ImageMessage(raw.device, raw.timestamp, image, matrix, message.metadata, received, raw.version),)
 
 
 def _transform(raw: RawMessage, received: float) -> tuple[TransformMessage]:
@@ -131,7 +128,7 @@ def _position(raw: RawMessage, received: float) -> tuple[TransformMessage]:
 
 
 def _tracking_data(raw: RawMessage, received: float) -> tuple[TransformMessage, ...]:
-    has_quaternions = raw.header.kind == "QTDATA"
+    has_quaternions = raw.kind == "QTDATA"
     tool = _QUATERNION_TOOL if has_quaternions else _MATRIX_TOOL
     content, metadata = _content(raw)
     if len(content) % tool.size:
@@ -159,7 +156,7 @@ def _string(raw: RawMessage, received: float) -> tuple[ReadingsMessage, ...]:
         values = tuple(map(parse_number, words))
     except NotANumberError:
         return ()
-    return (ReadingsMessage(raw.header.device, raw.header.timestamp, values, received),) if values else ()
+    return (ReadingsMessage(raw.device, raw.timestamp, values, received),) if values else ()
 
 
 def _sensor(raw: RawMessage, received: float) -> tuple[ReadingsMessage]:
@@ -168,7 +165,7 @@ def _sensor(raw: RawMessage, received: float) -> tuple[ReadingsMessage]:
     if len(content) != _SENSOR_START + 8 * count:
         raise LiveMessageError(f"{_describe(raw)} holds {len(content)} bytes, not those of {count} numbers. It is left out.")
     values = struct.unpack_from(f">{count}d", content, _SENSOR_START)
-    return (ReadingsMessage(raw.header.device, raw.header.timestamp, values, received),)
+    return (ReadingsMessage(raw.device, raw.timestamp, values, received),)
 
 
 def _matrix_of(x: float, y: float, z: float, *quaternion: float) -> Matrix:
@@ -185,7 +182,7 @@ def _matrix_of(x: float, y: float, z: float, *quaternion: float) -> Matrix:
 def _content(raw: RawMessage) -> tuple[bytes, dict[str, str]]:
     """The body without its extended header and metadata, and the metadata."""
     message = _unpack(raw)
-    if raw.header.version == 1:
+    if raw.version == 1:
         return raw.body, {}
     start, metadata_header, metadata_body = struct.unpack_from(">HHI", raw.body)
     return raw.body[start : len(raw.body) - metadata_header - metadata_body], message.metadata
@@ -201,8 +198,8 @@ def _pose(
         status = TransformStatus.INVALID
     else:
         status = TransformStatus.OK if word is None else TransformStatus.parse(word)
-    device = raw.header.device if tool is None else tool
-    return TransformMessage(device, raw.header.timestamp, matrix, status, metadata, received, raw.header.version, from_quaternion)
+    device = raw.device if tool is None else tool
+    return TransformMessage(device, raw.timestamp, matrix, status, metadata, received, raw.version, from_quaternion)
 
 
 _DECODERS: dict[str, Callable[[RawMessage, float], tuple[Decoded, ...]]] = {

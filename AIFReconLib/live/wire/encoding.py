@@ -8,11 +8,11 @@ import numpy as np
 
 from ...arrays import Matrix, Numbers, NumberType
 from .crc64 import crc64
+from .framing import HEADER, TIME_UNIT
 
 NAME_BYTES = 20
 LONGEST_SIDE = 2**16 - 1
 
-_HEADER = struct.Struct(">H12s20sQQQ")
 _EXTENDED_HEADER = struct.Struct(">HHII")
 _METADATA_ENTRY = struct.Struct(">HHI")
 _IMAGE = struct.Struct(">HBBBB3H12f6H")
@@ -20,7 +20,6 @@ _UTF8, _ASCII = 106, 3
 _LITTLE = 2
 _RAS = 1
 _SCALARS = {"i1": 2, "u1": 3, "i2": 4, "u2": 5, "i4": 6, "u4": 7, "f4": 10, "f8": 11}
-_TIME_UNIT = 2.0**-32
 
 
 def why_not_sendable(dtype: NumberType, size: tuple[int, int]) -> str | None:
@@ -44,7 +43,6 @@ def encode_message(
     device : str
         Cut to 20 bytes, as the header has no more.
     timestamp : float, s since 1970 (UTC)
-    content : bytes
     version : int
         1, or 2: with extended header and metadata.
     metadata : dict of str to str
@@ -56,7 +54,7 @@ def encode_message(
         index, texts = _encode_metadata(metadata or {})
         body = b"".join((_EXTENDED_HEADER.pack(_EXTENDED_HEADER.size, len(index), len(texts), 0), content, index, texts))
     name = device.encode("utf-8")[:NAME_BYTES]
-    return _HEADER.pack(version, kind.encode("ascii"), name, round(timestamp / _TIME_UNIT), len(body), crc64(body)) + body
+    return HEADER.pack(version, kind.encode("ascii"), name, round(timestamp / TIME_UNIT), len(body), crc64(body)) + body
 
 
 def encode_image(

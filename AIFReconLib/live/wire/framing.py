@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .crc64 import crc64
 
@@ -18,15 +18,17 @@ SIZE_LIMIT = 64 * 2**20
 """Bytes in the body of a message at most: an image of 8192 x 8192 bytes."""
 NEWEST_VERSION = 3
 
-_HEADER = struct.Struct(">H12s20sQQQ")
+HEADER = struct.Struct(">H12s20sQQQ")
+"""Version, type, device, time, size of the body and its checksum."""
+
 _TYPE = re.compile(rb"([A-Za-z][A-Za-z0-9_]{2,11})[\0 ]*")
 _NAME = re.compile(rb"[^\x00-\x1f]*")
-_TIME_UNIT = 2.0**-32
+TIME_UNIT = 2.0**-32
 
 
-@dataclass(frozen=True)
-class Header:
-    """The 58 bytes in front of a message.
+@dataclass(frozen=True, eq=False)
+class RawMessage:
+    """A whole message: the 58 bytes in front of it, and its body.
 
     Parameters
     ----------
@@ -37,10 +39,10 @@ class Header:
     device : str
         At most 20 bytes of it.
     timestamp : float, s since 1970 (UTC)
-    size : int
-        Bytes of the body.
-    crc : int
-        Checksum of the body.
+    size, crc : int
+        Bytes of the body, and its checksum.
+    problem : str or None
+        Why the body cannot be believed.
     """
 
     version: int
@@ -49,36 +51,21 @@ class Header:
     timestamp: float
     size: int
     crc: int
+    body: bytes = b""
+    problem: str | None = None
 
     def __str__(self) -> str:
         return f"{self.kind} of {self.device}" if self.device else self.kind
 
 
-@dataclass(frozen=True, eq=False)
-class RawMessage:
-    """A whole message: its header and its body.
-
-    Parameters
-    ----------
-    header : Header
-    body : bytes
-    problem : str or None
-        Why the body cannot be believed.
-    """
-
-    header: Header
-    body: bytes
-    problem: str | None = None
-
-
-def parse_header(data: bytes | bytearray) -> Header | None:
-    """The header that `data` begin with, or None where those 58 bytes cannot be one; its size is not judged."""
-    version, kind, device, timestamp, size, crc = _HEADER.unpack_from(data)
+def parse_header(data: bytes | bytearray) -> RawMessage | None:
+    """The message that `data` begin with, still without its body; None where those 58 bytes cannot be a header. Its size is not judged."""
+    version, kind, device, timestamp, size, crc = HEADER.unpack_from(data)
     word = _TYPE.fullmatch(kind)
     name = device.partition(b"\0")[0]
     if not 1 <= version <= NEWEST_VERSION or word is None or not _NAME.fullmatch(name):
         return None
-    return Header(version, word[1].decode("ascii"), name.decode("utf-8", "replace").strip(), timestamp * _TIME_UNIT, size, crc)
+    return RawMessage(version, word[1].decode("ascii"), name.decode("utf-8", "replace").strip(), timestamp * TIME_UNIT, size, crc)
 
 
 class Framer:
@@ -133,6 +120,6 @@ class Framer:
             body = bytes(view[HEADER_SIZE:end])
         del self._buffer[:end]
         if crc64(body) == header.crc:
-            return RawMessage(header, body)
+            return replace(header, body=body)
         wrong = "has a wrong checksum" if header.crc else "has no checksum: its sender leaves it at 0"
-        return RawMessage(header, body, f"A message ({header}) {wrong}. It is left out.")
+        return replace(header, body=body, problem=f"A message ({header}) {wrong}. It is left out.")

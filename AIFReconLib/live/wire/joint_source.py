@@ -21,7 +21,6 @@ class JointSource:
 
     Parameters
     ----------
-    source : MessageSource
     mechanism : Mechanism
         Its axes are called as the fields in the images' metadata, or as the devices that read them, one each; or the probe's device reads
         all of them in their order. They read mm and degrees.

@@ -34,7 +34,6 @@ class ImageMessage:
         Empty for a message of header version 1.
     received : float, s of `time.monotonic`
         When its last byte had arrived.
-    header_version : int
     """
 
     device: str
@@ -61,7 +60,6 @@ class TransformMessage:
         From the metadata; OK where there is none, which in header version 1 says nothing about validity.
     metadata : dict of str to str
     received : float, s of `time.monotonic`
-    header_version : int
     from_quaternion : bool
         It came as a position and a quaternion, which hold no scale.
     """
@@ -82,7 +80,6 @@ class ReadingsMessage:
 
     Parameters
     ----------
-    device : str
     timestamp : float, s since 1970 (UTC)
     values : tuple of float
     received : float, s of `time.monotonic`

@@ -107,11 +107,15 @@ class QueueSource:
     def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20):
         self._limit, self._byte_limit = limit, byte_limit
         self._changed = threading.Condition()
-        self._messages: deque[StreamMessage] = deque()
-        self._devices: dict[str, tuple[str, ...]] = {}
-        self._bytes = self._late = self._dropped = self._dropped_images = self._reported = 0
-        self._report_time = -REPORT_INTERVAL
-        self._open = True
+        self._begin_anew()
+
+    def _begin_anew(self, is_open: bool = True) -> None:
+        with self._changed:
+            self._messages: deque[StreamMessage] = deque()
+            self._devices: dict[str, tuple[str, ...]] = {}
+            self._bytes = self._late = self._dropped = self._dropped_images = self._reported = 0
+            self._report_time = -REPORT_INTERVAL
+            self._open = is_open
 
     @property
     def state(self) -> str:

@@ -16,6 +16,7 @@ from AIFReconLib.bone.predicted_bone import PointsOfFrames
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.progress import carry_out
 from AIFReconLib.sweep.frames import TrackedFrame
 
 
@@ -168,7 +169,7 @@ class Told:
 
     def take(self) -> None:
         """Ask for news."""
-        news = self.surface.news()
+        news = carry_out(self.surface.news())
         assert news is not None
         assert news.slopes is not None
         first = np.rint(news.probability.grid.origin - self.whole.probability.grid.origin).astype(int)
@@ -210,7 +211,7 @@ def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
     for part in parts:
         surface.add(part)
     surface.add(SweepEchoes(parts[0].points + 9e5, parts[0].beams, parts[0].scores, parts[0].frames))
-    news = surface.news(within=(middle - 8.0, middle + 8.0))
+    news = carry_out(surface.news(within=(middle - 8.0, middle + 8.0)))
     assert news is not None
     first = np.rint(news.probability.grid.origin - whole.probability.grid.origin).astype(int)
     assert (np.array(news.probability.grid.size) <= 20).all()
@@ -218,7 +219,7 @@ def test_news_of_a_box_are_those_of_the_whole_there_and_nothing_beyond():
     assert news.probability.array.max() > 0.9
     np.testing.assert_allclose(news.probability.array, whole.probability.array[k, j, i], atol=1e-5)
     surface.add(SweepEchoes(parts[0].points + 500.0, parts[0].beams, parts[0].scores, parts[0].frames))
-    assert surface.news(within=(middle - 8.0, middle + 8.0)) is None
+    assert carry_out(surface.news(within=(middle - 8.0, middle + 8.0))) is None
 
 
 def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():
@@ -227,5 +228,5 @@ def test_what_is_kept_does_not_grow_with_a_scan_that_stays_where_it_is():
     kept = surface._shown.cubes.size, surface._crossed.cubes.size
     for part in parts:
         surface.add(part)
-    surface.news()
+    carry_out(surface.news())
     assert (surface._shown.cubes.size, surface._crossed.cubes.size) == kept

@@ -13,12 +13,13 @@ from scipy.spatial.transform import Rotation
 
 from AIFReconLib.calibration import calibration, check
 from AIFReconLib.calibration.calibration import Calibration, as_report, calibrate_echoes, findings
-from AIFReconLib.calibration.check import Repair, mirrored, quarter_turns
+from AIFReconLib.calibration.check import mirrored, quarter_turns
 from AIFReconLib.calibration.crossing import crossing
 from AIFReconLib.calibration.echoes import Correction, PlaneTrack
 from AIFReconLib.calibration.solve import ALL, PARAMETERS, Solved, _Cost, as_correction, as_vector
 from AIFReconLib.geometry.transforms import with_unit_depth
 from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.message import Sentence
 from AIFReconLib.registration.agreement import Agreement
 from AIFReconLib.simulation.scan import random_rigid
 
@@ -224,7 +225,7 @@ def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_cali
     monkeypatch.setattr(
         check,
         "repairs",
-        lambda *given: [Repair("the images look mirrored", "Mend recordings with aifrecon convert {mirror}.", {}, lambda: true)],
+        lambda *given: [(Sentence("the images look mirrored", "Mend recordings with aifrecon convert {mirror}."), lambda: true)],
     )
     monkeypatch.setattr(check, "calibrate_echoes", lambda *given: calls.append(given) or refused)
     monkeypatch.setattr(check, "TRIED", 1)

@@ -16,7 +16,8 @@ from AIFReconLib.errors import BeamGeometryError
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.guidance.bone import guided_bone
 from AIFReconLib.guidance.bone_coverage import CoverageAccumulator, FrameGeometry
-from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX, Advisor
+from AIFReconLib.guidance.candidates import Candidates
+from AIFReconLib.guidance.guidance import FAR, NOT_IN_BOX
 from AIFReconLib.guidance.probe import ProbeOnBack, ProbePlacement, Skin
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
@@ -118,14 +119,14 @@ def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
 
 
 def test_a_next_move_comes_before_passes_were_looked_at_again(watching, frames, monkeypatch):
-    enough = threading.Event()
+    enough, look_once = threading.Event(), Candidates.look_again
 
-    def look_again(_advisor, progress) -> bool:
-        while not enough.is_set():
-            assert progress(0.5, "")
-        return False
+    def look_again(candidates):
+        while candidates._seen and not enough.is_set():
+            yield 0.5, ""
+        yield from look_once(candidates)
 
-    monkeypatch.setattr(Advisor, "look_again", look_again)
+    monkeypatch.setattr(Candidates, "look_again", look_again)
     session, watch = watching()
     show(session, watch, frames)
     advised = until(lambda: watch._advisor is not None)
@@ -187,7 +188,7 @@ def test_bone_that_lies_awry_is_told_from_where_the_first_frame_looks(watching, 
     assert front @ frames[0].image_to_reference[:3, 1] > 0
 
 
-def test_a_watch_that_is_stopped_leaves_no_thread(watching):
+def test_a_watch_that_is_stopped_works_no_more(watching):
     _session, watch = watching()
     watch.stop()
-    assert "aifrecon guidance" not in [thread.name for thread in threading.enumerate()]
+    assert watch._running.done()

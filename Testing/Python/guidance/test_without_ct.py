@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 
 import numpy as np
 import pytest
@@ -32,6 +31,7 @@ from AIFReconLib.io.transform.files import write_transform
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session import guidance_watch
 from AIFReconLib.live.session.guidance_watch import NOTHING_YET, GuidanceWatch
+from AIFReconLib.progress import carry_out
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import plus_configuration_xml
@@ -337,12 +337,12 @@ def test_a_scan_tells_of_bone_that_grows_and_where_to_go(watching):
     assert watch.state.problem == NOTHING_YET
     half = shaft()
     growing.learn(half[half.points[:, 2] < 0])
-    growing.spread()
+    carry_out(growing.spread())
     show(session, watch, range(3, 12))
     assert until(lambda: watch.state.coverage is not None)
     first = watch.state
     growing.learn(half[half.points[:, 2] >= 0])
-    growing.spread()
+    carry_out(growing.spread())
 
     def grown() -> bool:
         show(session, watch, [session.latest.number + 1])
@@ -359,7 +359,7 @@ def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
     """Also those that came while the surface was told anew."""
     session, growing, watch = watching
     growing.learn(shaft())
-    growing.spread()
+    carry_out(growing.spread())
     show(session, watch, range(18))
     assert until(lambda: bool(watch._mets))
     monkeypatch.setattr(guidance_watch, "RENEW_EVERY", 1e6)
@@ -368,7 +368,7 @@ def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
 
     def same() -> bool:
         met, poses = watch._mets[0], list(watch._poses)
-        if watch._again or watch._is_preparing:
+        if watch._again or watch._ahead is not None:
             return False
         expected = CoverageAccumulator(FrameGeometry(met.bone, IMAGES.frame_size, IMAGES.geometry, IMAGES.region))
         for pose in poses:
@@ -381,7 +381,7 @@ def test_what_is_told_is_what_all_frames_met(watching, monkeypatch):
 def test_a_ct_that_is_chosen_in_mid_scan_takes_over(watching):
     session, growing, watch = watching
     growing.learn(shaft())
-    growing.spread()
+    carry_out(growing.spread())
     show(session, watch, range(5))
     assert until(lambda: watch._bone is not None)
     labels: Volume = two_vertebrae()
@@ -389,9 +389,3 @@ def test_a_ct_that_is_chosen_in_mid_scan_takes_over(watching):
     assert until(lambda: watch._bone is not None and watch._bone.is_of_ct)
     show(session, watch, range(6, 9))
     assert until(lambda: watch.state.coverage is not None and watch.state.coverage.by_label)
-
-
-def test_no_thread_is_left(watching):
-    *_, watch = watching
-    watch.stop()
-    assert "aifrecon guidance" not in [thread.name for thread in threading.enumerate()]

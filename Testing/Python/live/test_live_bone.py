@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -29,6 +30,7 @@ from AIFReconLib.live.session.bone_watch import BoneWatch
 from AIFReconLib.live.session.session import MOST_PREDICTIONS, LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.progress import carry_out
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.sweep.frames import TrackedFrame
 
@@ -73,7 +75,7 @@ def test_what_is_spread_is_what_is_known(grid, parts):
     placed = bone.on_grid(grid)
     for numbers in parts:
         learn(bone, numbers)
-        assert bone.spread()
+        assert carry_out(bone.spread())
     expected = whole().on_grid(grid)
     assert expected.probability.max() > 0.8
     # All but how much several sides count, which goes by what was told of this volume until then
@@ -89,10 +91,10 @@ def test_hardly_any_echoes_are_no_bone_until_there_are_more():
     few = points(0)[np.arange(2)]
     for _ in range(2):
         bone.learn(few)
-    assert not bone.spread()
+    assert not carry_out(bone.spread())
     assert not placed.probability.any()
     learn(bone, [1])
-    assert bone.spread()
+    assert carry_out(bone.spread())
     assert placed.probability.max() > 0.5
 
 
@@ -100,7 +102,7 @@ def test_nothing_new_is_not_spread_again():
     bone = GrowingBone()
     bone.on_grid(GRID)
     learn(bone, range(6))
-    assert (bone.spread(), bone.spread()) == (True, False)
+    assert (carry_out(bone.spread()), carry_out(bone.spread())) == (True, False)
 
 
 def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
@@ -112,9 +114,9 @@ def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
         if late:
             learn(bone, [late.pop()])
 
-    bone.spread(meanwhile)
+    carry_out(bone.spread(), meanwhile)
     assert not late
-    assert bone.spread()
+    assert carry_out(bone.spread())
     np.testing.assert_allclose(placed.probability, whole().on_grid(GRID).probability, atol=0.03)
 
 
@@ -122,9 +124,9 @@ def test_a_volume_that_begins_anew_is_told_what_was_known():
     bone = GrowingBone()
     bone.on_grid(GRID)
     learn(bone, range(6))
-    bone.spread()
+    carry_out(bone.spread())
     again = bone.on_grid(OBLIQUE)
-    assert bone.spread()
+    assert carry_out(bone.spread())
     np.testing.assert_allclose(again.probability, whole().on_grid(OBLIQUE).probability, atol=1e-5)
 
 
@@ -195,7 +197,7 @@ def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
     session, bone, watch, queue = scan(lambda imaging: Knowing())
     for number in range(6):
         queue.put(shown(number))
-        wait_for(lambda number=number: watch.state.frames == number or number == 0)
+        wait_for(lambda number=number: watch.frames == number or number == 0)
     wait_for(lambda: session.statistics.inserted >= 5)
     wait_for(lambda: on_plane(bone) > 0.5)
     assert session.finish().frames_inserted == 6
@@ -205,6 +207,7 @@ def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
     """The estimator itself brings the next frame; who waits after that waits for ever."""
     over, looked = threading.Event(), []
     session = SimpleNamespace(latest=None, imaging=lambda: IMAGING, grid=None, statistics=SimpleNamespace(waiting=0))
+    session.pool = ThreadPoolExecutor()
     session.wait_for_rest = lambda timeout: looked and over.wait(LONG)
     frames = [LiveFrame(SWEEP.images[number], SWEEP.poses[number], timestamp=1.0 + 0.1 * number, number=number) for number in range(4)]
 
@@ -216,7 +219,7 @@ def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
 
     watch = BoneWatch(session, GrowingBone(), lambda imaging: Bringing())
     session.latest = frames[0]
-    wait_for(lambda: watch.state.frames == 4)
+    wait_for(lambda: watch.frames == 4)
     over.set()
     watch.stop()
     assert looked == [0, 1, 2, 3]
@@ -226,11 +229,11 @@ def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, 
     session, bone, watch, queue = scan(lambda imaging: Knowing(), grid=None, record=tmp_path / "scan-bone.mha")
     for number in range(5):
         queue.put(shown(number))
-        wait_for(lambda number=number: watch.state.frames > number)
+        wait_for(lambda number=number: watch.frames > number)
     assert session.grid is None
     session.use_grid(GRID)
     queue.put(shown(5))
-    wait_for(lambda: on_plane(bone) > 0.5 and watch.state.frames > 5)
+    wait_for(lambda: on_plane(bone) > 0.5 and watch.frames > 5)
     assert session.finish().frames_inserted == 6
     watch.stop()
     assert len(read_sequence(watch.recorded)) == 6
@@ -242,7 +245,7 @@ def test_streamed_predictions_belong_to_the_frames_of_their_times(scan):
         queue.put(shown(number))
     for number in reversed(range(5)):
         queue.put(predicted(number))
-    wait_for(lambda: watch.state.frames == 5)
+    wait_for(lambda: watch.frames == 5)
     wait_for(lambda: on_plane(bone) > 0.5)
     assert session.finish().frames_inserted == 6
     assert session.statistics.other_images == 0
@@ -253,7 +256,7 @@ def test_a_prediction_without_a_frame_is_counted(scan):
     queue.put(shown(0))
     message = predicted(40, SAID[0])
     queue.put(ImageMessage("Bone", 99.0, message.image, message.image_to_sender, {}, time.monotonic() - 60.0))
-    wait_for(lambda: watch.state.unmatched == 1)
+    wait_for(lambda: watch.unmatched == 1)
 
 
 def test_a_stream_of_what_is_no_probability_is_told_and_the_scan_goes_on(scan):
@@ -261,8 +264,8 @@ def test_a_stream_of_what_is_no_probability_is_told_and_the_scan_goes_on(scan):
     for number in range(3):
         queue.put(shown(number))
     queue.put(predicted(0, np.full((8, 8), np.nan, np.float32)))
-    wait_for(lambda: watch.state.problem is not None)
-    assert "got NaN" in watch.state.problem
+    wait_for(lambda: watch.problem is not None)
+    assert "got NaN" in watch.problem
     assert session.finish().frames_inserted == 3
 
 
@@ -273,7 +276,7 @@ def test_recorded_predictions_can_be_compounded_again(scan, tmp_path):
         queue.put(shown(number))
     for number in range(5):
         queue.put(predicted(number, half[number]))
-    wait_for(lambda: watch.state.frames == 5)
+    wait_for(lambda: watch.frames == 5)
     session.finish()
     watch.stop()
     sequence = type(SWEEP.sequence).from_arrays(SWEEP.images, SWEEP.poses, 1.0 + 0.1 * np.arange(6))

@@ -39,7 +39,7 @@ def framed(*chunks: bytes, size_limit: int = 2**20) -> list:
 
 
 def devices(parts: list) -> list[str]:
-    return [part.header.device for part in parts]
+    return [part.device for part in parts]
 
 
 def decoded(message: bytes):
@@ -151,7 +151,7 @@ def test_a_version_of_the_future_is_no_header():
 
 @pytest.mark.parametrize(("letter", "images", "transforms"), [("A", 36, 108), ("B", 108, 540), ("C", 81, 320), ("J", 54, 135)])
 def test_every_message_of_a_real_server_comes_out(data_dir, letter, images, transforms):
-    kinds = [part.header.kind for part in framed(recorded(data_dir, letter)) if part.problem is None]
+    kinds = [part.kind for part in framed(recorded(data_dir, letter)) if part.problem is None]
     assert (kinds.count("IMAGE"), kinds.count("TRANSFORM")) == (images, transforms)
 
 
@@ -160,10 +160,10 @@ def test_a_really_damaged_stream_is_given_up_where_its_server_began_a_message_an
     framer = Framer()
     parts = framer.feed(recorded(data_dir, "H"))
     assert framer.problem == "Bytes arrived that are no OpenIGTLink message"
-    assert [part.header.kind for part in parts if part.problem is not None] == ["IMAGE"]
+    assert [part.kind for part in parts if part.problem is not None] == ["IMAGE"]
 
     def pixels(messages):
-        return {part.body[72:] for part in messages if part.problem is None and part.header.kind == "IMAGE"}
+        return {part.body[72:] for part in messages if part.problem is None and part.kind == "IMAGE"}
 
     assert pixels(parts) <= pixels(framed(recorded(data_dir, "A")))
     assert len(pixels(parts)) > 3
@@ -268,8 +268,8 @@ def test_tracking_data_of_a_thousand_tools_and_more_are_refused():
 def test_tracking_data_of_a_real_server_agree_with_its_transforms(data_dir):
     tracked, sent = {}, {}
     for part in framed(recorded(data_dir, "C")):
-        if part.header.kind in ("TDATA", "TRANSFORM"):
-            found = tracked if part.header.kind == "TDATA" else sent
+        if part.kind in ("TDATA", "TRANSFORM"):
+            found = tracked if part.kind == "TDATA" else sent
             found.update({(message.device, message.timestamp): message.matrix.tolist() for message in decode(part)})
     assert len(tracked) == 320
     assert all(sent[key] == matrix for key, matrix in tracked.items() if key in sent)
@@ -278,8 +278,8 @@ def test_tracking_data_of_a_real_server_agree_with_its_transforms(data_dir):
 def test_positions_of_a_real_server_agree_with_its_transforms(data_dir):
     turned, sent = {}, {}
     for part in framed(recorded(data_dir, "C")):
-        if part.header.kind in ("POSITION", "TRANSFORM"):
-            found = turned if part.header.kind == "POSITION" else sent
+        if part.kind in ("POSITION", "TRANSFORM"):
+            found = turned if part.kind == "POSITION" else sent
             found.update({(message.device, message.timestamp): message.matrix for message in decode(part)})
     shared = [key for key in turned if key in sent and not key[0].startswith("Image")]
     assert len(shared) > 200
@@ -288,10 +288,7 @@ def test_positions_of_a_real_server_agree_with_its_transforms(data_dir):
 
 def test_the_statuses_of_a_real_server_are_read(data_dir):
     statuses = {
-        message.device: message.status
-        for part in framed(recorded(data_dir, "B"))
-        for message in decode(part)
-        if part.header.kind == "TRANSFORM"
+        message.device: message.status for part in framed(recorded(data_dir, "B")) for message in decode(part) if part.kind == "TRANSFORM"
     }
     assert statuses["StylusToReference"] is TransformStatus.INVALID
     assert statuses["ProbeToReference"] is TransformStatus.OK
@@ -301,7 +298,7 @@ def test_the_matrix_of_a_real_image_is_the_transform_of_the_same_time(data_dir):
     images, transforms = {}, {}
     for part in framed(recorded(data_dir, "A")):
         for message in decode(part):
-            if part.header.kind == "IMAGE":
+            if part.kind == "IMAGE":
                 images[message.timestamp] = message.image_to_sender
             elif message.device == "ImageToReference":
                 transforms[message.timestamp] = message.matrix
@@ -372,19 +369,18 @@ def test_the_request_for_statuses_is_the_one_that_a_real_server_answered():
 def test_what_a_real_server_sent_is_encoded_to_the_same_bytes(data_dir, letter):
     different = 0
     for part in framed(recorded(data_dir, letter))[:60]:
-        header = part.header
-        if header.kind == "STATUS":
+        if part.kind == "STATUS":
             continue
         (message,) = decode(part)
-        options = {"version": header.version, "metadata": message.metadata}
-        if header.kind == "IMAGE":
-            again = encoding.encode_image(header.device, header.timestamp, message.image, message.image_to_sender, **options)
+        options = {"version": part.version, "metadata": message.metadata}
+        if part.kind == "IMAGE":
+            again = encoding.encode_image(part.device, part.timestamp, message.image, message.image_to_sender, **options)
             # The center of the image comes out of a sum in other precision
             same = np.allclose(decoded(again).image_to_sender, message.image_to_sender, atol=1e-4)
         else:
-            again = encoding.encode_transform(header.device, header.timestamp, message.matrix, **options)
+            again = encoding.encode_transform(part.device, part.timestamp, message.matrix, **options)
             same = again[58:] == part.body
-        different += not same or parse_header(again).timestamp != header.timestamp
+        different += not same or parse_header(again).timestamp != part.timestamp
     assert different == 0
 
 

@@ -173,7 +173,7 @@ def test_a_frame_without_image_sends_its_transforms_only(serve, sequence):
 def test_a_missing_transform_is_not_taken_from_the_configuration(sequence):
     reference_only = {name: sample for name, sample in sequence.records[0].transforms.items() if name != PROBE_TO_TRACKER}
     frames = ReplayFrames(changed(sequence, 0, transforms=reference_only))
-    devices = [part.header.device for part in Framer().feed(frames.messages(0, 1.0, 1))]
+    devices = [part.device for part in Framer().feed(frames.messages(0, 1.0, 1))]
     assert devices == ["Image_Reference", "ReferenceToTracker"]
 
 
@@ -204,7 +204,7 @@ def raw(server: ReplayServer, request: bytes = b"", count: int = 3) -> list[RawM
 @pytest.mark.parametrize(("kept", "asked", "sent"), [(None, False, 1), (None, True, 2), (1, True, 1), (2, False, 2)])
 def test_the_header_version_is_the_one_that_the_client_asks_for_or_that_is_kept(serve, sequence, kept, asked, sent):
     parts = raw(serve(sequence, header_version=kept), encode_status_request() if asked else b"", count=4)
-    assert {part.header.version for part in parts} == {sent}
+    assert {part.version for part in parts} == {sent}
 
 
 def test_a_version_that_is_none_is_refused(sequence):
@@ -218,7 +218,7 @@ def test_a_version_that_is_none_is_refused(sequence):
 def test_after_the_end_statuses_of_time_0_follow_and_the_connection_stays(serve, sequence):
     server = serve(sequence)
     *_, last = raw(server, count=4 * 6 + 3)
-    assert (last.header.kind, last.header.device, last.header.timestamp) == ("STATUS", "", 0.0)
+    assert (last.kind, last.device, last.timestamp) == ("STATUS", "", 0.0)
     assert not server.wait(0.0) or server.served == 1
 
 
@@ -280,14 +280,14 @@ def test_a_slow_client_misses_whole_frames_and_the_rest_is_undamaged(serve, monk
     with socket.create_connection(("127.0.0.1", server.port), timeout=DEADLINE) as slow:
         wait_for(lambda: server.dropped > 5, "frames that are missed")
         framer, parts = Framer(), []
-        while len({part.header.timestamp for part in parts}) < 20:
+        while len({part.timestamp for part in parts}) < 20:
             parts += framer.feed(slow.recv(2**20))
     assert (framer.problem, {part.problem for part in parts}) == (None, {None})
 
 
 def test_a_client_that_sends_rubbish_is_served_all_the_same(serve, sequence):
     parts = raw(serve(sequence), request=b"GET / HTTP/1.1\r\n\r\n" * 10)
-    assert parse_header(b"\x00\x01IMAGE" + bytes(51)).kind == parts[0].header.kind
+    assert parse_header(b"\x00\x01IMAGE" + bytes(51)).kind == parts[0].kind
 
 
 def test_a_client_that_leaves_at_once_disturbs_nobody(serve, sequence):

@@ -6,6 +6,7 @@ import logging
 import math
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.statistics import REMEMBERED, Rhythm
-from AIFReconLib.live.session.watch import PIECE, Watch
+from AIFReconLib.live.session.watch import STEP, Watch
 from AIFReconLib.live.wire.messages import ImageMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -79,7 +80,7 @@ def test_the_next_image_is_expected_in_the_rhythm_of_the_last_ones(came, now, le
 
 
 class Session:
-    latest = None
+    latest, pool = None, ThreadPoolExecutor()
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
@@ -90,13 +91,14 @@ class Failing(Watch):
     """Fails at every frame."""
 
     def __init__(self, session):
-        super().__init__(session, "failing", 0.0)
+        super().__init__(session)
         self.told = []
-        self._thread.start()
+        self._start()
 
     def _look(self, frame):
         if frame is not None:
             raise ValueError("this frame cannot be looked at")
+        return ()
 
     def _tell_problem(self, problem):
         self.told.append(problem)
@@ -113,8 +115,8 @@ class Busy(Session):
         return self.rest
 
 
-@pytest.mark.parametrize(("rest", "waits"), [(math.inf, 0), (2 * PIECE, 0), (PIECE / 2, 3), (0.0, 3)])
-def test_pieces_of_work_go_on_unless_a_frame_waits_or_will_come_meanwhile(rest, waits):
+@pytest.mark.parametrize(("rest", "waits"), [(math.inf, 0), (2 * STEP, 0), (STEP / 2, 3), (0.0, 3)])
+def test_steps_go_on_unless_a_frame_waits_or_will_come_meanwhile(rest, waits):
     session = Busy(rest)
     watch = Failing(session)
     watch.stop()
@@ -125,7 +127,7 @@ def test_pieces_of_work_go_on_unless_a_frame_waits_or_will_come_meanwhile(rest, 
     assert session.waits == waits
 
 
-def test_a_piece_of_work_after_the_end_is_not_begun():
+def test_a_step_after_the_end_is_not_begun():
     watch = Failing(Busy(math.inf))
     watch.stop()
     assert not watch._make_way()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -159,7 +160,7 @@ class Session:
     latest = None
 
     def __init__(self, imaging):
-        self.imaging = lambda: imaging
+        self.imaging, self.pool = lambda: imaging, ThreadPoolExecutor()
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)

@@ -122,8 +122,8 @@ def test_the_error_of_a_live_thread_is_noted_with_its_traceback(caplog):
         raise ZeroDivisionError("as an engine might")
 
     inserter.start()
-    inserter._tasks.append(fail)
     with caplog.at_level(logging.ERROR, "AIFReconLib"):
+        inserter._submit(fail)
         inserter.close()
     [record] = caplog.records
     assert record.exc_info[0] is ZeroDivisionError

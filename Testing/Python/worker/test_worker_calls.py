@@ -14,7 +14,7 @@ from waiting import until
 
 from AIFReconLib.errors import GeometryError, OperationCanceled, WorkerDiedError
 from AIFReconLib.message import said
-from AIFReconLib.worker.calls import ProgressReport, Returned
+from AIFReconLib.worker.calls import PROGRESS, VALUE, Message
 from AIFReconLib.worker.channel import Channel
 
 # ---- values and errors
@@ -208,12 +208,12 @@ def test_memory_is_kept_until_the_other_end_says_that_it_has_it():
     """A message that was under way before says nothing."""
     here, there = (Channel(end) for end in Pipe())
     for number in range(2):
-        here.send(Returned(number, np.ones(200_000)))
-    there.send(ProgressReport(0, 0.0, "sent before anything was received"))
+        here.send(Message(number, VALUE, np.ones(200_000)))
+    there.send(Message(0, PROGRESS, (0.0, "sent before anything was received")))
     here.receive()
     assert len(here._kept) == 2
-    assert there.receive().value.sum() == 200_000
-    there.send(ProgressReport(0, 0.5, ""))
+    assert there.receive().content.sum() == 200_000
+    there.send(Message(0, PROGRESS, (0.5, "")))
     here.receive()
     assert [number for number, _memories in here._kept] == [2]
     here.close()

@@ -13,7 +13,7 @@ import pytest
 import worker_tasks as tasks
 from waiting import until
 
-from AIFReconLib.worker.calls import Returned
+from AIFReconLib.worker.calls import VALUE, Message
 from AIFReconLib.worker.channel import LARGE, Channel, shared_array
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc")
@@ -73,8 +73,8 @@ def test_shared_memory_is_not_copied_when_it_is_sent(worker):
 def test_ends_of_memory_are_those_of_the_array():
     here, there = (Channel(end) for end in Pipe())
     small, first, second = np.ones(LARGE, np.uint8), np.full(MILLION, 2.0), np.full(MILLION, 3.0)
-    here.send(Returned(0, [first, small, second]))
-    came = there.receive().value
+    here.send(Message(0, VALUE, [first, small, second]))
+    came = there.receive().content
     assert [array[-1] for array in came] == [2.0, 1, 3.0]
     here.close()
     there.close()
