@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, ClassVar
 
@@ -39,7 +40,7 @@ from ..terminal.reconstruction_options import (
 )
 from ..terminal.remedies import as_option, in_options
 from ..terminal.sequence_options import SequencesOptions, sequence_inputs, sequences_from
-from ..workflows.job import ReconstructionJob
+from ..workflows.job import ReconstructionJob, ReconstructionOutput
 from ..workflows.reconstruct import plain_mean, reconstruct_job, tracking_of
 from .info import register_command
 from .preview import check_preview, how_to_look, write_preview
@@ -120,7 +121,7 @@ def run(asked: ReconstructOptions) -> None:
         write_text(asked.report, json.dumps(said, indent=2) + "\n")
     if asked.report and is_page(asked.report):
         with ProgressBar() as progress:
-            _write_page(asked, job, result, tracking, labeled, progress)
+            _write_page(asked, replace(job, sequence=output.sequence or sequence), output, result, tracking, progress)
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
     if labeled is not None and not on_bone and asked.bone_transform is None:
         print(f"  The CT was taken to lie in Reference already. Place it first: {register_command(asked)}")
@@ -164,15 +165,16 @@ def is_page(path: Path) -> bool:
 def _write_page(
     asked: ReconstructOptions,
     job: ReconstructionJob,
+    output: ReconstructionOutput,
     result: Reconstruction,
     tracking: dict[str, TrackingReport],
-    labeled: LabeledBone | None,
     progress: Progress,
 ) -> None:
     """The page that the panel saves, with what was measured beside it where a method has raised bone."""
     from ..imaging.gray_window import gray_window
     from ..worker.page import PageAbout, Pictured, tell
 
+    labeled = output.labeled
     ct = read_ct(asked.ct) if asked.ct else None
     place = np.eye(4) if labeled is None or labeled.labels_to_reference is None else labeled.labels_to_reference
     weighs = method_named(result.method).needs_bone
@@ -188,6 +190,7 @@ def _write_page(
         labels_to_reference=place,
         names={} if labeled is None else labeled.labels.names,
         problem="No CT was given." if labeled is None else "",
+        motion=output.motion,
         pictured=Pictured(
             result.intensity,
             gray_window(result.intensity.array, result.mask.array),

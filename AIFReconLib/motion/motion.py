@@ -65,7 +65,8 @@ PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 LOOSE, HALF = 0.7, 0.5
 """mm to which the echoes of a pass must hold it along a direction, else it stays there; and the share of an axis that is named for it."""
 
-AXES = ("left-right", "front-back", "head-feet")
+AXES = ("x", "y", "z")
+"""Of Reference: how the patient lies to a tracker nobody knows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +131,7 @@ class PatientMotion:
             return (words,) if self.unexplained else ()
         lines = [self.moved]
         if self.loose:
-            lines.append(f"Along {listed(self.loose)} the echoes do not hold it; there nothing is moved.")
+            lines.append(f"Along {listed(self.loose)} of Reference the echoes do not hold it; there nothing is moved.")
         return (*lines, f"Mended: echoes lie {self.after:.1f} mm apart, before {self.before:.1f}.")
 
     @property

@@ -21,6 +21,7 @@ from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
     from ..evaluation.report import Section
+    from ..motion.motion import PatientMotion
 
 DASH = "\N{EN DASH}"
 
@@ -54,6 +55,7 @@ class PageAbout:
     version: str | None = None  #: Of the AIFRecon that made it, where it says
     program: Mapping[str, str] = field(default_factory=dict)  #: Names and versions of what shows it
     pictured: Pictured | None = None
+    motion: PatientMotion | None = None  #: That was taken out of the sequence
 
 
 def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argument, progress: Progress | None = None) -> str:
@@ -61,6 +63,7 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
 
     `words` say what to do about what is found. Raises AIFReconError with what cannot be told or written.
     """
+    from ..evaluation.motion_figure import motion_figure
     from ..evaluation.report import Report, Section, software_versions, write_report
     from ..io.disk.atomic import check_writable
     from ..provenance.settings_schema import understood
@@ -74,6 +77,9 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
         rows = tuple((row[:1].upper() + row[1:], value) for row, value in tracking.rows())
         title = "Sweep" if len(about.tracking) == 1 else f"Sweep {name}"
         sections.append(Section(title, rows, tuple(advised(sentence, words) for sentence in tracking.findings())))
+    if about.motion is not None:
+        drawn = (("How the patient moved against the reference", motion_figure(about.motion)),)
+        sections.append(Section("Motion of the patient", said=about.motion.lines, pictures=drawn))
     said = []
     for section, of_line in (_agreement(about, words, part(progress, 0.2, 0.6)), _coverage(about, words, part(progress, 0.6, 1.0))):
         sections += [] if section is None else [section]

@@ -90,7 +90,7 @@ def reconstructed(
             lines.append(f"The plain echo and the bone in 3D were not made. {error}")
     report(progress, 1.0, "Reconstructed")
     kept = _with(result, {*keep, "score"} if for_views else keep)
-    return ReconstructionOutput(kept, None, tracking_of(job, result), tuple(lines), comparison, measured, surface)
+    return ReconstructionOutput(kept, None, None, None, tracking_of(job, result), tuple(lines), comparison, measured, surface)
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from ..bone.map import BoneMap
     from ..inspection.bone_surface import ShownBoneMesh
     from ..inspection.tracking_report import TrackingReport
+    from ..motion.motion import PatientMotion
     from ..registration.agreement import Comparison
     from ..registration.labeled_bone import LabeledBone
 
@@ -82,6 +83,8 @@ class ReconstructionOutput:
 
     result: Reconstruction
     labeled: LabeledBone | None = None  #: The CT's bone, where that was given
+    sequence: TrackedSequence | None = None  #: The sweep as it went in, without the motion of the patient
+    motion: PatientMotion | None = None  #: That was taken out
     tracking: dict[str, TrackingReport] = field(default_factory=dict)  #: Of each sweep, by its name
     lines: tuple[str, ...] = ()  #: For a window: what was done, in its words
     comparison: Comparison | None = None  #: For a window: of CT and sweep

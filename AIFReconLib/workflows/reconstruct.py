@@ -110,6 +110,7 @@ class ReconstructionPlan:
     bone: BoneMap | None = None
     source: BoneMap | LabeledBone | None = None
     said: tuple[str, ...] = ()
+    motion: PatientMotion | None = None  #: That is taken out of the sequence
 
     def costs(self, beside: Collection[str] = BESIDE) -> Costs:
         """What this takes per voxel, in one part and in several."""
@@ -204,7 +205,8 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
         said = (*said, *motion.lines)
     found = _decided(replace(job, recipe=asked), bone is not None)
-    return replace(found, bone=bone, source=source, said=said)
+    taken = motion if motion is not None and motion.applied else None
+    return replace(found, bone=bone, source=source, said=said, motion=taken)
 
 
 def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
@@ -395,7 +397,7 @@ def execute(
         sweeps=shares(sequence, decided.order, result.skipped),
     )
     labeled = decided.source if isinstance(decided.source, LabeledBone) else None
-    return ReconstructionOutput(result, labeled)
+    return ReconstructionOutput(result, labeled, decided.sequence, decided.motion)
 
 
 def tracking_of(job: ReconstructionJob, result: Reconstruction) -> dict[str, TrackingReport]:

@@ -86,6 +86,17 @@ def test_a_scan_that_moved_is_registered(files):
     assert left_open.motion is None
 
 
+def test_the_page_tells_and_draws_it(files, tmp_path, capsys):
+    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    one, page = files["moving"], tmp_path / "page.html"
+    asked = ["reconstruct", str(one.sequence), "--config", str(one.configuration), "--method", "average", "--spacing", "3"]
+    assert main([*asked, "--motion", "auto", "--output", str(tmp_path / "volume.nrrd"), "--report", str(page)]) == 0
+    text = page.read_text("utf-8")
+    assert "Mended: echoes lie " in capsys.readouterr().out
+    assert "Mended: echoes lie " in text
+    assert "How the patient moved against the reference" in text
+
+
 def test_convert_writes_mended_poses_and_says_so_in_the_header(files, tmp_path, capsys):
     one, out = files["moving"], tmp_path / "mended.igs.mha"
     assert main(["convert", str(one.sequence), str(out), "--config", str(one.configuration), "--motion", "auto"]) == 0

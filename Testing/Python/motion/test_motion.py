@@ -127,7 +127,7 @@ def test_along_a_rod_nothing_is_moved_and_that_is_said():
     found = motion_of(shown, passes)
     assert found.applied
     assert np.abs(found.shifts[:, 2]).max() < 0.1
-    assert "Along head-feet the echoes do not hold it; there nothing is moved." in found.lines
+    assert "Along z of Reference the echoes do not hold it; there nothing is moved." in found.lines
 
 
 # ---- passes
