@@ -144,7 +144,7 @@ def page_of(rows: list[Row]) -> str:
             moved, mended = ([row for row in of if row.asked is asked] for asked in (False, True))
             shares = [row.cnr / rest[row.patient].cnr for row in mended]
             cells += [f"{np.mean([row.cnr / rest[row.patient].cnr for row in moved]):.2f}", f"{np.mean(shares):.2f}", f"{min(shares):.2f}"]
-            cells += [f"{100 * np.mean([row.coverage - rest[row.patient].coverage for row in mended]):+.0f} points"]
+            cells += [f"{100 * np.mean([row.coverage - rest[row.patient].coverage for row in mended]):+.1f} points"]
             left.append(f"{np.mean([row.left for row in mended]):.2f}")
             applied.append(f"{sum(row.mended for row in mended)}/{len(mended)}")
             seconds += [row.seconds for row in mended]
