@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,9 @@ from ...arrays import Numbers, Singles
 from ...errors import ConfigurationError, FileFormatError
 from ...sweep.configuration import PlusConfiguration
 from ..disk.itk import itk_path, short_cause, without_warnings
+
+MAXIMUM_PIXELS = 2**24
+"""An ultrasound image has one or two million."""
 
 _READERS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF"}
 """The kind of picture, by suffix."""
@@ -40,6 +44,13 @@ def read_importance_mask(path: str | Path) -> Singles:
     reader.SetFileName(itk_path(path, FileFormatError))
     try:
         with without_warnings():
+            reader.ReadImageInformation()
+            if math.prod(reader.GetSize()) > MAXIMUM_PIXELS:
+                size = " x ".join(map(str, reader.GetSize()))
+                raise FileFormatError(
+                    f"{path}: an importance mask must have at most {MAXIMUM_PIXELS} pixels; got {size}. Give one as large as the "
+                    "ultrasound images."
+                )
             image = reader.Execute()
     except RuntimeError as error:
         raise FileFormatError(f"{path}: it cannot be read as an importance mask: {short_cause(error)}. Give a PNG image.") from error

@@ -24,7 +24,9 @@ from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, format_number, parse_matrix, parse_number, parse_numbers
 
-FRAME_KEY = re.compile(r"Seq_Frame0*([0-9]{1,12})_(.+)", re.DOTALL)
+FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
+MOST_DIGITS = 12
+"""In the number of a frame; recorders write four."""
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
 IMAGE_STATUS, IMAGE_STATUS_IN_NRRD = "ImageStatus", "Status"
 """NRRD files may have either: older ones of this library have the first."""
@@ -72,9 +74,11 @@ def by_frame(
 
 def frame_number(header_of: Metafile | HeaderLines, key: str, digits: str, frames: int) -> int:
     """The number of a frame that a key names, which must be there."""
-    if int(digits) >= frames:
+    # More digits than any number of frames has are not even converted: Python refuses thousands of them
+    digits = digits.lstrip("0") or "0"
+    if len(digits) > MOST_DIGITS or int(digits) >= frames:
         raise header_of.failure(
-            f"{shorten(key)} belongs to frame {digits}, but there are only {frames} frames (0 to {frames - 1}). Correct the size "
+            f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct the size "
             "in the header, or write the file again."
         )
     return int(digits)

@@ -25,6 +25,9 @@ HDF5_SUFFIXES = (".h5", ".hdf5")
 _SUFFIXES = TEXT_SUFFIXES + HDF5_SUFFIXES
 _MAGIC = {**dict.fromkeys(TEXT_SUFFIXES, b"#Insight Transform File"), **dict.fromkeys(HDF5_SUFFIXES, b"\x89HDF\r\n\x1a\n")}
 
+MAXIMUM_BYTES = 2**24
+"""A linear transform takes a few thousand."""
+
 _COMPOSITE = "CompositeTransform"
 _HEAD = f"#Insight Transform File V1.0\nTransform: {_COMPOSITE}_double_3_3\nParameters:\nFixedParameters:\n"
 """Before a transform in text: alone SimpleITK takes some kinds only; within a composite it leaves all to ITK."""
@@ -123,9 +126,11 @@ def _read(path: Path) -> bytes:
     suffix = path.suffix.lower()
     if suffix not in _SUFFIXES:
         raise TransformFileError(f"{path}: its suffix must be one of {', '.join(_SUFFIXES)}. Save the transform from Slicer as one.")
-    data = read_bytes(path, None, TransformFileError)
+    data = read_bytes(path, MAXIMUM_BYTES + 1, TransformFileError)
     if not data.startswith(_MAGIC[suffix]):
         raise TransformFileError(f"{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.")
+    if len(data) > MAXIMUM_BYTES:
+        raise _refusal(path, f"must be linear, and the file is longer than {MAXIMUM_BYTES} bytes. Give a rigid or affine registration.")
     return data
 
 

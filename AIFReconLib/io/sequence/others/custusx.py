@@ -32,6 +32,7 @@ IMAGE, TOOL = TransformName("Image", "Reference"), TransformName("Tool", "Refere
 CALIBRATION = TransformName("Image", "Tool")
 NEAR = 0.1
 """s. How far from a pose of the tool CustusX may have gone on with it, where the next is farther than `LONGEST_GAP`."""
+_MOST_BYTES = 2**25
 
 
 def _read(path: Path, orientation: str | None) -> Recorded:
@@ -165,12 +166,13 @@ def _times_of_frames(path: Path) -> Path:
 
 def _numbers(path: Path) -> Floats:
     """All numbers of a small file."""
+    data = read_bytes(path, _MOST_BYTES + 1, SequenceFormatError)
     try:
-        numbers = parse_numbers(read_bytes(path, None, SequenceFormatError).decode("ascii", "replace"))
+        numbers = parse_numbers(data[:_MOST_BYTES].decode("ascii", "replace"))
     except NotANumberError as error:
         raise SequenceFormatError(f"{path}: it must hold numbers alone; {error}. Copy the file again.") from error
-    if not np.isfinite(numbers).all():
-        raise SequenceFormatError(f"{path}: it must hold finite numbers. Copy the file again.")
+    if len(data) > _MOST_BYTES or not np.isfinite(numbers).all():
+        raise SequenceFormatError(f"{path}: it must hold finite numbers, in {_MOST_BYTES} bytes at most. Copy the file again.")
     return np.array(numbers, dtype=np.float64)
 
 
