@@ -27,7 +27,6 @@ ARGUMENTS = {
     "transform_sequence": "transform_sequences",
     "wrong_calibration": "wrong",
     "image_origin_px": "origin_px",
-    "status_ok": "good_statuses",
     "units": "length_unit",
 }
 """Inputs that have another name in Python than on the command line."""

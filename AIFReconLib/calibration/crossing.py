@@ -58,9 +58,9 @@ with the scales and the knowledge of others two of them were."""
 
 REVERSED = {
     "": np.zeros(3),
-    "--right points": np.array([0.0, np.pi, 0.0]),
-    "--down points": np.array([np.pi, 0.0, 0.0]),
-    "--right and --down point": np.array([0.0, 0.0, np.pi]),
+    "right points": np.array([0.0, np.pi, 0.0]),
+    "down points": np.array([np.pi, 0.0, 0.0]),
+    "right and down point": np.array([0.0, 0.0, np.pi]),
 }
 """Turns of the image about its face by which axes of `start-calibration` are confused with their opposites."""
 
@@ -185,7 +185,7 @@ def _begun(echoes: ImagedEchoes, progress: Progress | None) -> tuple[Correction,
     least, axes, best = min(ends, key=lambda end: end[0])
     if axes:
         words = f"Echoes of other angles lie closer when {axes} to the opposite side. Look at the marker's axes once more."
-        return best, Sentence(words, "Then write the start anew with aifrecon start-calibration.")
+        return best, Sentence(words, "Correct it, and write the start anew.")
     apart = [_apart(echoes, best, by) for cost, _, by in ends if cost < AS_GOOD * least]
     if max(apart) > ELSEWHERE:
         return best, Sentence(f"Calibrations that fit nearly as well lie {max(apart):.0f} mm apart. Scan the same bone from more angles.")

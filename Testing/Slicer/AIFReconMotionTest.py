@@ -35,6 +35,7 @@ class AIFReconMotionTest(unittest.TestCase):
         slicer.util.selectModule("AIFRecon")
         self.widget = slicer.modules.AIFReconWidget
         self.ui, self.parameters = self.widget.ui, self.widget._parameterNode
+        self.ui.tabWidget.currentIndex = 0
         self.patient = simulated(phantomSample.simulated_patient, 0, FRAMES)
 
     def tearDown(self):

@@ -290,7 +290,7 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
     raise SettingsError(
         f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
         "image of each pose in a column 'image', or give times on both.",
-        "If images were taken at a steady rate, give {rate:HZ}, else {times:FILE}." if poses.times is not None else "",
+        "If images were taken at a steady rate, give {rate:HZ}, else a table of their times." if poses.times is not None else "",
     )
 
 
