@@ -23,15 +23,12 @@ from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part, report
 from .computed_tomography import hounsfield_units
-from .morphometry import BODY_LIFT, LAMINA_THICKNESS, TYPICAL, VertebraSizes
-from .sacrum import Sacrum
+from .morphometry import BODY_LIFT, LAMINA_THICKNESS, LEVELS, TYPICAL, VertebraSizes
 from .soft_tissue import SoftTissue, make_texture
 from .vertebra import DISTANCE_LIMIT, VERTEBRA_BOX, Vertebra, flexed, turned_about
 
 FACET_GAP = 1.6
 """mm of joint space between the facets of neighbors. Within the 1 to 2 mm of cartilage and fluid in CT."""
-
-LEVELS = ("L2", "L3", "L4", "L5")
 
 
 def _size(default: float, spread: float, minimum: float, maximum: float) -> float:
@@ -47,7 +44,7 @@ class LumbarAnatomy:
     seed : int
         Decides what the sizes leave open: small tilts and shifts of each vertebra, tissue texture and CT noise.
     vertebrae : int
-        2 to 5: L3-L4, L2-L4, L2-L5, or L2-L5 with the sacrum's top.
+        2 to 4: L3-L4, L2-L4 or L2-L5.
     body_width, body_depth, body_height, canal_width, canal_depth, transverse_width, pedicle_width : float
         Of L3; the other levels' differ from these as they typically do (`morphometry.TYPICAL`, with its sources and ranges).
     facet_width, facet_angle_deg : float
@@ -104,20 +101,8 @@ class LumbarAnatomy:
     irregularity: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.vertebrae not in (2, 3, 4, 5):
-            raise SettingsError(f"Input vertebrae must be 2, 3, 4 or 5; got {self.vertebrae!r}.")
-        for size in fields(self):
-            low, high = size.metadata.get("minimum"), size.metadata.get("maximum")
-            value = getattr(self, size.name)
-            if low is not None and not low <= value <= high:
-                raise SettingsError(f"Input {size.name} must be {low:g} to {high:g}; got {value!r}.")
-        if not 0.0 <= self.irregularity <= 2.0:
-            raise SettingsError(f"Input irregularity must be 0 to 2; got {self.irregularity!r}.")
-        if self.spinous_length > self.skin_to_lamina - 5.0:
-            raise SettingsError(
-                f"Input spinous_length must leave 5 mm under the skin; got {self.spinous_length:g} with skin_to_lamina "
-                f"{self.skin_to_lamina:g}."
-            )
+        if self.vertebrae not in (2, 3, 4):
+            raise SettingsError(f"Input vertebrae must be 2, 3 or 4; got {self.vertebrae!r}.")
 
     @classmethod
     def from_seed(cls, seed: int, vertebrae: int = 3) -> LumbarAnatomy:
@@ -158,13 +143,11 @@ class LumbarAnatomy:
         gaps = self.interspinous_gap + self.irregularity * np.clip(rng.standard_normal(self.vertebrae + 1), -2.0, 2.0) * 0.8
         gaps = np.clip(gaps, 6.5, 13.5) if self.irregularity else gaps
         first = LEVELS.index("L3" if self.vertebrae == 2 else "L2")
-        names = (*LEVELS, "S1")[first : first + self.vertebrae]
+        names = LEVELS[first : first + self.vertebrae]
         sizes = _with_gaps([self.sizes_of(name, 1.0 + 0.015 * jitter[n, 5]) for n, name in enumerate(names)], gaps, self)
         step = math.radians(self.lordosis_deg)
         return tuple(
-            (Sacrum if name == "S1" else Vertebra)(
-                n + 1, name, _pose_on_arc(self, ((self.vertebrae - 1) / 2 - n) * step, jitter[n]), sizes[n], jitter[n, 6]
-            )
+            Vertebra(n + 1, name, _pose_on_arc(self, ((self.vertebrae - 1) / 2 - n) * step, jitter[n]), sizes[n], jitter[n, 6])
             for n, name in enumerate(names)
         )
 
@@ -340,11 +323,10 @@ def soft_tissue_of(anatomy: LumbarAnatomy) -> SoftTissue:
 
 
 def _extent(anatomy: LumbarAnatomy) -> tuple[Floats, Floats]:
-    """Corners of the scanned box in Reference: the vertebrae (of the sacrum the top), a hand's breadth of muscle, some air behind."""
+    """Corners of the scanned box in Reference: the vertebrae, a hand's breadth of muscle, some air behind."""
     half = (anatomy.vertebrae - 1) / 2 * (anatomy.body_height + anatomy.disc_height)
     front = anatomy.skin_to_lamina + anatomy.body_depth_from_lamina + anatomy.body_depth / 2 + 14.0
-    below = 12.0 if anatomy.vertebrae > len(LEVELS) else 32.0
-    return np.array([-66.0, -20.0, -half - below]), np.array([66.0, front, half + 34.0])
+    return np.array([-66.0, -20.0, -half - 32.0]), np.array([66.0, front, half + 34.0])
 
 
 def _bone_on_grid(vertebrae: tuple[Vertebra, ...], grid: VoxelGrid, progress: Progress | None) -> tuple[Singles, Bytes]:

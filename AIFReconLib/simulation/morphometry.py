@@ -76,31 +76,31 @@ class VertebraSizes:
     spinous_bottom: float
 
 
-_LEVELS = ("L2", "L3", "L4", "L5", "S1")
+LEVELS = ("L2", "L3", "L4", "L5")
 
 _BY_LEVEL = {
-    "body_width": (49.0, 51.5, 50.5, 49.0, 51.0),
-    "body_depth": (35.5, 35.0, 37.0, 36.5, 33.0),
-    "body_height": (29.0, 29.5, 29.0, 27.0, 30.0),
-    "body_wedge_deg": (-3.0, -1.0, 1.0, 10.0, 0.0),
-    "canal_width": (22.5, 23.0, 24.0, 27.0, 31.0),
-    "canal_depth": (14.0, 15.0, 14.0, 15.0, 15.0),
-    "pedicle_width": (8.0, 9.0, 12.0, 17.0, 20.0),
-    "pedicle_height": (15.5, 15.0, 14.5, 13.5, 14.0),
-    "superior_width": (35.5, 37.0, 39.5, 45.5, 48.0),
-    "superior_height": (22.5, 21.0, 19.5, 17.0, 15.5),
-    "inferior_width": (22.0, 25.0, 31.5, 40.5, 40.0),
-    "inferior_height": (-13.5, -14.0, -12.0, -10.5, -10.0),
-    "facet_angle_deg": (22.0, 24.0, 30.0, 35.0, 45.0),
-    "facet_depth": (0.0, 0.0, 2.0, 5.5, 5.5),
-    "transverse_width": (78.0, 88.0, 83.0, 96.0, 108.0),
-    "transverse_height": (13.0, 12.5, 11.0, 10.0, 6.0),
-    "transverse_depth": (3.0, 3.0, 8.0, 12.5, 22.0),
-    "spinous_length": (31.0, 32.0, 29.0, 21.0, 13.0),
-    "spinous_top": (10.0, 9.0, 6.5, 0.5, 4.0),
-    "spinous_bottom": (-11.5, -13.0, -12.5, -13.5, -9.0),
+    "body_width": (49.0, 51.5, 50.5, 49.0),
+    "body_depth": (35.5, 35.0, 37.0, 36.5),
+    "body_height": (29.0, 29.5, 29.0, 27.0),
+    "body_wedge_deg": (-3.0, -1.0, 1.0, 10.0),
+    "canal_width": (22.5, 23.0, 24.0, 27.0),
+    "canal_depth": (14.0, 15.0, 14.0, 15.0),
+    "pedicle_width": (8.0, 9.0, 12.0, 17.0),
+    "pedicle_height": (15.5, 15.0, 14.5, 13.5),
+    "superior_width": (35.5, 37.0, 39.5, 45.5),
+    "superior_height": (22.5, 21.0, 19.5, 17.0),
+    "inferior_width": (22.0, 25.0, 31.5, 40.5),
+    "inferior_height": (-13.5, -14.0, -12.0, -10.5),
+    "facet_angle_deg": (22.0, 24.0, 30.0, 35.0),
+    "facet_depth": (0.0, 0.0, 2.0, 5.5),
+    "transverse_width": (78.0, 88.0, 83.0, 96.0),
+    "transverse_height": (13.0, 12.5, 11.0, 10.0),
+    "transverse_depth": (3.0, 3.0, 8.0, 12.5),
+    "spinous_length": (31.0, 32.0, 29.0, 21.0),
+    "spinous_top": (10.0, 9.0, 6.5, 0.5),
+    "spinous_bottom": (-11.5, -13.0, -12.5, -13.5),
 }
 
-TYPICAL = {level: VertebraSizes(**{name: values[n] for name, values in _BY_LEVEL.items()}) for n, level in enumerate(_LEVELS)}
+TYPICAL = {level: VertebraSizes(**{name: values[n] for name, values in _BY_LEVEL.items()}) for n, level in enumerate(LEVELS)}
 """Typical sizes by level, to half a millimeter: those with which the bars of `vertebra` lie nearest to the mean shape of 87 patients [1]_,
-canal and pedicles as measured. Of the sacrum's top, whose `transverse_width` is that over its wings, no mean was at hand: as in atlases."""
+canal and pedicles as measured."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,6 @@ import scipy
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Integers, Matrix
-from ..errors import SettingsError
 from ..geometry.transforms import as_matrix, invert
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import Fan, ImageRegion
@@ -65,12 +64,6 @@ class PhasedArray:
     transducer_to_probe: Matrix = field(default_factory=_default_transducer_to_probe)
 
     def __post_init__(self) -> None:
-        if not 20.0 <= self.field_of_view_deg <= 120.0:
-            raise SettingsError(f"Input field_of_view_deg must be 20 to 120; got {self.field_of_view_deg!r}.")
-        if not (self.depth >= 20.0 and self.apex_offset >= 0.5):
-            raise SettingsError(f"Input depth must be 20 mm or more, apex_offset 0.5 or more; got {self.depth!r}, {self.apex_offset!r}.")
-        if min(self.lines, self.samples, self.columns, self.rows) < 16:
-            raise SettingsError("Input lines, samples, columns and rows must each be 16 or more.")
         object.__setattr__(self, "transducer_to_probe", as_matrix(self.transducer_to_probe, "transducer_to_probe"))
 
     @property
@@ -123,10 +116,6 @@ class PhasedArray:
     def image_to_probe(self) -> Matrix:
         """The calibration, (4, 4), pixels to mm."""
         return self.transducer_to_probe @ self.image_to_transducer
-
-    def miscalibrated(self, transducer_error: Matrix) -> PhasedArray:
-        """The same probe with its transducer elsewhere on it than `transducer_to_probe` said: moved by a (4, 4) in its own frame."""
-        return replace(self, transducer_to_probe=self.transducer_to_probe @ transducer_error)
 
     def probe_to_reference(self, transducer_to_reference: Matrix) -> Matrix:
         """Where the marker is when the transducer is there, (4, 4)."""

@@ -7,7 +7,6 @@ that tilts turn about the target as those of a wearable or hand-held probe do.
 from __future__ import annotations
 
 import math
-from contextlib import closing
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -20,9 +19,8 @@ from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..progress import Progress, report
 from ..sweep.frames import FrameRecord, TrackedSequence
-from .images import Images
 from .phased_array import PhasedArray
-from .ultrasound import UltrasoundEffects, UltrasoundTarget
+from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
 
 FRAME_RATE = 20.0
 """Hz."""
@@ -30,10 +28,15 @@ FRAME_RATE = 20.0
 AIM_DEPTH = 30.0
 """mm under the skin of the point that every tilt keeps in the middle beam."""
 
+BEYOND_TIPS = 16.0
+"""mm that a pass goes beyond the first and the last spinous process's tip."""
+
+IN_PLANE_TILTS_DEG, ELEVATIONAL_TILTS_DEG = (-30.0, 0.0, 30.0), (-15.0, 0.0, 15.0)
+"""Every pair of them is a pass of a multi-angle sweep."""
+
 BREATH, BREATHES_ALONG = 3.7, np.array([0.2, 0.81, 0.55])
 """s from breath to breath, and the way of a patient's back, a unit vector in Reference."""
 
-TRANSVERSE, SAGITTAL = "transverse", "sagittal"
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
 
@@ -79,18 +82,8 @@ class TrackingErrors:
 
     Parameters
     ----------
-    noise : float, mm
-        Standard deviation of the probe's position per axis and frame.
-    noise_deg : float
-        Standard deviation of its rotation about each axis.
-    calibration : float, mm
-        Length of the error of the recorded ImageToProbe.
-    calibration_deg : float
-        Angle of that error.
     time_offset : float, s
         By how much recorded poses are late; between two passes they are interpolated over the turn.
-    dropout : float, 0 to 1
-        Part of the frames in which the probe is out of the tracker's view, in runs.
     drift : float, mm
         How far the probe is recorded beside where it is at the end of the scan, in a direction of the tracker; it grows from 0 with time.
     breathing : float, mm
@@ -102,42 +95,28 @@ class TrackingErrors:
         How far the patient moves at once, in the middle of the middle pass.
     """
 
-    noise: float = 0.0
-    noise_deg: float = 0.0
-    calibration: float = 0.0
-    calibration_deg: float = 0.0
     time_offset: float = 0.0
-    dropout: float = 0.0
     drift: float = 0.0
     breathing: float = 0.0
     shifting: float = 0.0
     step: float = 0.0
 
     def __post_init__(self) -> None:
-        of_patient = (self.breathing, self.shifting, self.step)
-        values = (self.noise, self.noise_deg, self.calibration, self.calibration_deg, self.drift, *of_patient)
+        values = (self.drift, self.breathing, self.shifting, self.step)
         if min(values) < 0 or not math.isfinite(sum(values) + self.time_offset):
             raise SettingsError(f"Input tracking errors must be finite and not negative; got {self}.")
-        if not 0.0 <= self.dropout < 1.0:
-            raise SettingsError(f"Input dropout must be 0 to below 1; got {self.dropout!r}.")
 
 
 def contact_pose(
-    phantom: ScannedBack,
-    target_x: float,
-    target_z: float,
-    *,
-    orientation: str = TRANSVERSE,
-    in_plane_tilt_deg: float = 0.0,
-    elevational_tilt_deg: float = 0.0,
+    phantom: ScannedBack, target_x: float, target_z: float, *, in_plane_tilt_deg: float = 0.0, elevational_tilt_deg: float = 0.0
 ) -> Matrix:
     """The transducer on the skin, its middle beam through a point 30 mm under the skin at (target_x, target_z).
+
+    Image columns run to the patient's right, but for the tilts.
 
     Parameters
     ----------
     target_x, target_z : float, mm, Reference
-    orientation : "transverse" or "sagittal"
-        Image columns along +x (to the patient's right) or along +z (superior).
     in_plane_tilt_deg : float
         Turns the middle beam toward the image's columns.
     elevational_tilt_deg : float
@@ -147,14 +126,9 @@ def contact_pose(
     -------
     transducer_to_reference : (4, 4) float64 array, mm
     """
-    if orientation not in (TRANSVERSE, SAGITTAL):
-        raise SettingsError(f"Input orientation must be transverse or sagittal; got {orientation!r}.")
-    if max(abs(in_plane_tilt_deg), abs(elevational_tilt_deg)) > 60:
-        raise SettingsError(f"Input tilts must be within 60 degrees; got {in_plane_tilt_deg!r}, {elevational_tilt_deg!r}.")
-    upright = np.eye(3) if orientation == TRANSVERSE else np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
     tilt = scipy.spatial.transform.Rotation.from_euler("ZX", [-in_plane_tilt_deg, elevational_tilt_deg], degrees=True).as_matrix()
     pose = np.eye(4)
-    pose[:3, :3] = upright @ tilt
+    pose[:3, :3] = tilt
     beam = pose[:3, 1]
     target = np.array([target_x, float(phantom.skin_y(target_x, target_z)) + AIM_DEPTH, target_z])
     near, far = 0.0, 4.0 * AIM_DEPTH
@@ -167,57 +141,27 @@ def contact_pose(
 
 
 def single_angle_sweep(
-    phantom: ScannedBack,
-    frames: int = 60,
-    *,
-    orientation: str = TRANSVERSE,
-    in_plane_tilt_deg: float = 0.0,
-    elevational_tilt_deg: float = 0.0,
-    margin: float = 16.0,
-    offset: float = 0.5,
+    phantom: ScannedBack, frames: int = 60, *, in_plane_tilt_deg: float = 0.0, elevational_tilt_deg: float = 0.0, offset: float = 0.5
 ) -> ProbePath:
-    """One pass at fixed tilts: along the spine for transverse images, across it for sagittal ones.
+    """One pass along the spine at fixed tilts.
 
     Parameters
     ----------
-    margin : float, mm
-        How far the pass goes beyond the first and last spinous process's tip (transverse); sagittal passes cover 26 mm either side.
     offset : float, 0 to 1
         Where in its part of the way each frame is taken: passes of different offsets interleave.
     """
-    if frames < 1:
-        raise SettingsError(f"Input frames must be 1 or more; got {frames!r}.")
-    tips = phantom.spinous_tips()
-    way = (np.arange(frames) + offset) / frames
-    middle = tips[:, 2].mean()
-    if orientation == TRANSVERSE:
-        positions_z = tips[:, 2].max() + margin - way * (np.ptp(tips[:, 2]) + 2 * margin)
-        targets = [(0.0, z) for z in positions_z]
-    else:
-        targets = [(x, middle) for x in -26.0 + 52.0 * way]
-    poses = [
-        contact_pose(
-            phantom,
-            x,
-            z,
-            orientation=orientation,
-            in_plane_tilt_deg=in_plane_tilt_deg,
-            elevational_tilt_deg=elevational_tilt_deg,
-        )
-        for x, z in targets
-    ]
+    tilts = {"in_plane_tilt_deg": in_plane_tilt_deg, "elevational_tilt_deg": elevational_tilt_deg}
+    poses = [contact_pose(phantom, 0.0, z, **tilts) for z in _along_the_spine(phantom, (np.arange(frames) + offset) / frames)]
     return ProbePath(np.array(poses), np.arange(frames) / FRAME_RATE)
 
 
-def multi_angle_sweep(
-    phantom: ScannedBack,
-    frames: int = 144,
-    *,
-    in_plane_tilts_deg: tuple[float, ...] = (-30.0, 0.0, 30.0),
-    elevational_tilts_deg: tuple[float, ...] = (-15.0, 0.0, 15.0),
-    orientation: str = TRANSVERSE,
-    margin: float = 16.0,
-) -> ProbePath:
+def _along_the_spine(phantom: ScannedBack, way: Floats) -> Floats:
+    """z of places on the way, 0 to 1, from above the first to below the last spinous process."""
+    heights = phantom.spinous_tips()[:, 2]
+    return np.asarray(heights.max() + BEYOND_TIPS - way * (np.ptp(heights) + 2 * BEYOND_TIPS))
+
+
+def multi_angle_sweep(phantom: ScannedBack, frames: int = 144) -> ProbePath:
     """A pass along the spine at every pair of tilts, to and fro, `frames` in all; the passes' planes interleave.
 
     Notes
@@ -225,41 +169,30 @@ def multi_angle_sweep(
     This is what a wearable device with a translation and two rotations does (Xu et al. 2022, AutoInFocus). Two seconds of turning lie
     between passes, in which nothing is recorded.
     """
-    pairs = [(a, e) for e in elevational_tilts_deg for a in in_plane_tilts_deg]
+    pairs = [(a, e) for e in ELEVATIONAL_TILTS_DEG for a in IN_PLANE_TILTS_DEG]
     if frames < len(pairs):
         raise SettingsError(f"Input frames must be at least one per pair of tilts ({len(pairs)}); got {frames!r}.")
     counts = [frames // len(pairs) + (n < frames % len(pairs)) for n in range(len(pairs))]
     poses, times, start = [], [], 0.0
     for n, ((in_plane, elevational), count) in enumerate(zip(pairs, counts)):
-        one = single_angle_sweep(
-            phantom,
-            count,
-            orientation=orientation,
-            in_plane_tilt_deg=in_plane,
-            elevational_tilt_deg=elevational,
-            margin=margin,
-            offset=((n * 4) % len(pairs) + 0.5) / len(pairs),
-        )
+        offset = ((n * 4) % len(pairs) + 0.5) / len(pairs)
+        one = single_angle_sweep(phantom, count, in_plane_tilt_deg=in_plane, elevational_tilt_deg=elevational, offset=offset)
         poses.append(one.transducer_to_reference[:: -1 if n % 2 else 1])
         times.append(start + one.timestamps)
         start = times[-1][-1] + 2.0
     return ProbePath(np.concatenate(poses), np.concatenate(times))
 
 
-def freehand_sweep(phantom: ScannedBack, frames: int = 150, *, seed: int = 0, tilt_deg: float = 20.0, margin: float = 16.0) -> ProbePath:
-    """Along the spine as a hand does it: uneven speed, wandering a few mm sideways, with slow tilts of up to about `tilt_deg`."""
-    if frames < 2:
-        raise SettingsError(f"Input frames must be 2 or more; got {frames!r}.")
-    rng = np.random.default_rng([seed, 10])
+def freehand_sweep(phantom: ScannedBack, frames: int = 150) -> ProbePath:
+    """Along the spine as a hand does it: uneven speed, wandering a few mm sideways, with slow tilts of up to about 20 degrees."""
+    rng = np.random.default_rng([0, 10])
     wander = scipy.ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
     wander /= np.abs(wander).max(axis=1, keepdims=True)
     speed = np.maximum(1.0 + 0.6 * wander[0], 0.2)
     way = np.cumsum(speed) - speed[0]
-    tips = phantom.spinous_tips()
-    positions_z = tips[:, 2].max() + margin - way / way[-1] * (np.ptp(tips[:, 2]) + 2 * margin)
     on_skin = [
-        contact_pose(phantom, 5.0 * side, z, in_plane_tilt_deg=1.2 * tilt_deg * a, elevational_tilt_deg=0.7 * tilt_deg * e)
-        for z, side, a, e in zip(positions_z, *wander[1:4])
+        contact_pose(phantom, 5.0 * side, z, in_plane_tilt_deg=24.0 * a, elevational_tilt_deg=14.0 * e)
+        for z, side, a, e in zip(_along_the_spine(phantom, way / way[-1]), *wander[1:4])
     ]
     poses = np.array(on_skin)
     turns = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(8.0) * wander[4][:, None] * np.array([[0.0, 1.0, 0.0]])).as_matrix()
@@ -297,10 +230,9 @@ def simulate_sweep(
     errors: TrackingErrors | None = None,
     effects: UltrasoundEffects | None = None,
     seed: int = 0,
-    processes: int = 1,
     progress: Progress | None = None,
 ) -> TrackedSequence:
-    """The recording of a scan, as Plus would write it; several `processes` draw its images.
+    """The recording of a scan, as Plus would write it.
 
     Returns
     -------
@@ -310,16 +242,14 @@ def simulate_sweep(
 
     Notes
     -----
-    Errors never touch the images: those are taken at the true poses, by a probe whose transducer is where the true calibration puts it.
-    Recorded poses are late, noisy or missing. Images and errors draw from separate generators, so the same seed gives the same images
-    under any errors of tracking.
+    Errors never touch the images, which are taken at the true poses. Every image and the errors draw from generators of their own, so the
+    same seed gives the same images under any errors of tracking.
     """
     poses = np.array([probe.probe_to_reference(pose) for pose in path.transducer_to_reference])
     images = np.empty((len(path), probe.rows, probe.columns), dtype=np.uint8)
-    with closing(Images(phantom, probe, poses, seed, effects).drawn(processes)) as drawn:
-        for n in range(len(path)):
-            report(progress, n / len(path), "Simulating ultrasound frames")
-            images[n] = next(drawn)
+    for n, pose in enumerate(poses):
+        report(progress, n / len(path), "Simulating ultrasound frames")
+        images[n] = simulate_frame(phantom, probe, pose, np.random.default_rng([seed, 31, n]), effects)
     report(progress, 1.0, "Sweep simulated")
     return TrackedSequence(images, recorded_poses(probe, path, errors, seed))
 
@@ -327,28 +257,21 @@ def simulate_sweep(
 def recorded_poses(probe: PhasedArray, path: ProbePath, errors: TrackingErrors | None = None, seed: int = 0) -> list[FrameRecord]:
     """What is recorded beside the images of a scan: ProbeToTracker and ReferenceToTracker of each frame, with these errors."""
     errors = errors or TrackingErrors()
-    rng = np.random.default_rng([seed, 30])
-    true_probe = probe.miscalibrated(random_rigid(errors.calibration, errors.calibration_deg, rng))
-    late = np.array([true_probe.probe_to_reference(pose) for pose in path.delayed(errors.time_offset).transducer_to_reference])
+    late = np.array([probe.probe_to_reference(pose) for pose in path.delayed(errors.time_offset).transducer_to_reference])
     reference_to_tracker = tracker_poses(path.timestamps)
-    statuses = _dropouts(len(path), errors.dropout, rng)
     gone = (path.timestamps - path.timestamps[0]) / max(np.ptp(path.timestamps), 1e-9)
     drift = errors.drift * gone[:, None] * random_rigid(1.0, 0.0, np.random.default_rng([seed, 32]))[:3, 3]
-    moved = patient_motion(path.timestamps, errors, seed)
-    records = []
-    for n, timestamp in enumerate(path.timestamps):
-        shake = np.eye(4)
-        shake[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(errors.noise_deg) * rng.standard_normal(3)).as_matrix()
-        shake[:3, 3] = errors.noise * rng.standard_normal(3)
-        seen = statuses[n] is TransformStatus.OK
-        probe_to_tracker = reference_to_tracker[n] @ moved[n] @ late[n] @ shake if seen else np.eye(4)
-        probe_to_tracker[:3, 3] += drift[n] if seen else 0.0
-        transforms = {
-            PROBE_TO_TRACKER: TransformSample(probe_to_tracker, statuses[n]),
-            REFERENCE_TO_TRACKER: TransformSample(reference_to_tracker[n]),
-        }
-        records.append(FrameRecord(float(timestamp), float(timestamp), TransformStatus.OK, transforms))
-    return records
+    probe_to_tracker = reference_to_tracker @ patient_motion(path.timestamps, errors, seed) @ late
+    probe_to_tracker[:, :3, 3] += drift
+    return [
+        FrameRecord(
+            float(timestamp),
+            float(timestamp),
+            TransformStatus.OK,
+            {PROBE_TO_TRACKER: TransformSample(of_probe), REFERENCE_TO_TRACKER: TransformSample(of_reference)},
+        )
+        for timestamp, of_probe, of_reference in zip(path.timestamps, probe_to_tracker, reference_to_tracker)
+    ]
 
 
 def patient_motion(timestamps: Floats, errors: TrackingErrors, seed: int = 0) -> Matrix:
@@ -368,13 +291,6 @@ def patient_motion(timestamps: Floats, errors: TrackingErrors, seed: int = 0) ->
     middle = timestamps[np.flatnonzero(passes == passes[-1] // 2)].mean()
     moved[:, :3, 3] += errors.step * (timestamps > middle)[:, None] * random_rigid(1.0, 0.0, rng)[:3, 3]
     return moved
-
-
-def _dropouts(frames: int, dropout: float, rng: np.random.Generator) -> list[TransformStatus]:
-    """Statuses of the probe: out of view in runs of some frames, `dropout` of all frames rounded."""
-    smooth = scipy.ndimage.gaussian_filter1d(rng.standard_normal(frames), 1.5, mode="reflect") + 1e-9 * np.arange(frames)
-    lost = np.argsort(smooth)[: round(dropout * frames)]
-    return [TransformStatus.OUT_OF_VIEW if n in set(lost.tolist()) else TransformStatus.OK for n in range(frames)]
 
 
 def plus_configuration_xml(probe: PhasedArray, image_to_probe: Matrix | None = None, output_spacing: float = 0.5) -> str:

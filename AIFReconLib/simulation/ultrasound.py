@@ -85,30 +85,10 @@ class UltrasoundTarget(Protocol):
 
 @dataclass(frozen=True)
 class UltrasoundEffects:
-    """What the simulation includes; everything but `clutter` by default.
+    """What may differ from scan to scan, beside the patient.
 
     Parameters
     ----------
-    tissue : bool
-        Echoes of soft tissue.
-    specular, diffuse : bool
-        The two parts of a bone surface's echo.
-    shadow : bool
-        No soft tissue behind bone.
-    beam_thickness : bool
-        An elevational width: an oblique surface echoes early and late.
-    point_spread : bool
-        Axial and lateral blur, growing with depth. Off: one sample, one line.
-    speckle : bool
-        Random phases. Off: tissue and bone show their mean amplitudes.
-    attenuation : bool
-        Loss with depth, and the time gain that makes up for it and lifts the noise.
-    reverberation : bool
-        Bright bands between face and skin.
-    noise : bool
-        Of the receiver.
-    log_compression : bool
-        Off: gray is amplitude, 255 for bone met squarely.
     clutter : bool
         Reverberation and clutter behind bone, which leave a real shadow gray. Off by default: see docs/decisions/0022.
     gain_db, depth_gain_db : float, dB
@@ -119,17 +99,6 @@ class UltrasoundEffects:
         Of the body. The scanner takes `SCANNER_SPEED`, so in faster tissue all lies deeper than it is shown.
     """
 
-    tissue: bool = True
-    specular: bool = True
-    diffuse: bool = True
-    shadow: bool = True
-    beam_thickness: bool = True
-    point_spread: bool = True
-    speckle: bool = True
-    attenuation: bool = True
-    reverberation: bool = True
-    noise: bool = True
-    log_compression: bool = True
     clutter: bool = False
     gain_db: float = 0.0
     depth_gain_db: float = 0.0
@@ -141,7 +110,7 @@ class UltrasoundEffects:
             raise SettingsError("A simulated scanner has gains in dB and a gray curve above 0.")
 
 
-def specular_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
+def specular_echo(cosine: ArrayLike) -> Floats:
     """Amplitude of the echo of a bone surface's facets, 1 at normal incidence.
 
     Parameters
@@ -157,10 +126,10 @@ def specular_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
     """
     clipped = np.clip(np.asarray(cosine), 0.0, 1.0)
     tangent_squared = 1.0 / np.maximum(clipped, 1e-3) ** 2 - 1.0
-    return np.where(clipped > 0, np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2)), 0.0) * effects.specular
+    return np.where(clipped > 0, np.exp(-tangent_squared / (2 * SPECULAR_SLOPE**2)), 0.0)
 
 
-def diffuse_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
+def diffuse_echo(cosine: ArrayLike) -> Floats:
     """Root mean square amplitude of what a bone surface scatters back from roughness and pores below the wavelength.
 
     Parameters
@@ -173,7 +142,7 @@ def diffuse_echo(cosine: ArrayLike, effects: UltrasoundEffects) -> Floats:
     `DIFFUSE_SHARE` cos a (Lambert), relative to the specular echo at normal incidence. Its phases are random, so echoes of different
     places add up in power, where those of facets add up in amplitude.
     """
-    echo: Floats = DIFFUSE_SHARE * np.clip(np.asarray(cosine), 0.0, 1.0) * effects.diffuse
+    echo: Floats = DIFFUSE_SHARE * np.clip(np.asarray(cosine), 0.0, 1.0)
     return echo
 
 
@@ -199,34 +168,27 @@ def simulate_frame(
     effects = effects or UltrasoundEffects()
     shown, probe = probe, replace(probe, depth=probe.depth * effects.speed_of_sound / SCANNER_SPEED)
     transducer_to_reference = probe_to_reference @ probe.transducer_to_probe
-    hits, cosines = _first_surfaces(phantom.bone_distance, probe, transducer_to_reference, effects)
-    field: Field = np.zeros((probe.lines, probe.samples), dtype=np.complex64)
-    if effects.tissue:
-        field += _tissue(phantom, probe, transducer_to_reference, hits, rng, effects)
-    field += _bone_echoes(probe, hits, cosines, rng, effects)
-    if effects.reverberation:
-        field += _reverberation(probe, rng)
-    field = _receive(field, probe, rng, effects)
-    return _to_image(np.abs(field), shown, effects)
+    hits, cosines = _first_surfaces(phantom.bone_distance, probe, transducer_to_reference)
+    field = _tissue(phantom, probe, transducer_to_reference, hits, rng, effects.clutter)
+    field += _bone_echoes(probe, hits, cosines, rng)
+    field += _reverberation(probe, rng)
+    return _to_image(np.abs(_receive(field, probe, rng)), shown, effects)
 
 
-def _first_surfaces(
-    distance: Volume, probe: PhasedArray, transducer_to_reference: Matrix, effects: UltrasoundEffects
-) -> tuple[Floats, Floats]:
+def _first_surfaces(distance: Volume, probe: PhasedArray, transducer_to_reference: Matrix) -> tuple[Floats, Floats]:
     """Where rays first meet bone: (lines, elevations) distances from the apex in mm, infinite without a hit, and cosines of incidence."""
     ranges = np.arange(probe.radii[0], probe.radii[1] + RAY_STEP, RAY_STEP, dtype=np.float64)
     sigma = probe.elevation_fwhm(ranges - probe.apex_offset) / 2.3548
-    elevations = ELEVATIONS if effects.beam_thickness else np.zeros(1)
     to_ijk = distance.grid.reference_to_ijk @ transducer_to_reference
     flat = probe.beam_points(ranges) @ to_ijk[:3, :3].T + to_ijk[:3, 3]
-    offsets = (elevations[:, None] * sigma)[..., None] * to_ijk[:3, 2]
+    offsets = (ELEVATIONS[:, None] * sigma)[..., None] * to_ijk[:3, 2]
     points_ijk = (flat[:, None] + offsets[None]).astype(np.float32)
     values = _sample(distance.array, points_ijk)
 
     inside = values <= 0
     found = inside.any(axis=2)
     after = np.maximum(inside.argmax(axis=2), 1)
-    line, ray = np.ogrid[: probe.lines, : len(elevations)]
+    line, ray = np.ogrid[: probe.lines, : len(ELEVATIONS)]
     before_value, after_value = values[line, ray, after - 1], values[line, ray, after]
     drop = np.maximum(before_value - after_value, 1e-6)
     fraction = np.clip(before_value / drop, 0.0, 1.0)
@@ -262,27 +224,24 @@ def _tissue(
     transducer_to_reference: Matrix,
     hits: Floats,
     rng: np.random.Generator,
-    effects: UltrasoundEffects,
+    clutter: bool,
 ) -> Field:
     """Echoes of soft tissue on the scan lines, (lines, samples) complex64; every second sample is computed, the others interpolated."""
     ranges = probe.ranges[::2]
     points = probe.beam_points(ranges) @ transducer_to_reference[:3, :3].T + transducer_to_reference[:3, 3]
     amplitude = 10.0 ** (phantom.scattering_db(points, _beams(probe, transducer_to_reference)[:, None, :]) / 20.0)
-    if effects.shadow:
-        weights = _elevation_weights(hits.shape[1])
-        reached = np.clip((hits[:, None, :] - ranges[None, :, None]) / SHADOW_FALL + 1.0, 0.0, 1.0)
-        amplitude = amplitude * np.sqrt(reached @ weights)
-        if effects.clutter:
-            behind = np.maximum(ranges[None, :, None] - hits[:, None, :], 0.0)
-            clutter = ((1.0 - reached) * 10.0 ** ((CLUTTER_DB - CLUTTER_FALL * behind) / 10.0)) @ weights
-            amplitude = np.hypot(amplitude, np.sqrt(clutter))
+    weights = _elevation_weights(ELEVATIONS)
+    reached = np.clip((hits[:, None, :] - ranges[None, :, None]) / SHADOW_FALL + 1.0, 0.0, 1.0)
+    amplitude = amplitude * np.sqrt(reached @ weights)
+    if clutter:
+        behind = np.maximum(ranges[None, :, None] - hits[:, None, :], 0.0)
+        power = ((1.0 - reached) * 10.0 ** ((CLUTTER_DB - CLUTTER_FALL * behind) / 10.0)) @ weights
+        amplitude = np.hypot(amplitude, np.sqrt(power))
     full = np.empty((probe.lines, probe.samples), dtype=np.float32)
     full[:, ::2] = amplitude
     full[:, 1:-1:2] = (amplitude[:, : full[:, 1:-1:2].shape[1]] + amplitude[:, 1 : full[:, 1:-1:2].shape[1] + 1]) / 2
     if probe.samples % 2 == 0:
         full[:, -1] = amplitude[:, -1]
-    if not effects.speckle:
-        return full.astype(np.complex64)
     field: Field = full * _random_phasors(rng, full.shape)
     return field
 
@@ -293,15 +252,14 @@ def _random_phasors(rng: np.random.Generator, shape: tuple[int, ...]) -> Field:
     return parts.view(np.complex64)[..., 0]
 
 
-def _elevation_weights(rays: int) -> Floats:
-    """The part of the beam's power that each ray stands for, (rays,); they sum to 1."""
-    offsets = np.linspace(-2.0, 2.0, rays) if rays > 1 else np.zeros(1)
-    weights = np.exp(-(offsets**2) / 2)
+def _elevation_weights(elevations: Floats) -> Floats:
+    """The part of the beam's power that the ray at each elevation stands for; they sum to 1."""
+    weights = np.exp(-(elevations**2) / 2)
     normalized: Floats = weights / weights.sum()
     return normalized
 
 
-def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.random.Generator, effects: UltrasoundEffects) -> Field:
+def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.random.Generator) -> Field:
     """Echoes of the first bone surfaces, each in the sample where it arrives, (lines, samples) complex64.
 
     Notes
@@ -311,24 +269,19 @@ def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.rand
     add up in amplitude, diffuse ones in power.
     """
     square = 10.0 ** (BONE_ECHO_DB / 20.0)
-    specular, diffuse = specular_echo(cosines, effects) * square, diffuse_echo(cosines, effects) * square
-    weights = _elevation_weights(len(FINE_ELEVATIONS)) if hits.shape[1] > 1 else np.ones(1)
-    if hits.shape[1] > 1:
-        position = np.interp(FINE_ELEVATIONS, ELEVATIONS, np.arange(len(ELEVATIONS)))
-        low = np.minimum(position.astype(int), len(ELEVATIONS) - 2)
-        fraction = position - low
-        near, far = hits[:, low], hits[:, low + 1]
+    position = np.interp(FINE_ELEVATIONS, ELEVATIONS, np.arange(len(ELEVATIONS)))
+    low = np.minimum(position.astype(int), len(ELEVATIONS) - 2)
+    fraction = position - low
+    with np.errstate(invalid="ignore"):
+        one_surface = np.abs(hits[:, low + 1] - hits[:, low]) < 4.0
+
+    def between(values: Floats) -> Floats:
         with np.errstate(invalid="ignore"):
-            one_surface = np.abs(far - near) < 4.0
-            arrival = np.where(one_surface, near + fraction * (far - near), np.where(fraction < 0.5, near, far))
-
-        def between(values: Floats) -> Floats:
             blended = values[:, low] + fraction * (values[:, low + 1] - values[:, low])
-            return np.where(one_surface, blended, np.where(fraction < 0.5, values[:, low], values[:, low + 1]))
+        return np.where(one_surface, blended, np.where(fraction < 0.5, values[:, low], values[:, low + 1]))
 
-        specular, diffuse = between(specular), between(diffuse)
-    else:
-        arrival = hits
+    arrival, specular, diffuse = between(hits), between(specular_echo(cosines) * square), between(diffuse_echo(cosines) * square)
+    weights = _elevation_weights(FINE_ELEVATIONS)
     sample = (arrival - probe.radii[0]) / probe.depth * (probe.samples - 1)
     seen = np.isfinite(sample) & (sample < probe.samples - 1.001) & (sample >= 0)
     line = np.broadcast_to(np.arange(probe.lines)[:, None], sample.shape)[seen]
@@ -343,9 +296,6 @@ def _bone_echoes(probe: PhasedArray, hits: Floats, cosines: Floats, rng: np.rand
 
     coherent = deposited(specular * weights)
     incoherent = np.sqrt(deposited(diffuse**2 * weights**2 / (weights**2).sum()))
-    if not effects.speckle:
-        field: Field = (coherent + incoherent).astype(np.complex64)
-        return field
     texture = 0.8 + 0.55 * scipy.ndimage.gaussian_filter(_random_phasors(rng, coherent.shape), 0.7, mode="nearest") * 2.5
     return (coherent * texture + incoherent * _random_phasors(rng, coherent.shape)).astype(np.complex64)
 
@@ -358,7 +308,7 @@ def _reverberation(probe: PhasedArray, rng: np.random.Generator) -> Field:
     return np.asarray(0.35 * uneven[:, None] * bands[None, :], np.complex64)
 
 
-def _receive(field: Field, probe: PhasedArray, rng: np.random.Generator, effects: UltrasoundEffects) -> Field:
+def _receive(field: Field, probe: PhasedArray, rng: np.random.Generator) -> Field:
     """What the receiver gives: blurred, attenuated, with noise and gained by depth; (lines, samples) complex64.
 
     Notes
@@ -368,21 +318,16 @@ def _receive(field: Field, probe: PhasedArray, rng: np.random.Generator, effects
     and is scaled to leave an echo's peak about as it was.
     """
     depth = (probe.ranges - probe.apex_offset).astype(np.float32)
-    if effects.point_spread:
-        pitch = probe.depth / (probe.samples - 1)
-        line_pitch = 2 * probe.half_angle / (probe.lines - 1)
-        mix = depth / probe.depth
-        near = _blur(field, math.radians(1.0) / line_pitch, 0.26 / pitch)
-        far = _blur(field, math.radians(0.75) / line_pitch, 0.42 / pitch)
-        field = near * (1 - mix) + far * mix
-    loss = ATTENUATION_DB_PER_MM * depth if effects.attenuation else np.zeros_like(depth)
-    gain = TIME_GAIN_DB_PER_MM * depth if effects.attenuation else np.zeros_like(depth)
-    field = field * 10.0 ** (-loss / 20.0)
-    if effects.noise:
-        phasors = _random_phasors(rng, field.shape)
-        noise = scipy.ndimage.gaussian_filter1d(phasors, 1.0, axis=1) * np.float32(math.sqrt(2 * math.sqrt(math.pi)))
-        field = field + noise * np.float32(10.0 ** (NOISE_DB / 20.0))
-    return (field * 10.0 ** (gain / 20.0)).astype(np.complex64)
+    pitch = probe.depth / (probe.samples - 1)
+    line_pitch = 2 * probe.half_angle / (probe.lines - 1)
+    mix = depth / probe.depth
+    near = _blur(field, math.radians(1.0) / line_pitch, 0.26 / pitch)
+    far = _blur(field, math.radians(0.75) / line_pitch, 0.42 / pitch)
+    field = (near * (1 - mix) + far * mix) * 10.0 ** (-ATTENUATION_DB_PER_MM * depth / 20.0)
+    noise = scipy.ndimage.gaussian_filter1d(_random_phasors(rng, field.shape), 1.0, axis=1)
+    noise *= np.float32(math.sqrt(2 * math.sqrt(math.pi)))
+    field = field + noise * np.float32(10.0 ** (NOISE_DB / 20.0))
+    return (field * 10.0 ** (TIME_GAIN_DB_PER_MM * depth / 20.0)).astype(np.complex64)
 
 
 def _blur(field: Field, lines: float, samples: float) -> Field:
@@ -394,14 +339,11 @@ def _blur(field: Field, lines: float, samples: float) -> Field:
 
 def _to_image(amplitude: Singles, probe: PhasedArray, effects: UltrasoundEffects) -> Bytes:
     """Gray levels of the sector image, (rows, columns) uint8."""
-    if effects.log_compression:
-        turned_up = effects.gain_db + effects.depth_gain_db * np.linspace(0.0, 1.0, amplitude.shape[1], dtype=np.float32)
-        levels_per_db = np.float32(254.0 / DYNAMIC_RANGE_DB)
-        gray = 1.0 + np.log10(np.maximum(amplitude, 1e-3)) * np.float32(20.0 * levels_per_db) + turned_up * levels_per_db
-        if effects.gray_curve != 1.0:
-            gray = 1.0 + 254.0 * ((np.clip(gray, 1.0, 255.0) - 1.0) / 254.0) ** np.float32(effects.gray_curve)
-    else:
-        gray = amplitude * np.float32(255.0 * 10.0 ** (-BONE_ECHO_DB / 20.0))
+    turned_up = effects.gain_db + effects.depth_gain_db * np.linspace(0.0, 1.0, amplitude.shape[1], dtype=np.float32)
+    levels_per_db = np.float32(254.0 / DYNAMIC_RANGE_DB)
+    gray = 1.0 + np.log10(np.maximum(amplitude, 1e-3)) * np.float32(20.0 * levels_per_db) + turned_up * levels_per_db
+    if effects.gray_curve != 1.0:
+        gray = 1.0 + 254.0 * ((np.clip(gray, 1.0, 255.0) - 1.0) / 254.0) ** np.float32(effects.gray_curve)
     pixels, weights = probe.scan_conversion
     image = np.zeros(probe.rows * probe.columns, dtype=np.uint8)
     image[pixels] = np.clip(np.rint(weights @ np.clip(gray, 1.0, 255.0).astype(np.float32).ravel()), 1, 255)

@@ -37,7 +37,7 @@ class Vertebra:
     label : int
         Its value in the label volume.
     name : str
-        "L2" to "L5", or "S1".
+        "L2" to "L5".
     vertebra_to_reference : (4, 4) float64 array
     spinous_deviation : float
         Sideways shift of the spinous process's tip, mm.

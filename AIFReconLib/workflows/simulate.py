@@ -17,7 +17,6 @@ from ..io.disk.atomic import write_text
 from ..io.disk.tables import read_table
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
-from ..machine.threads import usable_cores
 from ..progress import Progress, part
 from ..simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from ..simulation.phased_array import PhasedArray
@@ -103,7 +102,7 @@ def simulated(
     phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=place, progress=part(progress, 0.0, 0.4))
     way = PATHS[path](phantom, frames) if isinstance(path, str) else path
     drawn = part(progress, 0.4, 1.0)
-    sweep = simulate_sweep(phantom, PhasedArray(), way, errors=errors, effects=effects, seed=seed, processes=usable_cores(), progress=drawn)
+    sweep = simulate_sweep(phantom, PhasedArray(), way, errors=errors, effects=effects, seed=seed, progress=drawn)
     return phantom, sweep
 
 

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from sweeps import rigid, two_vertebrae
 
 from AIFReconLib import plan as public_plan
@@ -53,11 +54,16 @@ def test_the_face_is_where_the_simulated_transducer_has_it():
     np.testing.assert_allclose(ProbeImages.simulated().image_to_face, PhasedArray().image_to_transducer, atol=1e-9)
 
 
-@pytest.mark.parametrize(("orientation", "turn"), [("transverse", 0.0), ("sagittal", 90.0)])
-def test_poses_are_those_of_the_simulator(orientation, turn):
+@pytest.mark.parametrize("turn_deg", [0.0, 90.0])
+def test_poses_are_those_of_the_simulator(turn_deg):
+    """Turned over flat skin, a pose is the same turned about the place aimed at."""
     flat = ProbeOnBack(ProbeImages.simulated(), Skin.through(np.array([[0.0, -40.0, 0.0]])), np.eye(4))
-    theirs = contact_pose(Flat(), 4.0, -9.0, orientation=orientation, in_plane_tilt_deg=20.0, elevational_tilt_deg=-35.0)
-    ours = flat.pose(ProbePlacement(4.0, -9.0, turn, 20.0, -35.0))
+    turned = np.eye(4)
+    turned[:3, :3] = Rotation.from_euler("y", -turn_deg, degrees=True).as_matrix()
+    place = np.array([4.0, 0.0, -9.0])
+    turned[:3, 3] = place - turned[:3, :3] @ place
+    theirs = turned @ contact_pose(Flat(), 4.0, -9.0, in_plane_tilt_deg=20.0, elevational_tilt_deg=-35.0)
+    ours = flat.pose(ProbePlacement(4.0, -9.0, turn_deg, 20.0, -35.0))
     np.testing.assert_allclose(ours, theirs @ PhasedArray().image_to_transducer, atol=1e-3)
 
 

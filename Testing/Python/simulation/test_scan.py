@@ -11,7 +11,6 @@ from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.scan import (
     AIM_DEPTH,
-    ProbePath,
     TrackingErrors,
     contact_pose,
     freehand_sweep,
@@ -22,11 +21,9 @@ from AIFReconLib.simulation.scan import (
     simulate_sweep,
     single_angle_sweep,
 )
-from AIFReconLib.simulation.ultrasound import UltrasoundEffects
 
 PROBE = PhasedArray(columns=320, rows=240, lines=96, samples=300)
 TINY = PhasedArray(columns=16, rows=16, lines=16, samples=16)
-SILENT = UltrasoundEffects(tissue=False, reverberation=False, noise=False)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +38,7 @@ def path(phantom):
 
 @pytest.fixture(scope="module")
 def sequence(phantom, path):
-    return simulate_sweep(phantom, PROBE, path, effects=SILENT, seed=4)
+    return simulate_sweep(phantom, PROBE, path, seed=4)
 
 
 def image_to_reference(record, image_to_probe=PROBE.image_to_probe) -> np.ndarray:
@@ -75,7 +72,7 @@ def test_recorded_poses_put_bright_echoes_on_the_bone(phantom, sequence):
 
 
 def test_every_frame_of_a_sweep_shows_bone(sequence):
-    assert min((image > 150).sum() for image in sequence.images) > 20
+    assert min((image > 175).sum() for image in sequence.images) > 20
 
 
 @pytest.mark.parametrize("make", [single_angle_sweep, multi_angle_sweep, freehand_sweep])
@@ -99,11 +96,6 @@ def test_an_in_plane_tilt_turns_the_beam_within_the_image_plane(phantom):
     assert pose[:3, 1] == pytest.approx([0.5, np.sqrt(0.75), 0.0], abs=1e-12)
 
 
-def test_a_sagittal_image_runs_along_the_spine(phantom):
-    pose = contact_pose(phantom, 0.0, 0.0, orientation="sagittal")
-    assert pose[:3, 0] == pytest.approx([0.0, 0.0, 1.0])
-
-
 def test_a_multi_angle_sweep_visits_every_pair_of_tilts_in_as_many_frames_as_asked(phantom, path):
     assert len({tuple(np.round(pose[:3, 1], 3)) for pose in path.transducer_to_reference}) == 9
     assert len(multi_angle_sweep(phantom, 31)) == 31
@@ -115,18 +107,6 @@ def test_a_sweep_covers_all_spinous_processes(phantom, path):
     tips = phantom.spinous_tips()[:, 2]
     assert z.min() < tips.min() - 5
     assert z.max() > tips.max() + 5
-
-
-def test_a_freehand_sweep_is_decided_by_its_seed(phantom):
-    one, same, other = (freehand_sweep(phantom, 12, seed=s).transducer_to_reference for s in (1, 1, 2))
-    assert np.array_equal(one, same)
-    assert not np.allclose(one, other)
-
-
-def test_a_sagittal_sweep_moves_across_the_spine(phantom):
-    x = single_angle_sweep(phantom, 12, orientation="sagittal").transducer_to_reference[:, 0, 3]
-    assert x.min() < -20
-    assert x.max() > 20
 
 
 def test_a_sequence_records_both_tracked_transforms_as_ok(sequence):
@@ -141,27 +121,14 @@ def test_the_reference_marker_does_not_coincide_with_the_tracker(sequence):
 
 def test_the_same_seed_gives_the_same_sequence(phantom):
     short = single_angle_sweep(phantom, 3)
-    one, same = (simulate_sweep(phantom, PROBE, short, seed=9, errors=TrackingErrors(noise=1.0)) for _ in range(2))
+    one, same = (simulate_sweep(phantom, PROBE, short, seed=9, errors=TrackingErrors(breathing=1.0)) for _ in range(2))
     assert np.array_equal(one.images, same.images)
     assert np.array_equal(image_to_reference(one.records[2]), image_to_reference(same.records[2]))
 
 
-def test_tracker_noise_leaves_the_images_as_they_are(phantom, sequence, path):
-    noisy = simulate_sweep(phantom, PROBE, path, effects=SILENT, seed=4, errors=TrackingErrors(noise=0.5, noise_deg=1.0))
-    assert np.array_equal(noisy.images, sequence.images)
-
-
-def test_tracker_noise_moves_the_probe_by_its_standard_deviation(phantom):
-    still = ProbePath(np.tile(contact_pose(phantom, 0, 0), (300, 1, 1)), np.arange(300) / 20)
-    noisy = simulate_sweep(phantom, TINY, still, effects=SILENT, errors=TrackingErrors(noise=0.5))
-    positions = np.array([image_to_reference(r, np.eye(4))[:3, 3] for r in noisy.records])
-    assert positions.std(axis=0) == pytest.approx([0.5] * 3, rel=0.15)
-
-
-def test_a_calibration_error_moves_echoes_off_the_bone(phantom, path):
-    few = ProbePath(path.transducer_to_reference[::4], path.timestamps[::4])
-    wrong = simulate_sweep(phantom, PROBE, few, effects=SILENT, errors=TrackingErrors(calibration=4.0))
-    assert np.median(echo_errors(phantom, wrong)) > 0.7
+def test_errors_of_tracking_leave_the_images_as_they_are(phantom, sequence, path):
+    wrong = simulate_sweep(phantom, PROBE, path, seed=4, errors=TrackingErrors(drift=0.5, time_offset=0.1))
+    assert np.array_equal(wrong.images, sequence.images)
 
 
 def test_late_poses_lag_behind_the_images(phantom):
@@ -172,7 +139,7 @@ def test_late_poses_lag_behind_the_images(phantom):
 
 def test_a_time_offset_records_late_poses(phantom):
     sweep = single_angle_sweep(phantom, 8)
-    late = simulate_sweep(phantom, TINY, sweep, effects=SILENT, errors=TrackingErrors(time_offset=0.05))
+    late = simulate_sweep(phantom, TINY, sweep, errors=TrackingErrors(time_offset=0.05))
     recorded = image_to_reference(late.records[5], TINY.transducer_to_probe)
     assert recorded == pytest.approx(sweep.transducer_to_reference[4], abs=1e-6)
 
@@ -182,12 +149,6 @@ def test_a_tracker_that_drifts_is_right_at_first_and_off_by_its_drift_at_the_end
     drifting, true = (recorded_poses(TINY, path, TrackingErrors(drift=drift)) for drift in (2.0, 0.0))
     off = [np.linalg.norm((image_to_reference(one) - image_to_reference(other))[:3, 3]) for one, other in zip(drifting, true, strict=True)]
     assert off == pytest.approx(np.linspace(0.0, 2.0, 9), abs=1e-9)
-
-
-def test_dropout_takes_its_share_of_frames_out_of_view(phantom):
-    lossy = simulate_sweep(phantom, TINY, single_angle_sweep(phantom, 50), effects=SILENT, errors=TrackingErrors(dropout=0.2))
-    name = next(n for n in lossy.transform_names() if n.source == "Probe")
-    assert lossy.status_counts(name) == {TransformStatus.OK: 40, TransformStatus.OUT_OF_VIEW: 10}
 
 
 def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
@@ -232,14 +193,9 @@ def test_probe_poses_come_from_the_true_transducer(phantom, path, sequence):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda phantom: TrackingErrors(dropout=1.0), "dropout must"),
-        (lambda phantom: TrackingErrors(noise=-1.0), "errors must"),
+        (lambda phantom: TrackingErrors(step=-1.0), "errors must"),
         (lambda phantom: TrackingErrors(time_offset=float("nan")), "errors must"),
-        (lambda phantom: contact_pose(phantom, 0.0, 0.0, orientation="coronal"), "orientation must"),
-        (lambda phantom: contact_pose(phantom, 0.0, 0.0, in_plane_tilt_deg=80.0), "tilts must"),
-        (lambda phantom: single_angle_sweep(phantom, 0), "frames must"),
         (lambda phantom: multi_angle_sweep(phantom, 5), "frames must"),
-        (lambda phantom: freehand_sweep(phantom, 1), "frames must"),
     ],
 )
 def test_what_cannot_be_is_refused(phantom, make, said):

@@ -9,19 +9,19 @@ from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.recipe.recipe import SCANNER_SPEED
 from AIFReconLib.simulation.phased_array import PhasedArray
 from AIFReconLib.simulation.ultrasound import (
+    ATTENUATION_DB_PER_MM,
     CLUTTER_DB,
     CLUTTER_FALL,
     DIFFUSE_SHARE,
     DYNAMIC_RANGE_DB,
     SPECULAR_SLOPE,
+    TIME_GAIN_DB_PER_MM,
     UltrasoundEffects,
     diffuse_echo,
     simulate_frame,
     specular_echo,
 )
 
-NOTHING = UltrasoundEffects(**{name: False for name, value in vars(UltrasoundEffects()).items() if isinstance(value, bool)})
-BONE_ONLY = replace(NOTHING, specular=True, diffuse=True, log_compression=True)
 SPACING = 2.0
 
 
@@ -49,21 +49,28 @@ class Plane:
 
 
 NO_BONE = Plane(depth=500.0)
+SILENCE = -40.0
+"""dB of tissue that does not scatter."""
+SEEDS = 8
 PROBE = PhasedArray()
 
 
-def frame(target, effects, seed: int = 1, probe: PhasedArray = PROBE) -> np.ndarray:
+def frame(target, effects=None, seed: int = 1) -> np.ndarray:
     """The face's middle at the origin of Reference, beams along +y, image columns along +x."""
-    return simulate_frame(target, probe, probe.probe_to_reference(np.eye(4)), np.random.default_rng(seed), effects)
+    return simulate_frame(target, PROBE, PROBE.probe_to_reference(np.eye(4)), np.random.default_rng(seed), effects)
 
 
 def row_of(depth: float) -> int:
     return round((depth - PROBE.image_to_transducer[1, 3]) / PROBE.pixel_spacing)
 
 
-def middle_column(image: np.ndarray) -> np.ndarray:
-    """Gray levels straight down from the face, one per pixel row."""
-    return image[:, (PROBE.columns - 1) // 2].astype(float)
+def levels(target, effects=None) -> np.ndarray:
+    """dB above the smallest echo, one per pixel row below the reverberation: the mean power of many speckled images within 4 mm."""
+    half, middle = round(4 / PROBE.pixel_spacing), PROBE.columns // 2
+    images = np.array([frame(target, effects, seed)[:, middle - half : middle + half] for seed in range(SEEDS)])
+    level = 10 * np.log10((10 ** ((images.astype(float) - 1) * DYNAMIC_RANGE_DB / 254 / 10)).mean(axis=(0, 2)))
+    level[: row_of(14.0)] = 0.0
+    return level
 
 
 def middle_band(image: np.ndarray, first: float, last: float) -> np.ndarray:
@@ -73,81 +80,74 @@ def middle_band(image: np.ndarray, first: float, last: float) -> np.ndarray:
     return image[row_of(first) : row_of(last), middle - half : middle + half].astype(float)
 
 
-def half_amplitude_thickness(image: np.ndarray) -> float:
-    """Of the brightest echo in the middle column, mm, between the crossings 6 dB below its peak."""
-    column = middle_column(image)
-    threshold = column.max() - 20 * np.log10(2) * 254 / DYNAMIC_RANGE_DB
-    above = np.flatnonzero(column >= threshold)
+def half_amplitude_thickness(level: np.ndarray) -> float:
+    """Of the strongest echo, mm, between the crossings 6 dB below its peak."""
+    threshold = level.max() - 20 * np.log10(2)
+    above = np.flatnonzero(level >= threshold)
     low, high = above[0], above[-1]
-    start = low - (column[low] - threshold) / (column[low] - column[low - 1])
-    stop = high + (column[high] - threshold) / (column[high] - column[high + 1])
+    start = low - (level[low] - threshold) / (level[low] - level[low - 1])
+    stop = high + (level[high] - threshold) / (level[high] - level[high + 1])
     return (stop - start) * PROBE.pixel_spacing
 
 
 def test_image_is_black_outside_the_sector():
-    assert not frame(Plane(), UltrasoundEffects())[~PROBE.fan.mask(PROBE.columns, PROBE.rows)].any()
+    assert not frame(Plane())[~PROBE.fan.mask(PROBE.columns, PROBE.rows)].any()
 
 
 @pytest.mark.parametrize("depth", [25.0, 45.0, 70.0])
 def test_echo_lies_where_the_surface_is(depth):
-    assert np.argmax(middle_column(frame(Plane(depth), BONE_ONLY))) == pytest.approx(row_of(depth), abs=1)
+    assert np.argmax(levels(Plane(depth))) == pytest.approx(row_of(depth), abs=1)
 
 
 def test_in_faster_tissue_an_echo_comes_earlier():
-    fast = replace(BONE_ONLY, speed_of_sound=1.05 * SCANNER_SPEED)
-    assert np.argmax(middle_column(frame(Plane(52.5), fast))) == pytest.approx(row_of(50.0), abs=1)
+    fast = UltrasoundEffects(speed_of_sound=1.05 * SCANNER_SPEED)
+    assert np.argmax(levels(Plane(52.5), fast)) == pytest.approx(row_of(50.0), abs=1)
 
 
 def test_a_flat_surface_is_flat_in_the_image():
-    image = frame(Plane(60.0), BONE_ONLY)
+    image = np.mean([frame(Plane(60.0), seed=seed) for seed in range(SEEDS)], axis=0)
     columns = np.arange(150, 330)
-    assert np.ptp(image[:, columns].argmax(axis=0)) <= 2
+    assert np.ptp(image[:, columns].argmax(axis=0)) <= 3
 
 
 def test_nothing_but_noise_lies_behind_bone():
-    quiet = replace(UltrasoundEffects(), tissue=False, specular=False, diffuse=False)
-    behind = middle_band(frame(Plane(), UltrasoundEffects()), 52, 80)
-    noise = middle_band(frame(Plane(), quiet), 52, 80)
+    behind = middle_band(frame(Plane()), 52, 80)
+    noise = middle_band(frame(Plane(500.0, tissue_db=SILENCE)), 52, 80)
     assert behind.mean() == pytest.approx(noise.mean(), abs=2.0)
-    assert behind.mean() < 0.4 * middle_band(frame(NO_BONE, UltrasoundEffects()), 52, 80).mean()
+    assert behind.mean() < 0.4 * middle_band(frame(NO_BONE), 52, 80).mean()
 
 
 def test_with_clutter_a_shadow_has_the_level_that_is_said():
-    column = middle_column(frame(Plane(depth=40.0), replace(NOTHING, tissue=True, shadow=True, clutter=True, log_compression=True)))
-    for behind in (3.0, 10.0):
-        level = CLUTTER_DB - CLUTTER_FALL * behind
-        assert column[row_of(40.0 + behind)] == pytest.approx(1 + level * 254 / DYNAMIC_RANGE_DB, abs=2)
+    level = levels(Plane(depth=40.0), UltrasoundEffects(clutter=True))
+    for behind in (3.0, 8.0):
+        lost = (ATTENUATION_DB_PER_MM - TIME_GAIN_DB_PER_MM) * (40.0 + behind)
+        assert level[row_of(40.0 + behind)] == pytest.approx(CLUTTER_DB - CLUTTER_FALL * behind - lost, abs=1.5)
 
 
 @pytest.mark.parametrize("angle_deg", [20.0, 40.0, 60.0])
 def test_a_surface_hit_squarely_is_brighter_than_one_hit_obliquely(angle_deg):
-    assert (
-        middle_column(frame(Plane(), UltrasoundEffects())).max()
-        > middle_column(frame(Plane(angle_deg=angle_deg), UltrasoundEffects())).max() + 10
-    )
+    assert levels(Plane()).max() > levels(Plane(angle_deg=angle_deg)).max() + 2
 
 
-@pytest.mark.parametrize("angle_deg", [30.0, 40.0, 50.0, 65.0])
+@pytest.mark.parametrize("angle_deg", [0.0, 30.0, 50.0, 65.0])
 def test_echo_against_angle_follows_the_model(angle_deg):
-    angles = np.deg2rad([20.0, angle_deg])
-    model = np.exp(-(np.tan(angles) ** 2) / (2 * SPECULAR_SLOPE**2)) + DIFFUSE_SHARE * np.cos(angles)
-    near, far = (middle_column(frame(Plane(angle_deg=a, axis="elevational"), BONE_ONLY)).max() for a in (20.0, angle_deg))
-    assert (near - far) * DYNAMIC_RANGE_DB / 254 == pytest.approx(20 * np.log10(model[0] / model[1]), abs=0.8)
+    angle = np.deg2rad(angle_deg)
+    assert specular_echo(np.cos(angle)) == pytest.approx(np.exp(-(np.tan(angle) ** 2) / (2 * SPECULAR_SLOPE**2)))
+    assert diffuse_echo(np.cos(angle)) == pytest.approx(DIFFUSE_SHARE * np.cos(angle))
 
 
 def test_diffuse_echoes_that_a_thick_beam_spreads_add_up_in_power():
-    rough = replace(BONE_ONLY, specular=False, beam_thickness=True)
-    angles = np.deg2rad([30.0, 60.0])
-    near, far = (middle_column(frame(Plane(PROBE.elevation_focus, np.rad2deg(a), axis="elevational"), rough)).max() for a in angles)
+    """At these angles nothing else is left of bone's echo."""
+    angles = np.deg2rad([57.0, 68.0])
+    near, far = (levels(Plane(PROBE.elevation_focus, np.rad2deg(a), "elevational", SILENCE)).max() for a in angles)
     amplitude = np.cos(angles) / np.sqrt(np.tan(angles))
-    assert (near - far) * DYNAMIC_RANGE_DB / 254 == pytest.approx(20 * np.log10(amplitude[0] / amplitude[1]), abs=0.8)
+    assert near - far == pytest.approx(20 * np.log10(amplitude[0] / amplitude[1]), abs=1.2)
 
 
 @pytest.mark.parametrize("angle_deg", [25.0, 35.0, 45.0])
 def test_an_oblique_plane_is_thicker_by_beam_width_times_tangent(angle_deg):
-    plane = Plane(PROBE.elevation_focus, angle_deg, axis="elevational")
-    thick = half_amplitude_thickness(frame(plane, replace(BONE_ONLY, beam_thickness=True)))
-    thin = half_amplitude_thickness(frame(plane, BONE_ONLY))
+    thick = half_amplitude_thickness(levels(Plane(PROBE.elevation_focus, angle_deg, "elevational", SILENCE)))
+    thin = half_amplitude_thickness(levels(Plane(PROBE.elevation_focus, tissue_db=SILENCE)))
     beam = PROBE.elevation_fwhm(PROBE.elevation_focus) * np.tan(np.deg2rad(angle_deg))
     assert np.sqrt(max(thick**2 - thin**2, 0)) == pytest.approx(beam, rel=0.15)
 
@@ -160,7 +160,7 @@ def test_the_beam_is_thinnest_at_its_focus():
 
 
 def test_point_spread_widens_speckle_across_the_beams_with_depth():
-    image = frame(NO_BONE, replace(NOTHING, tissue=True, speckle=True, point_spread=True, log_compression=True))
+    image = frame(NO_BONE)
 
     def correlation(depth):
         band = middle_band(image, depth, depth + 12)
@@ -171,23 +171,16 @@ def test_point_spread_widens_speckle_across_the_beams_with_depth():
     assert correlation(70) > correlation(25) + 0.2
 
 
-def test_point_spread_thickens_an_echo():
-    spread = replace(BONE_ONLY, point_spread=True)
-    assert half_amplitude_thickness(frame(Plane(), spread)) > 1.5 * half_amplitude_thickness(frame(Plane(), BONE_ONLY))
+def test_an_echo_is_as_thick_as_the_pulse_is_long():
+    """0.26 mm near and 0.42 mm deep, as standard deviations."""
+    near, deep = (half_amplitude_thickness(levels(Plane(depth, tissue_db=SILENCE))) for depth in (20.0, 80.0))
+    assert near == pytest.approx(2.355 * 0.29, abs=0.2)
+    assert deep == pytest.approx(2.355 * 0.40, abs=0.2)
 
 
 def test_speckle_is_rayleigh_distributed():
-    effects = replace(NOTHING, tissue=True, speckle=True, point_spread=True, log_compression=True)
-    band = middle_band(frame(Plane(500.0, tissue_db=30.0), effects), 20, 80)
+    band = middle_band(frame(Plane(500.0, tissue_db=30.0)), 20, 80)
     assert band.std() * DYNAMIC_RANGE_DB / 254 == pytest.approx(5.57, abs=0.8)
-
-
-def test_without_log_compression_gray_is_amplitude():
-    linear = replace(BONE_ONLY, log_compression=False)
-    grays = [middle_column(frame(Plane(angle_deg=a, axis="elevational"), linear)).max() for a in (20.0, 30.0)]
-    cosines = np.cos(np.deg2rad([20.0, 30.0]))
-    model = specular_echo(cosines, UltrasoundEffects()) + diffuse_echo(cosines, UltrasoundEffects())
-    assert grays[1] / grays[0] == pytest.approx(model[1] / model[0], rel=0.03)
 
 
 def test_calibration_puts_the_face_where_the_transducer_is_on_the_probe():
