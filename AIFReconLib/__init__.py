@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from .evaluation.figures import ComparisonFigure as ComparisonFigure
     from .evaluation.metrics import evaluate as evaluate
     from .geometry.labels import Labels as Labels
-    from .geometry.transform_graph import TransformGraph as TransformGraph
     from .geometry.volume import Volume as Volume
     from .geometry.volume import VoxelGrid as VoxelGrid
     from .guidance.coverage import coverage as coverage
@@ -88,7 +87,6 @@ _PUBLIC = {
     "SynchronizerSettings": "live.pairing.synchronizer",
     "TrackedFrame": "sweep.frames",
     "TrackedSequence": "sweep.frames",
-    "TransformGraph": "geometry.transform_graph",
     "Volume": "geometry.volume",
     "VoxelGrid": "geometry.volume",
     "bone_from_masks": "bone.predicted_bone",

@@ -16,17 +16,13 @@ from functools import cached_property
 from itertools import chain
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError, TransformError, require_kind
-from .transforms import as_matrix, invert, why_not_affine
+from .transforms import invert
 
 AGREE = 0.1
 """mm within which two ways are one: files and messages round their numbers, and poses between samples are interpolated."""
-
-NEAR = np.vstack([np.diag([100.0, 100.0, 100.0]), np.ones(3)])
-"""Points by which ways are compared where no image tells others, homogeneous, as columns."""
 
 
 class TransformStatus(Enum):
@@ -97,15 +93,6 @@ class TransformSample:
 
 
 MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
-
-
-@dataclass(frozen=True)
-class FoundTransform:
-    """The answer of a look-up: the matrix, the status of the chain, and the transforms it is made of."""
-
-    matrix: Matrix
-    status: TransformStatus
-    path: tuple[TransformName, ...]
 
 
 @dataclass(frozen=True)
@@ -256,79 +243,6 @@ def largest_gap(pairs: Floats, points: Floats) -> Floats:
 def capitalized(name: TransformName) -> TransformName:
     """The transform with its frames as Plus spells them: with a capital first letter."""
     return TransformName(capital(name.source), capital(name.target))
-
-
-class TransformGraph:
-    """Named transforms with implied inverses and chains.
-
-    Examples
-    --------
-    >>> graph = TransformGraph()
-    >>> graph.put("ImageToProbe", np.diag([0.2, 0.2, 0.2, 1.0]))
-    >>> graph.put("ProbeToReference", np.eye(4))
-    >>> [str(name) for name in graph.lookup("Image", "Reference").path]
-    ['ImageToProbe', 'ProbeToReference']
-    """
-
-    def __init__(self, transforms: dict[TransformName, TransformSample] | None = None):
-        require_kind("transforms", transforms, (dict, type(None)), "Poses of a sweep go into TrackedSequence.from_arrays.")
-        self._transforms: dict[TransformName, TransformSample] = dict(transforms or {})
-
-    def __len__(self) -> int:
-        return len(self._transforms)
-
-    @property
-    def names(self) -> tuple[TransformName, ...]:
-        """The transforms that were put in, in that order."""
-        return tuple(self._transforms)
-
-    def put(self, name: str | TransformName, matrix: ArrayLike, status: TransformStatus = TransformStatus.OK) -> None:
-        """Add a transform, or replace the one of the same name.
-
-        Raises
-        ------
-        GeometryError
-            When the matrix is not a finite, invertible 4x4 matrix.
-        """
-        name = TransformName.parse(name) if isinstance(name, str) else name
-        self._transforms[name] = TransformSample(as_matrix(matrix, f"transform {name}"), status)
-
-    def lookup(self, source: str, target: str) -> FoundTransform:
-        """The transform from `source` to `target`, as a chain of what was put in.
-
-        Returns
-        -------
-        FoundTransform
-            Its status is OK only when every link of a way is, and no tool on it has another status elsewhere; else it is that of the first
-            that has (INVALID for a link that is no finite affine matrix), and the matrix is NaN, so that nobody uses it by mistake.
-
-        Raises
-        ------
-        TransformError
-            When no path exists (names what is connected to either end), or two disagree (names both).
-        GeometryError
-            When a singular matrix would have to be inverted.
-        """
-        ways = find_ways(self._transforms, source, target)
-        statuses = {name: _status_of(self._transforms[name]) for name in ways.names}
-        broken = [name for name, status in statuses.items() if status is not TransformStatus.OK]
-        left = ways.without(broken)
-        if left is None:
-            return FoundTransform(np.full((4, 4), np.nan), statuses[broken[0]], tuple(link.name for link in ways.path))
-        matrix, pairs = left.follow({name: self._transforms[name].matrix for name in left.names})
-        for number, pair in enumerate(pairs):
-            gap = float(largest_gap(pair, NEAR))
-            if gap > AGREE:
-                raise TransformError(f"{left.describe(number)}. They differ by {gap:.3g} mm. Remove one of their transforms.")
-        return FoundTransform(matrix, TransformStatus.OK, tuple(link.name for link in left.path))
-
-    def connected(self, frame: str) -> set[str]:
-        """Every frame that some chain joins to `frame`, itself included."""
-        return connected(self._transforms, frame)
-
-
-def _status_of(sample: TransformSample) -> TransformStatus:
-    return TransformStatus.INVALID if sample.status is TransformStatus.OK and why_not_affine(sample.matrix) else sample.status
 
 
 def _list_frames(frames: Iterable[str]) -> str:

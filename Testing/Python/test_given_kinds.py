@@ -56,7 +56,6 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
             lambda: library.Reconstructor(turned_grid()).insert(IMAGES),
             r"Input frames must be TrackedFrame; got ndarray of shape \(26, 34\)",
         ),
-        (lambda: library.TransformGraph(POSES), r"Input transforms must be dict; got ndarray of shape \(3, 4, 4\)"),
         (lambda: library.BoneMap.from_labels([1, 2]), r"Input labels must be Volume; got list"),
         (
             lambda: library.BoneMap.from_labels(LABELS.array),

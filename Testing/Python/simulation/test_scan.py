@@ -5,7 +5,7 @@ import pytest
 from scipy import ndimage
 
 from AIFReconLib.errors import OperationCanceled, SettingsError
-from AIFReconLib.geometry.transform_graph import TransformGraph, TransformName, TransformSample, TransformStatus
+from AIFReconLib.geometry.transform_graph import TransformStatus
 from AIFReconLib.geometry.transforms import invert, transform_points, why_not_rigid
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, make_lumbar_phantom
 from AIFReconLib.simulation.phased_array import PhasedArray
@@ -42,8 +42,8 @@ def sequence(phantom, path):
 
 
 def image_to_reference(record, image_to_probe=PROBE.image_to_probe) -> np.ndarray:
-    graph = TransformGraph({TransformName("Image", "Probe"): TransformSample(image_to_probe), **record.transforms})
-    return graph.lookup("Image", "Reference").matrix
+    matrices = {str(name): sample.matrix for name, sample in record.transforms.items()}
+    return invert(matrices["ReferenceToTracker"]) @ matrices["ProbeToTracker"] @ image_to_probe
 
 
 def bright_points(image: np.ndarray, pose: np.ndarray) -> np.ndarray:
