@@ -54,7 +54,7 @@ TILT, ROUGH_STEPS, STILL = np.radians(10.0), 3, 0.2
 
 ROUGH_SCALES, ROUGH_KNOWN = (24.0, 24.0, 16.0, 16.0, 8.0, 8.0, 4.0, 4.0, 2.0, 2.0, 1.0), KNOWN / 16
 """mm, and what is known beforehand of its numbers. Six rulers, 18 mm and 10 degrees off, were all mended from one of the starts at least;
-with the scales and the knowledge of others two of them were."""
+with the scales and the knowledge of others, two of four were."""
 
 REVERSED = {
     "": np.zeros(3),
