@@ -63,9 +63,7 @@ def test_where_no_start_leads_to_one_that_stands_out_nothing_is_written(true, mo
     )
 
 
-@pytest.mark.parametrize(
-    ("axes", "turn"), [("right points", (0, 180, 0)), ("down points", (180, 0, 0)), ("right and down point", (0, 0, 180))]
-)
+@pytest.mark.parametrize(("axes", "turn"), [("right points", (0, 180, 0)), ("down points", (180, 0, 0))])
 def test_an_axis_that_was_taken_for_its_opposite_is_told(true, axes, turn):
     face = np.array([true.frame_size[0] / 2 * true.spacing[0], 0.0, 0.0])
     other_way = Correction(Rotation.from_euler("xyz", turn, degrees=True).as_matrix(), np.zeros(3), np.ones(2), 0.0, face)

@@ -8,7 +8,9 @@ import pytest
 from AIFReconLib import LabeledBone, mended, read_labels, read_sequence, read_transform, reconstruct, register
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import SettingsError
+from AIFReconLib.inspection.verdicts import Level, motion_verdict
 from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.motion.motion import find_motion
 from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.simulation.scan import TrackingErrors
@@ -61,6 +63,9 @@ def test_where_nothing_is_asked_nothing_is_moved(files):
 
 def test_of_a_patient_at_rest_every_voxel_stays(files):
     sequence, bone = read(files["rest"])
+    verdict = motion_verdict(find_motion(sequence), taken_out=False)
+    assert (verdict.level, verdict.advice) == (Level.GOOD, "")
+    assert verdict.finding.startswith("the patient lay still: passes show the bone 0.")
     as_it_is, asked = (reconstruct(sequence, Recipe(spacing=2.0, motion=motion), bone) for motion in ("off", "auto"))
     assert np.array_equal(as_it_is.intensity.array, asked.intensity.array)
     assert settings_of(as_it_is.intensity)["motion"] == "off"
