@@ -154,7 +154,8 @@ def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
         return Verdict(Level.GOOD if taken_out else Level.LOOK, found, "" if taken_out else TAKE_OUT)
     if motion.unexplained:
         return Verdict(Level.LOOK, f"passes show the bone {motion.before:.1f} mm apart, and no motion explains it", motion.unexplained)
-    return Verdict(Level.GOOD, f"the patient lay still: passes show the bone {motion.before:.1f} mm apart")
+    still = f"the patient lay still: no pass shows the bone more than {motion.before:.1f} mm off"
+    return Verdict(Level.GOOD, still)
 
 
 def calibration_verdict(checked: CalibrationCheck) -> Verdict:

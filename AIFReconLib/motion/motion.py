@@ -125,10 +125,10 @@ class PatientMotion:
     def lines(self) -> tuple[str, ...]:
         """All of it, in sentences."""
         if not self.applied:
-            words = (
-                f"WARNING: Passes show the bone {self.before:.1f} mm apart, and no motion of the patient explains it. {self.unexplained}"
-            )
-            return (words,) if self.unexplained else ()
+            if not self.unexplained:
+                return ()
+            apart = f"Passes show the bone {self.before:.1f} mm apart"
+            return (f"WARNING: {apart}, and no motion of the patient explains it. {self.unexplained}",)
         lines = [self.moved]
         if self.loose:
             lines.append(f"Along {listed(self.loose)} of Reference the echoes do not hold it; there nothing is moved.")

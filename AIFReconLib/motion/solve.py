@@ -27,7 +27,7 @@ NOISE, TOGETHER = 0.5, 15.0
 """mm by which an echo lies off its surface, and how many echoes err together."""
 
 COARSE = ((True, 12.0, 6.0, 0.1),) * 4 + ((True, 8.0, 3.0, 0.1),) * 4 + ((True, 6.0, 1.5, 0.2),) * 3
-TOGETHER_ONTO = ((False, 1.0, 8.0, 0.001),) * 3 + ((False, 1.0, 4.0, 0.001),) * 3 + ((False, 1.0, 2.0, 0.001),) * 3
+ALL_ON_BONE = ((False, 1.0, 8.0, 0.001),) * 3 + ((False, 1.0, 4.0, 0.001),) * 3 + ((False, 1.0, 2.0, 0.001),) * 3
 FINE = ((False, 4.0, 1.5, 1.5),) * 3 + ((False, 3.0, 0.75, 1.5),) * 3 + ((False, 2.0, 0.5, 1.5),) * 3
 """Whether pass is laid on pass, mm to the farthest neighbor, mm of the loss, and mm from a knot to the next; one after the other."""
 
@@ -256,7 +256,7 @@ def solved(
 def onto_bone(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace) -> Matrix:
     """The motion (4, 4) of all echoes together that lays them on a CT's bone."""
     as_one = Passes(np.minimum(passes.numbers, 0), passes.times)
-    curve, _ = solved(echoes, MotionCurve.none(as_one, echoes), bone, stages=TOGETHER_ONTO)
+    curve, _ = solved(echoes, MotionCurve.none(as_one, echoes), bone, stages=ALL_ON_BONE)
     matrix: Matrix = curve.matrices[passes.numbers >= 0].mean(axis=0)
     return matrix
 

@@ -65,7 +65,7 @@ def test_of_a_patient_at_rest_every_voxel_stays(files):
     sequence, bone = read(files["rest"])
     verdict = motion_verdict(find_motion(sequence), taken_out=False)
     assert (verdict.level, verdict.advice) == (Level.GOOD, "")
-    assert verdict.finding.startswith("the patient lay still: passes show the bone 0.")
+    assert verdict.finding.startswith("the patient lay still: no pass shows the bone more than 0.")
     as_it_is, asked = (reconstruct(sequence, Recipe(spacing=2.0, motion=motion), bone) for motion in ("off", "auto"))
     assert np.array_equal(as_it_is.intensity.array, asked.intensity.array)
     assert settings_of(as_it_is.intensity)["motion"] == "off"
