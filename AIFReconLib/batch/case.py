@@ -20,10 +20,10 @@ from .. import __version__
 from ..compounding.methods.table import is_own_method, method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError
-from ..evaluation.cases import OTHER_BONE, OWN_BONE
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.preview import preview
+from ..evaluation.quantities import OTHER_BONE, OWN_BONE
 from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
@@ -35,6 +35,9 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import write_volume
 from ..io.volume.label_files import read_labels
 from ..message import listed
+from ..recipe.recipe import AUTOMATIC
+from ..registration.agreement import Agreement
+from ..registration.labeled_bone import LabeledBone
 from ..registration.registration import as_report
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined
@@ -143,6 +146,13 @@ def _noted(notes: list[str], *errors: type[AIFReconError]) -> Iterator[None]:
         notes.append(in_columns(problem))
 
 
+def _agreement_numbers(agreement: Agreement) -> Row:
+    return {
+        "registration_agreement": float(agreement.share),
+        "registration_median_distance_mm": float(agreement.median_distance),
+    }
+
+
 class _Work:
     """What the steps of a case share."""
 
@@ -175,8 +185,21 @@ class _Work:
         for method in self._methods:
             row, job = self._of_method(method, job, truth, labels, ct)
             rows.append(row)
+        if isinstance(job.bone, LabeledBone):
+            rows = [self._with_agreement(row, job.bone) for row in rows]
         write_text(self._folder / REPORT, json.dumps(self._report, indent=1) + "\n")
         return rows
+
+    def _with_agreement(self, row: Row, bone: LabeledBone) -> Row:
+        """The row of a method, with what the sweep says of the CT's place: whatever the method does, it is the yardstick."""
+        comparison = bone.comparison()
+        if comparison is None or comparison.agreement is None:
+            return row
+        agreement, notes = comparison.agreement, row["notes"]
+        self._report["agreement"] = list(comparison.lines)
+        if not agreement.enough:
+            notes = " ".join([*map(in_columns, comparison.lines), str(notes)])
+        return {**_agreement_numbers(agreement), **row, "notes": notes}
 
     def _register(self) -> None:
         """Find the CT's place, and go on as if it had been given: by files, so that the numbers are those of the files."""
@@ -199,8 +222,7 @@ class _Work:
             lies = {"bone_labels": [self._folder / LABELS], "labels": None, "bone_transform": None}
         self._arguments = with_values(arguments, **lies)
         self._numbers |= {
-            "registration_agreement": float(found.agreement.share),
-            "registration_median_distance_mm": float(found.agreement.median_distance),
+            **_agreement_numbers(found.agreement),
             "registration_moved_mm": None if found.moved is None else float(found.moved),
         }
         if found.uncertain:
@@ -259,7 +281,7 @@ class _Work:
             "preview": self._drawn(stem, result, labels, ct, notes),
             **self._numbers,
             **self._measured(result, truth, notes),
-            "yardstick": None if truth is None else OWN_BONE if weighs and not arguments.bone else OTHER_BONE,
+            "yardstick": None if truth is None else OWN_BONE if weighs and width != AUTOMATIC and not arguments.bone else OTHER_BONE,
         }
         return {**row, "notes": " ".join(dict.fromkeys(map(str, notes)))}, job
 

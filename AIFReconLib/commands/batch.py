@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import textwrap
 from pathlib import Path
 from typing import Annotated, ClassVar
 
 from ..batch.cohort import Cohort, duration
+from ..batch.columns import Columns
 from ..batch.engine import cluster_at, local_workers, require
 from ..batch.memory import shared_out
 from ..batch.page import PAGE, page
@@ -59,7 +61,7 @@ class BatchOptions(Options):
     scheduler: str | None = None
 
     WORDS: ClassVar[Names] = ("table",)
-    EXAMPLES: ClassVar[str] = """example, a row per case; several files or methods in a cell with ; between them:
+    EXAMPLES: ClassVar[str] = f"""example, a row per case; several files or methods in a cell with ; between them:
   case,sweeps,config,bone_labels,register,method
   P01,P01/sweep.igs.mha,PlusDeviceSet.xml,P01/lumbar.nrrd,yes,average;weighted
 
@@ -67,7 +69,7 @@ class BatchOptions(Options):
   aifrecon batch cases.csv --output results
 
 columns: case and sweeps, and as needed
-{columns}
+{textwrap.fill(", ".join(Columns().names), 100)}
 as the options of reconstruct, register, coverage and evaluate of the same names. Paths are relative to the table; yes or no for options
 without a value. The same command again computes what is missing or has changed."""
 
@@ -150,4 +152,7 @@ def _tell(cohort: Cohort) -> int:
         print(f"  {record.case}: {record.state}: {record.message}")
     if len(bad) > MOST_SHOWN:
         print(f"  and {len(bad) - MOST_SHOWN} more, in results.csv")
+    doubtful = {record.case: row["notes"] for record in cohort.records.values() for row in record.results if "WARNING" in str(row["notes"])}
+    for case, notes in list(doubtful.items())[:MOST_SHOWN]:
+        print(f"  {case}: {notes}")
     return 1 if bad else 0

@@ -8,14 +8,15 @@ from typing import ClassVar
 import numpy as np
 
 from ..errors import GeometryError, SettingsError
-from ..evaluation.figures import ComparisonFigure, require_matplotlib
+from ..evaluation.figures import CT_WINDOW, ComparisonFigure, require_matplotlib
 from ..evaluation.likeness import why_unlike
 from ..evaluation.preview import middle_of_bone
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
+from ..provenance.record import unlike_inputs
 from ..terminal.arguments import Names, Output
 from ..terminal.console import ProgressBar
-from ..terminal.labels_options import PlacedLabelsOptions, labels_from, place_from
+from ..terminal.labels_options import PlacedLabelsOptions, labels_from, labels_inputs, place_from
 from ..terminal.remedies import in_options
 from .evaluate import unique_names
 
@@ -81,12 +82,17 @@ def run(asked: CompareOptions) -> None:
         given = labels_from(asked, progress)
         labels = None if given is None else given.told_by(first.grid, place).placed_by(place)
         doubts = [words for name in names[1:] if (words := why_unlike(first, names[0], volumes[name], name))]
+        headers = {name: volume.fields for name, volume in volumes.items()}
+        doubts += unlike_inputs(headers, [*labels_inputs(asked), asked.bone_transform])
         ct = read_ct(asked.ct).placed_by(place) if asked.ct else None
         center = np.array(asked.at) if asked.at else middle_of_bone(first, first.array != 0, labels)
         _require_within(first.grid.corners(), center, asked.volumes[0])
         progress(0.6, "Drawing")
-        ComparisonFigure(volumes, center, ct, labels, mask, asked.title, asked.window, asked.white).write(asked.output)
-    notes = [*doubts, *(() if given is None else given.notes)]
+        figure = ComparisonFigure(volumes, center, ct, labels, mask, asked.title, asked.window, asked.white)
+        figure.write(asked.output)
+    where, window = " ".join(f"{mm:.1f}" for mm in center), " to ".join(f"{level:g}" for level in figure.gray_window)
+    shown = f"cuts meet at {where} mm (R A S of Reference); gray levels {window}, CT {CT_WINDOW[0]:g} to {CT_WINDOW[1]:g} HU"
+    notes = [shown, *doubts, *(() if given is None else given.notes)]
     print("\n  ".join([f"wrote {asked.output}", *map(in_options, notes)]))
 
 

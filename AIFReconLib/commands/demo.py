@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..bone.echoes.surface import bone_from_sweep
 from ..bone.map import BoneMap
-from ..compounding.methods.table import COMPARED_METHODS, METHODS, method_named
+from ..compounding.methods.table import BONE_METHODS, COMPARED_METHODS, METHODS, method_named
 from ..compounding.methods.weighted import WEIGHTED
 from ..compounding.state import Reconstruction
 from ..effective_settings import resolve_settings
@@ -131,7 +131,7 @@ def run(asked: DemoOptions) -> None:
         for number, method in enumerate(others, len(results)):
             made(number, method)
         metrics = {method: metrics[method] for method in METHODS}
-        write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted))
+        write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted, BONE_METHODS))
         size = " x ".join(str(n) for n in result.grid.size)
         report = _report(asked.seed, files, metrics, settings, result.frames_inserted, size, met)
         write_report(folder / "report.html", replace(report, figure_png=figure.read_bytes()))

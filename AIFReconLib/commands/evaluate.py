@@ -11,7 +11,7 @@ from typing import ClassVar
 from ..errors import SettingsError
 from ..evaluation.cases import FEW, LEVEL, CaseNumbers
 from ..evaluation.figures import ComparisonFigure, require_matplotlib, within_spinous_process
-from ..evaluation.paragraph import methods_paragraph
+from ..evaluation.paragraph import methods_paragraph, unlike_settings
 from ..evaluation.quantities import BoneMetrics, achieved, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams
@@ -21,7 +21,7 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import columns, listed
 from ..progress import part
-from ..provenance.record import made_by
+from ..provenance.record import made_by, unlike_inputs
 from ..provenance.settings_files import made_with
 from ..sweep.multi_sweep import joined
 from ..terminal.arguments import Names, Options, Output, Spellings
@@ -49,7 +49,7 @@ class EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
         true segmentation of the CT, a volume, a folder of masks or a model; may be given several times
     mask : VOLUME
         0 where nothing was measured (default: where a volume is 0)
-    csv : FILE
+    csv : FILE.csv
         also write every number here
     against : NAME
         of many cases: what others are compared with (default: average, else the first)
@@ -116,21 +116,22 @@ def run(asked: EvaluateOptions) -> None:
     results, frames, own_bone = found.results, found.frames, found.own_bone
     # Before anything is printed, which can fail: whoever reads it may go away
     if asked.csv:
-        write_text(asked.csv, metrics_csv(results, frames))
+        write_text(asked.csv, metrics_csv(results, frames, own_bone))
     if asked.report:
         write_report(asked.report, _report(asked, results, frames, inputs, figure))
     if asked.methods:
         counted = what_counted(next(iter(results.values())), frames)
-        told = f"They were measured against {_bone(asked)} (registration: {_place(asked)}). Numbers are {counted.rstrip('.')}."
+        told = f"They were measured against {_bone(asked)} (registration: {_place(asked)}). Numbers are {counted}."
         write_text(asked.methods, methods_paragraph(found.made, told, own_bone))
     print(columns(table(results)))
     print(f"\n  {achieved(results, frames)}")
-    print(f"\n  {what_counted(next(iter(results.values())), frames)}" + ("" if beams else " Give --sweep to count only what it reached."))
+    print(f"\n  {what_counted(next(iter(results.values())), frames)}." + ("" if beams else " Give --sweep to count only what it reached."))
     if own_bone:
         print(f"  {OWN.format(listed(own_bone))}")
     if mask is None:
         print("  Measured where a volume is not 0. batch and the panel measure where frames entered or gaps were filled, as with --mask.")
-    for line in (*map(in_options, given.notes), *(f"wrote {path}" for path in outputs)):
+    doubts = unlike_inputs(found.headers, [*labels_inputs(asked), asked.bone_transform, *asked.sweep])
+    for line in (*doubts, *map(in_options, given.notes), *(f"wrote {path}" for path in outputs)):
         print(f"  {line}")
 
 
@@ -148,12 +149,17 @@ def _over_cases(asked: EvaluateOptions) -> None:
         print(f"\n  Of fewer than {FEW} cases such intervals are too narrow.")
     if found.own_bone:
         print(f"\n  {OWN.format(listed(sorted(found.own_bone)))}")
+    unlike = unlike_settings(found.volumes)
+    doubts = [f"WARNING: Settings differ. {each[:1].upper()}{each[1:]}." for each in unlike]
+    print(*(f"\n  {line}" for line in (*found.notes, *doubts)), sep="", end="\n" * bool(found.notes or doubts))
     if asked.csv:
         write_text(asked.csv, found.csv(against))
     if asked.methods:
-        made = {name: made_by(read_volume(path)) if path.is_file() else {} for name, path in found.volumes.items()}
-        first = ", ".join(dict.fromkeys(path.parent.name for path in found.volumes.values()))
+        firsts = {name: next(iter(paths.items())) for name, paths in found.volumes.items()}
+        made = {name: made_by(read_volume(path)) if path.is_file() else {} for name, (_, path) in firsts.items()}
+        first = listed(dict.fromkeys(case for case, _ in firsts.values()))
         told = f"Settings are those of {first}: widths, limits and boxes that are found differ from case to case."
+        told = " ".join([told, *(f"Not alike in all cases: {each}." for each in unlike)])
         write_text(asked.methods, methods_paragraph(made, told if any(made.values()) else "", sorted(found.own_bone), cases))
     for path in filter(None, (asked.csv, asked.methods)):
         print(f"  wrote {path}")

@@ -17,11 +17,12 @@ from ..geometry.volume import Volume
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import Sentence
+from ..provenance.record import unlike_inputs
 from ..remedies import PLACE_THE_CT
 from ..sweep.poses import SweepPoses
 from ..terminal.arguments import Names, Output, given_words
 from ..terminal.console import ProgressBar, command_line
-from ..terminal.labels_options import PlacedLabelsOptions, labels_from, names_labels, place_from
+from ..terminal.labels_options import PlacedLabelsOptions, labels_from, labels_inputs, names_labels, place_from
 from ..terminal.reconstruction_options import ReconstructionOptions, VolumeOptions
 from ..terminal.remedies import in_options
 
@@ -78,9 +79,10 @@ def run(asked: PreviewOptions) -> None:
             given = _in_sight(given, volume, place)
         labels = None if given is None else given.placed_by(place)
         ct = read_ct(asked.ct).placed_by(place) if asked.ct else None
+        doubts = unlike_inputs({asked.volume.name: volume.fields}, [*labels_inputs(asked), asked.bone_transform])
         progress(0.5, "Drawing")
         preview(volume, mask, labels, ct, asked.volume.name, patient=asked.patient or None).write(asked.output)
-    print("\n  ".join([f"wrote {asked.output}", *map(in_options, () if given is None else given.notes)]))
+    print("\n  ".join([f"wrote {asked.output}", *doubts, *map(in_options, () if given is None else given.notes)]))
 
 
 def _in_sight(labels: Labels, volume: Volume, place: Matrix | None) -> Labels:

@@ -75,7 +75,7 @@ class ReconstructOptions(ReconstructionOptions, SequencesOptions):
         that volumes may take; larger ones are worked in parts, with the same voxels (default: three quarters of what is free)
     dicom_study : FILE
         a DICOM file or folder of the study that .dcm outputs join
-    report : FILE
+    report : FILE.html
         also tell of the tracking and of what was done: .html, a page with pictures; .json, numbers
     """
 

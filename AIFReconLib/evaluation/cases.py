@@ -13,14 +13,21 @@ import numpy as np
 from ..errors import FileFormatError, SettingsError
 from ..io.disk.small_files import read_bytes
 from ..message import listed
-from .quantities import HEADINGS, NOT_KNOWN, QUANTITIES, spreadsheet_cell
+from .quantities import HEADINGS, NOT_KNOWN, OWN_BONE, QUANTITIES, spreadsheet_cell
 
 LEVEL, DRAWS, FEW = 0.95, 10_000, 10
 """Of the confidence intervals: their level, how many times cases are drawn anew, and how many cases are enough."""
 
 MOST_BYTES = 2**28
-OWN_BONE, OTHER_BONE = "the bone that weighted it", "other bone"
-"""What a volume was measured against, in the column `yardstick` of a table."""
+
+
+def _rows(text: str) -> list[dict[str, str]]:
+    """The rows of a table; of one that a spreadsheet of another country has saved, too."""
+    if text.partition("\n")[0].count(";") > text.partition("\n")[0].count(","):
+        rows = csv.DictReader(io.StringIO(text.replace(",", ".")), delimiter=";")
+    else:
+        rows = csv.DictReader(io.StringIO(text))
+    return list(rows) or [{}]  # a table without rows is none
 
 
 @dataclass(frozen=True)
@@ -31,15 +38,18 @@ class CaseNumbers:
     ----------
     numbers : dict of str to dict of str to dict of str to float
         By volume or method, case, and key of `QUANTITIES`.
-    volumes : dict of str to Path
-        Each volume of the first case.
+    volumes : dict of str to dict of str to Path
+        By volume or method, and case.
     own_bone : set of str
         Volumes that were measured against the bone that weighted their frames.
+    notes : list of str
+        What is doubtful about them.
     """
 
     numbers: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
-    volumes: dict[str, Path] = field(default_factory=dict)
+    volumes: dict[str, dict[str, Path]] = field(default_factory=dict)
     own_bone: set[str] = field(default_factory=set)
+    notes: list[str] = field(default_factory=list)
 
     @classmethod
     def read(cls, tables: Mapping[str, Path]) -> CaseNumbers:
@@ -51,15 +61,27 @@ class CaseNumbers:
         for name, path in tables.items():
             text = read_bytes(path, MOST_BYTES, FileFormatError).decode("utf-8-sig", errors="replace")
             try:
-                for row in list(csv.DictReader(io.StringIO(text))) or [{}]:  # a table without rows is none
-                    volume, case = row.get("method") or row["volume"], row.get("case") or name
-                    numbers = {key: float(row[key]) for key in QUANTITIES if row.get(key)}
-                    found.numbers.setdefault(volume, {}).update({case: numbers} if numbers else {})
-                    found.volumes.setdefault(volume, path.parent / row["volume"])
-                    found.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
+                for row in _rows(text):
+                    found._take(row, name, path)
             except (KeyError, ValueError, csv.Error):
                 raise FileFormatError(f"{path}: it is no table of numbers as evaluate or batch write it. Give one.") from None
         return found
+
+    def _take(self, row: Mapping[str, str], name: str, path: Path) -> None:
+        volume, case = row.get("method") or row["volume"], row.get("case") or name
+        numbers = {key: float(row[key]) for key in QUANTITIES if row.get(key)}
+        known = self.numbers.setdefault(volume, {})
+        if not numbers:
+            self.notes.append(f"Left out, as it has no numbers: {volume} of {case}.")
+            return
+        if case in known:
+            self.notes.append(f"WARNING: {volume} of {case} stands there twice; that of {path} counts. Give each case a name of its own.")
+        alike = [other for other, others in known.items() if other != case and others == numbers]
+        same = "WARNING: {} of {} has the same numbers as that of {}. Are these two patients?"
+        self.notes.extend(same.format(volume, case, other) for other in alike)
+        known[case] = numbers
+        self.volumes.setdefault(volume, {})[case] = path.parent / row["volume"]
+        self.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
 
     def reference(self, against: str | None) -> str:
         """The volume that others are compared with: the one that is asked for, else the average, else the first."""
@@ -89,7 +111,10 @@ class CaseNumbers:
             form = QUANTITIES[key].form
             of = {name: self.summary(key, name, against) for name in self.numbers}
             means.append([heading, *(f"{s[1]:{form}} \N{PLUS-MINUS SIGN} {s[2]:{form}}" if s[0] > 1 else NOT_KNOWN for s in of.values())])
-            told = (f"{s[4]:+{form}} [{s[5]:+{form}}, {s[6]:+{form}}]" if s[3] > 1 else NOT_KNOWN for n, s in of.items() if n != against)
+            # Of shares in points: "+5%" could be a twentieth more
+            scale, heading, form = (100, f"{heading}, points", ".1f") if form.endswith("%") else (1, heading, form)
+            compared = ([scale * value for value in s[4:]] if s[3] > 1 else None for name, s in of.items() if name != against)
+            told = (NOT_KNOWN if d is None else f"{d[0]:+{form}} [{d[1]:+{form}}, {d[2]:+{form}}]" for d in compared)
             differences.append([heading, *told])
         return means, differences
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import io
+import textwrap
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,13 +39,19 @@ BONE_COLOR = "#ffb000"
 PANEL, GAP, LEFT, TOP, TOP_UNTITLED = 2.4, 0.08, 0.35, 0.72, 0.35
 """Inches: width of a panel, between panels, and what the names of planes and volumes and the title take."""
 
-DPI = 130
-LONGEST_NAME = 30
+DPI, PRINT_DPI = 130, 300
+PITCH = 0.25
+"""mm of a pixel."""
+
+LONGEST_NAME, LETTERS_PER_INCH = 30, 10
 
 LOOKS = {
     "figure.facecolor": BACKGROUND,
     "axes.facecolor": BACKGROUND,
     "savefig.dpi": DPI,
+    # Text that journals and their authors can change
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
     "text.parse_math": False,
     **dict.fromkeys(("text.color", "axes.labelcolor", "xtick.color", "ytick.color"), INK),
     "legend.frameon": False,
@@ -94,10 +101,10 @@ def new_figure(width: float, height: float, **looks: str) -> Figure:
     return figure
 
 
-def save_figure(path: str | Path, figure: Figure) -> None:
+def save_figure(path: str | Path, figure: Figure, dpi: int = DPI) -> None:
     """Write a figure to a PNG, PDF or SVG file; an OutputError where it cannot be written."""
     with atomic_output(path) as temporary:
-        figure.savefig(temporary)
+        figure.savefig(temporary, dpi=dpi)
 
 
 def png_of(figure: Figure) -> bytes:
@@ -142,10 +149,15 @@ class ComparisonFigure:
         for name, volume in {**self.volumes, "ct": self.ct, "bone": self.bone, "mask": self.mask}.items():
             require_kind(name, volume, (Volume, type(None)), "Of an array make one: Volume(array, ijk_to_reference).")
 
+    @property
+    def gray_window(self) -> tuple[float, float]:
+        """Gray levels shown black and white."""
+        return self.window or (0.0, _brightest(self.volumes.values()))
+
     @own_looks()
     def write(self, path: str | Path) -> None:
         """Draw into a PNG, PDF or SVG file; an OutputError when it cannot be written."""
-        save_figure(path, _draw(self))
+        save_figure(path, _draw(self), PRINT_DPI if self.white else DPI)
 
     @own_looks()
     def png(self) -> bytes:
@@ -176,7 +188,7 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
 
 def _draw(shown: ComparisonFigure) -> Figure:
     ways = planes(shown.ct is not None or shown.bone is not None)
-    mask, window = shown.mask, shown.window or (0.0, _brightest(shown.volumes.values()))
+    mask, window = shown.mask, shown.gray_window
     background, ink = (PAPER, INK_ON_PAPER) if shown.white else (BACKGROUND, INK)
     grid = next(iter(shown.volumes.values())).grid
     names = list(shown.volumes) if shown.ct is None else ["CT and its bone" if shown.bone is not None else "CT", *shown.volumes]
@@ -194,15 +206,15 @@ def _draw(shown: ComparisonFigure) -> Figure:
         extent = (0.0, width, height, 0.0)
         places = [(LEFT + column * (PANEL + GAP), top - panel_height, PANEL, panel_height) for column in range(len(names))]
         axes = [figure.add_axes((x / figure_width, y / figure_height, w / figure_width, h / figure_height)) for x, y, w, h in places]
-        pictures = [np.nan_to_num(cut(volume, plane, middle, width, height)) for volume in shown.volumes.values()]
+        pictures = [np.nan_to_num(cut(volume, plane, middle, width, height, PITCH)) for volume in shown.volumes.values()]
         if mask is not None:
-            scanned = np.nan_to_num(cut(mask, plane, middle, width, height, order=0)) > 0
+            scanned = np.nan_to_num(cut(mask, plane, middle, width, height, PITCH, order=0)) > 0
             # Not typed in every numpy
             pictures = [cast("Any", np.ma).masked_array(picture, mask=~scanned) for picture in pictures]
         windows = [window] * len(pictures)
         if shown.ct is not None:
-            pictures, windows = [cut(shown.ct, plane, middle, width, height), *pictures], [CT_WINDOW, *windows]
-        outline = None if shown.bone is None else np.nan_to_num(cut(shown.bone, plane, middle, width, height, order=0)) > 0
+            pictures, windows = [cut(shown.ct, plane, middle, width, height, PITCH), *pictures], [CT_WINDOW, *windows]
+        outline = None if shown.bone is None else np.nan_to_num(cut(shown.bone, plane, middle, width, height, PITCH, order=0)) > 0
         for column, (ax, picture, (black, white)) in enumerate(zip(axes, pictures, windows, strict=True)):
             ax.imshow(picture, cmap="gray", vmin=black, vmax=white, extent=extent)
             if outline is not None and (column == 0 or shown.ct is None) and outline.any() and not outline.all():
@@ -217,7 +229,8 @@ def _draw(shown: ComparisonFigure) -> Figure:
     if mask is not None:
         words = figure.text(1 - GAP / figure_width, title_y, "blue: not scanned", fontsize=9, ha="right", va="top")
         words.set_color(NOT_SCANNED if shown.white else "#7f9ad0")
-    figure.suptitle(shown.title, color=ink, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y)
+    title = "\n".join(textwrap.wrap(shown.title, int(LETTERS_PER_INCH * figure_width)))
+    figure.suptitle(title, color=ink, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y)
     return figure
 
 
@@ -232,12 +245,15 @@ def _shortened(name: str) -> str:
     return name if len(name) <= LONGEST_NAME else "\N{HORIZONTAL ELLIPSIS}" + name[1 - LONGEST_NAME :]
 
 
-def edge_letters(ax: Axes, plane_edges: tuple[str, str, str, str], inset: float, size: float, **looks: float) -> list[Text]:
+def edge_letters(ax: Axes, plane_edges: tuple[str, str, str, str], inset: float, size: float, **looks: Any) -> list[Text]:
     """Write which way is which at the left, right, top and bottom edge of a picture without ticks and frame."""
     ax.set(xticks=[], yticks=[], facecolor=NOT_SCANNED)
     for spine in ax.spines.values():
         spine.set_visible(False)
+    from matplotlib.patheffects import withStroke
+
     far = 1 - inset
+    looks = {"path_effects": [withStroke(linewidth=1.5, foreground=BACKGROUND)], **looks}
     places = ((inset, 0.5, "left", "center"), (far, 0.5, "right", "center"), (0.5, far, "center", "top"), (0.5, inset, "center", "bottom"))
     return [
         ax.text(x, y, letter, fontsize=size, ha=across, va=up, transform=ax.transAxes, **looks)

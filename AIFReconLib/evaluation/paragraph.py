@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import cast
 
 from .. import __version__
 from ..compounding.methods.table import METHODS, built_in
+from ..compounding.methods.weighted import WEIGHTED
+from ..io.volume.files import read_volume
 from ..message import listed
-from ..recipe.recipe import RULES
-from .cases import DRAWS, LEVEL
+from ..provenance.record import made_by
+from ..recipe.recipe import AUTOMATIC, RULES
+from .cases import DRAWS, FEW, LEVEL
 from .quantities import HEADINGS, QUANTITIES
+
+OF_THE_PAPER = ("aif", "aif-compensated")
+"""Methods that `CITATION` is of."""
 
 CITATION = (
     "B. Jiang, K. Xu, A. Moghekar, P. Kazanzides and E. Boctor, Insonification Angle-based Ultrasound Volume Reconstruction for Spine "
@@ -20,8 +27,12 @@ ITSELF = f"The AIFRecon contributors, AIFRecon {__version__}: insonification-ang
 
 OVER_CASES = (
     f"Numbers are mean and standard deviation over {{}} cases; differences are paired, with {LEVEL:.0%} confidence intervals by the "
-    f"percentile bootstrap over cases ({DRAWS:,} draws)."
+    f"percentile bootstrap over cases ({DRAWS:,} draws{{}})."
 )
+TOO_NARROW = f"; of fewer than {FEW} cases they are too narrow"
+
+_FOUND = ("frames", "inputs", "grid_to_reference", "grid_size", "gray_levels", "hole_limit", "bone_sigma_mm", "bone_belief")
+"""What is found for each recording."""
 
 _LEFT_OUT = ("method", "frames", "inputs", "grid_to_reference", "gray_levels")
 """What is told apart, and settings that say where a box lies, and what the images' own levels are."""
@@ -31,21 +42,43 @@ def made_in_words(name: str, settings: Mapping[str, object]) -> str:
     """How a volume was made, by the settings in its header."""
     method = str(settings["method"])
     words = f" ({built_in(method).words})" if method in METHODS else ""
-    values = (
-        f"{key.removesuffix('_mm').replace('_', ' ')} {_value(key, value)}" for key, value in settings.items() if key not in _LEFT_OUT
-    )
+    values = (setting_in_words(key, value) for key, value in settings.items() if key not in _LEFT_OUT)
     made_from = [
         f"{settings['frames']} frames" if settings.get("frames") else "",
         listed(map(str, cast("list[str]", settings.get("inputs", [])))),
     ]
     whence = " of ".join(filter(None, made_from))
-    return f"{name} by the method {method}{words}, {f'from {whence}, ' if whence else ''}with {listed(values)}"
+    source = " [2]" if method in OF_THE_PAPER else ", of AIFRecon [1]" if method == WEIGHTED.name else ""
+    return f"{name} by the method {method}{words}{source}, {f'from {whence}, ' if whence else ''}with {listed(values)}"
 
 
-def _value(key: str, value: object) -> str:
+def setting_in_words(key: str, value: object) -> str:
+    """A setting by its name, with its unit."""
+    if key == "bone_sigma_mm" and value == AUTOMATIC:
+        return "the bone of the sweep's own echoes"
     numbers = value if isinstance(value, list | tuple) else [value]
     unit = "mm" if key.endswith("_mm") else RULES[key]["unit"] if key in RULES else ""
-    return " x ".join(f"{n:g}" if isinstance(n, float) else str(n) for n in numbers) + (f" {unit}" if unit else "")
+    words = " x ".join(f"{n:g}" if isinstance(n, float) else str(n) for n in numbers)
+    return " ".join(filter(None, [key.removesuffix("_mm").replace("_", " "), words, unit]))
+
+
+def unlike_settings(volumes: Mapping[str, Mapping[str, Path]]) -> list[str]:
+    """Settings with which a volume was not made in all cases, a phrase each; not what follows from a recording.
+
+    `volumes` are files by the name of the volume, and by the case.
+    """
+    told = []
+    for volume, paths in volumes.items():
+        made = {case: made_by(read_volume(path)) for case, path in paths.items() if path.is_file()}
+        for key in dict.fromkeys(key for settings in made.values() for key in settings):
+            cases: dict[str, list[str]] = {}
+            for case, settings in made.items():
+                value = settings.get(key)
+                words = "" if key in _FOUND and value != AUTOMATIC else f"no {key}" if value is None else setting_in_words(key, value)
+                cases.setdefault(words, []).append(case)
+            if len(cases) > 1:
+                told.append(f"{volume}: {listed(f'{words or key} in {listed(names)}' for words, names in cases.items())}")
+    return told
 
 
 def methods_paragraph(made: Mapping[str, Mapping[str, object]], measured: str, own_bone: Iterable[str], cases: int = 1) -> str:
@@ -64,11 +97,11 @@ def methods_paragraph(made: Mapping[str, Mapping[str, object]], measured: str, o
     unknown = listed(name for name, settings in made.items() if not settings)
     definitions = {QUANTITIES[key].label: QUANTITIES[key].definition for key in HEADINGS}
     parts = [
-        f"Volumes were reconstructed from tracked 2D ultrasound with AIFRecon {__version__} [1, 2]: {known}." if known else "",
+        f"Volumes were reconstructed from tracked 2D ultrasound with AIFRecon {__version__} [1]: {known}." if known else "",
         f"How {unknown} was made is not known." if unknown else "",
         measured,
         *(f"{label}: {definition}" for label, definition in definitions.items()),
         f"The bone that {listed(own_bone)} was measured against had weighted its frames." if own_bone else "",
-        OVER_CASES.format(cases) if cases > 1 else "",
+        OVER_CASES.format(cases, TOO_NARROW if cases < FEW else "") if cases > 1 else "",
     ]
-    return " ".join(filter(None, parts)) + f"\n\n[1] {CITATION}\n[2] {ITSELF}\n"
+    return " ".join(filter(None, parts)) + f"\n\n[1] {ITSELF}\n[2] {CITATION}\n"

@@ -11,7 +11,7 @@ import json
 import math
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -200,22 +200,26 @@ def spreadsheet_cell(value: object) -> object:
     return value
 
 
-def metrics_csv(metrics: dict[str, BoneMetrics], frames: int | None) -> str:
+OWN_BONE, OTHER_BONE = "the bone that weighted it", "other bone"
+"""What a volume was measured against, in the column `yardstick` of a table."""
+
+
+def metrics_csv(metrics: dict[str, BoneMetrics], frames: int | None, own_bone: Collection[str] = ()) -> str:
     """Every number of every volume, a line each under a line of headings; what is not known is left empty.
 
     Notes
     -----
-    Columns are `volume`, `reachability` ("sweep", or "unknown" without `frames`) and the keys of `BoneMetrics.to_dict`; six digits.
+    Columns are `volume`, `reachability` ("sweep", or "unknown" without `frames`), `yardstick` (whether it is the bone that weighted it, as
+    that of those in `own_bone`) and the keys of `BoneMetrics.to_dict`; six digits.
     """
     reachability = "unknown" if frames is None else "sweep"
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     numbers = {name: result.to_dict() for name, result in metrics.items()}
-    writer.writerow(["volume", "reachability", *next(iter(numbers.values()))])
+    writer.writerow(["volume", "reachability", "yardstick", *next(iter(numbers.values()))])
     for name, row in numbers.items():
-        writer.writerow(
-            [spreadsheet_cell(each) for each in (name, reachability, *("" if math.isnan(value) else value for value in row.values()))]
-        )
+        known = ("" if math.isnan(value) else value for value in row.values())
+        writer.writerow(map(spreadsheet_cell, (name, reachability, OWN_BONE if name in own_bone else OTHER_BONE, *known)))
     return text.getvalue()
 
 
@@ -223,7 +227,7 @@ def what_counted(result: BoneMetrics, frames: int | None) -> str:
     """Which bone the numbers are of, in a line."""
     area = result.bone.area / 100
     if frames is None:
-        return f"Reachability is unknown: all {area:.1f} cm2 of bone surface where the volume was measured count, reachable or not."
+        return f"of all {area:.1f} cm2 of bone surface where the volume was measured, whether a beam could reach it or not"
     return (
         f"of the {area:.1f} cm2 of bone surface that the {frames} frames could reach "
         f"({result.oblique.area / 100:.1f} cm2 oblique, {result.interspinous.area / 100:.1f} cm2 at interspinous borders)"

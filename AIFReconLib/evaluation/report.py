@@ -173,12 +173,11 @@ def _judged(report: Report) -> list[str]:
     """What the metrics say."""
     first = next(iter(report.metrics.values()))
     counted = what_counted(first, report.frames).replace("cm2", "cm\N{SUPERSCRIPT TWO}")
-    counted = counted if report.frames is None else f"Numbers are {counted}."
     best = "<strong>Highlighted</strong>: the best of each row." if len(report.metrics) > 1 else ""
     return [
         "<section>",
         "<h2>How clearly, sharply and completely bone is shown</h2>",
-        f"<p>{escape(counted)} {best}</p>",
+        f"<p>{escape(f'Numbers are {counted}.')} {best}</p>",
         *_metrics_table(report),
         "<h3>Definitions</h3>",
         *_definitions(report),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..bone.echoes.found import FEWEST
 from ..message import Sentence, listed, said
+from ..motion.motion import CANNOT_TELL
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
@@ -148,14 +149,13 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
 def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
     """How the patient moved, and whether that is out of the volume."""
     if motion is None:
-        return unknown("this sweep cannot tell whether the patient moved: that takes passes over the same bone")
+        return unknown(CANNOT_TELL)
     if motion.applied:
         found = f"{motion.moved} Passes show the bone {motion.before:.1f} mm apart, {motion.after:.1f} with that taken out."
         return Verdict(Level.GOOD if taken_out else Level.LOOK, found, "" if taken_out else TAKE_OUT)
     if motion.unexplained:
         return Verdict(Level.LOOK, f"passes show the bone {motion.before:.1f} mm apart, and no motion explains it", motion.unexplained)
-    still = f"the patient lay still: no pass shows the bone more than {motion.before:.1f} mm off"
-    return Verdict(Level.GOOD, still)
+    return Verdict(Level.GOOD, motion.still)
 
 
 def calibration_verdict(checked: CalibrationCheck) -> Verdict:

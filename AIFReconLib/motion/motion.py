@@ -59,6 +59,8 @@ UNEXPLAINED = (
 )
 """What contradicts itself without a motion."""
 
+CANNOT_TELL = "this sweep cannot tell whether the patient moved: that takes passes over the same bone"
+
 PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 """s that a breath may last, and the share of the motion that breathing must explain to be named."""
 
@@ -126,13 +128,18 @@ class PatientMotion:
         """All of it, in sentences."""
         if not self.applied:
             if not self.unexplained:
-                return ()
+                return (f"{self.still[:1].upper()}{self.still[1:]}.",)
             apart = f"Passes show the bone {self.before:.1f} mm apart"
             return (f"WARNING: {apart}, and no motion of the patient explains it. {self.unexplained}",)
         lines = [self.moved]
         if self.loose:
             lines.append(f"Along {listed(self.loose)} of Reference the echoes do not hold it; there nothing is moved.")
         return (*lines, f"Mended: echoes lie {self.after:.1f} mm apart, before {self.before:.1f}.")
+
+    @property
+    def still(self) -> str:
+        """That there was none, as part of a sentence."""
+        return f"the patient lay still: no pass shows the bone more than {self.before:.1f} mm off"
 
     @property
     def unexplained(self) -> str:

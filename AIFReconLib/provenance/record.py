@@ -17,6 +17,7 @@ from ..compounding.methods.table import BONE_METHODS, is_own_method, method_name
 from ..compounding.state import Reconstruction
 from ..effective_settings import Imaging, imaging_fields
 from ..geometry.volume import Volume
+from ..message import listed
 from ..recipe.recipe import AUTOMATIC, KEPT, OF_READING, OF_REGION, RULES, Recipe
 from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
@@ -24,6 +25,9 @@ from ..sweep.frames import TrackedSequence
 SETTINGS, INPUTS, VERSION, METHOD = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_version", "AIFRecon_method"
 FRAMES = "AIFRecon_frames"
 """Keys of a volume's header."""
+
+PLACES = (".tfm", ".h5", ".mat")
+"""Ends of the names of files that place a CT."""
 
 VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
 
@@ -127,31 +131,76 @@ def _with_fields(result: Reconstruction, fields: Mapping[str, str]) -> Reconstru
 
 def settings_of(volume: Volume) -> dict[str, object]:
     """The settings that a volume was made with; none where it does not say so, or not as it is understood here."""
-    found = _said(volume, SETTINGS)
+    found = _said(volume.fields, SETTINGS)
     return found if isinstance(found, dict) else {}
 
 
 def made_by(volume: Volume) -> dict[str, object]:
     """The same with the method, which a configuration may have named, and the number of frames and the files that it was made from; nothing
     where the volume does not say it."""
-    method, inputs = volume.fields.get(METHOD), _said(volume, INPUTS)
+    method = volume.fields.get(METHOD)
     if not method:
         return {}
-    names = [each["name"] for each in inputs if isinstance(each, dict) and "name" in each] if isinstance(inputs, list) else []
+    names = [each["name"] for each in _inputs(volume.fields)]
     return {**settings_of(volume), "method": method, "frames": volume.fields.get(FRAMES, ""), "inputs": names}
 
 
-def _said(volume: Volume, key: str) -> object:
+def _said(fields: Mapping[str, str], key: str) -> object:
     try:
-        return json.loads(volume.fields.get(key, "null"))
+        return json.loads(fields.get(key, "null"))
     except (ValueError, RecursionError):
         return None
 
 
 def weighted_by(volume: Volume, paths: Iterable[Path]) -> bool:
     """Whether one of these files said where bone is to the method that made a volume, by what its header says."""
-    before, method = _said(volume, INPUTS), volume.fields.get(METHOD, "")
-    return (method in BONE_METHODS or is_own_method(method)) and isinstance(before, list) and any(_named(path) in before for path in paths)
+    before, method = _inputs(volume.fields), volume.fields.get(METHOD, "")
+    if settings_of(volume).get("bone_sigma_mm") == AUTOMATIC:  # its own echoes said it
+        return False
+    return (method in BONE_METHODS or is_own_method(method)) and any(_named(path) in before for path in paths)
+
+
+def unlike_inputs(headers: Mapping[str, Mapping[str, str]], given: Iterable[Path | None]) -> list[str]:
+    """What speaks against volumes and files that are given with them being of one scan, a sentence each.
+
+    Two files of one name are of two patients, and the place of the CT with which a volume was made is needed again.
+
+    Parameters
+    ----------
+    headers : mapping
+        Fields of each volume's header by its name.
+    given : paths
+        Labels, CT, their place and recordings; None for what is not given.
+    """
+    files = [_named(path) for path in given if path is not None]
+    inputs = {name: _inputs(fields) for name, fields in headers.items()}
+    known = {each["name"]: ("is given", each.get("bytes")) for each in files if not _is_place(each)}
+    others: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for name, found in inputs.items():
+        for each in found:
+            other, size = known.setdefault(each["name"], (name, each.get("bytes")))
+            if size != each.get("bytes") and not _is_place(each):
+                others[name, other].append(str(each["name"]))
+    told = [
+        f"WARNING: {name} was made from another {listed(files)} than {other}. Are both of the same patient?"
+        for (name, other), files in others.items()
+    ]
+    for name, found in inputs.items():
+        place = next(filter(_is_place, found), None)
+        if place is not None and any(each in found for each in files) and not any(map(_is_place, files)):
+            told.append(f"WARNING: {name} was made with {place['name']}, which places the CT, and it is not given now.")
+    return told
+
+
+def _is_place(entry: Mapping[str, object]) -> bool:
+    """Whether an input placed a CT: another place is found for the same patient, too."""
+    return str(entry["name"]).endswith(PLACES)
+
+
+def _inputs(fields: Mapping[str, str]) -> list[Mapping[str, object]]:
+    """The files that a header names."""
+    found = _said(fields, INPUTS)
+    return [each for each in found if isinstance(each, dict) and "name" in each] if isinstance(found, list) else []
 
 
 def _named(path: Path) -> dict[str, object]:

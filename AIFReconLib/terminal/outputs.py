@@ -20,6 +20,9 @@ from .console import real_path
 LONGEST_NAME = 4096
 """Characters of a path, at most."""
 
+TEXTS = (".csv", ".html", ".htm", ".json", ".txt", ".xml")
+"""Kinds of files that only such a file may make way for."""
+
 
 def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
     """Stop before work begins when an output cannot be written, is a file that is read, or two outputs are one file.
@@ -32,7 +35,8 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
     more : iterable of Path
         What else is written.
     """
-    outputs = [each.name for each in declared(type(asked)) if each.is_output]
+    options = [each for each in declared(type(asked)) if each.is_output]
+    outputs = [each.name for each in options]
     inputs = [path for name, value in vars(asked).items() if name not in (*outputs, "log") for path in _paths(value)]
     seen = {each: "an input" for path in inputs for file in [path, *_opened_with(path)] for each in _identities(file)}
     folders = {each for path in inputs if path.is_dir() for each in _identities(path)}
@@ -44,6 +48,11 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
             if each in seen or within or _is_slice_of(file, inputs):
                 raise OutputError(f"{path} would overwrite {seen.get(each, 'an input')} ({file.name}). Choose another name.")
         seen |= dict.fromkeys(files, "another output")
+    for each in options:
+        for path in _paths(getattr(asked, each.name)):
+            wanted = Path(each.words.get("metavar", "")).suffix
+            if wanted in TEXTS and path.exists() and path.suffix.lower() not in TEXTS:
+                raise OutputError(f"{path} is a file of another kind, and would be overwritten. Choose a name that ends with {wanted}.")
     for path in written:
         check_writable(path)
 

@@ -23,6 +23,7 @@ class EvaluationOutput:
     truth: BoneTruth
     results: dict[str, BoneMetrics]
     made: dict[str, dict[str, object]]  #: How each says that it was made
+    headers: dict[str, Mapping[str, str]]  #: Fields of each
     own_bone: list[str]  #: Those that were weighted by the bone that is the yardstick
     frames: int | None  #: Of the sweep that decides which bone counts; None without one
 
@@ -42,11 +43,12 @@ def evaluated(
     truth = bone_truth(labels, beams, progress=part(progress, 0.0, 0.65))
     results: dict[str, BoneMetrics] = {}
     made: dict[str, dict[str, object]] = {}
+    headers: dict[str, Mapping[str, str]] = {}
     own_bone: list[str] = []
     for number, (name, path) in enumerate(paths.items()):
         report(progress, 0.65 + 0.35 * number / len(paths), f"Measuring {path.name}")
         volume = read_volume(path)
-        made[name] = made_by(volume)
+        made[name], headers[name] = made_by(volume), volume.fields
         own_bone += [name] if weighted_by(volume, label_files) else []
         try:
             results[name] = evaluate(volume, truth, mask)
@@ -55,4 +57,4 @@ def evaluated(
         if results[name].bone.area == 0:
             which = "no bone surface that the sweep reaches" if beams else "no bone surface"
             raise GeometryError(f"{path}: {which} lies where it was measured.", "Check {bone_transform} and the files.")
-    return EvaluationOutput(truth, results, made, own_bone, len(beams.image_to_reference) if beams else None)
+    return EvaluationOutput(truth, results, made, headers, own_bone, len(beams.image_to_reference) if beams else None)

@@ -52,7 +52,7 @@ from ..imaging.sound_speed import depth_factor, depth_scale
 from ..inspection.tracking_report import TrackingReport, tracking_report
 from ..machine.read_ahead import read_ahead
 from ..machine.threads import usable_cores
-from ..motion.motion import PatientMotion, find_motion, taken_out, with_notes
+from ..motion.motion import CANNOT_TELL, PatientMotion, find_motion, taken_out, with_notes
 from ..motion.solve import BoneInPlace
 from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
@@ -204,6 +204,8 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
         said = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
     if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
         said = (*said, *motion.lines)
+    if motion is None and asked.motion == AUTOMATIC:
+        said = (*said, f"{CANNOT_TELL[:1].upper()}{CANNOT_TELL[1:]}.")
     found = _decided(replace(job, recipe=asked), bone is not None)
     taken = motion if motion is not None and motion.applied else None
     return replace(found, bone=bone, source=source, said=said, motion=taken)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.io.transform.files import read_transform
 from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.io.volume.label_files import read_labels
-from AIFReconLib.provenance.record import INPUTS, METHOD, SETTINGS, VERSION
+from AIFReconLib.provenance.record import INPUTS, METHOD, SETTINGS, VERSION, unlike_inputs
 
 
 @pytest.fixture
@@ -73,7 +74,7 @@ def test_the_ball_lies_where_its_registration_puts_it(case, tmp_path):
 def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, capsys):
     output = tmp_path / "metrics.csv"
     assert main(command(case, "shell", sweep=False, extra=["--csv", output])) == 0
-    assert "Reachability is unknown" in capsys.readouterr().out
+    assert "whether a beam could reach it or not. Give --sweep" in capsys.readouterr().out
     (row,) = rows_of(output)
     assert row["reachability"] == "unknown"
     assert row["oblique_coverage"] == ""
@@ -199,3 +200,28 @@ def test_a_volume_that_its_yardstick_weighted_is_told(case, tmp_path, capsys):
     assert main(command(case, "shell", "noise", extra=["--methods", tmp_path / "m.txt"])) == 0
     assert "Weighted by the bone that is also the yardstick: shell.nrrd. What is wrong" in capsys.readouterr().out
     assert "The bone that shell.nrrd was measured against had weighted its frames." in (tmp_path / "m.txt").read_text("utf-8")
+
+
+def test_files_of_another_patient_and_a_place_that_is_left_out_are_told(case, tmp_path, capsys):
+    def named(labels, size, *places):
+        inputs = [{"name": labels.name, "bytes": size}, *({"name": place.name, "bytes": 1} for place in places)]
+        shell = read_volume(tmp_path / "shell.nrrd")
+        replace(shell, fields={METHOD: "weighted", SETTINGS: "{}", INPUTS: json.dumps(inputs)}).write(tmp_path / "made.nrrd")
+
+    placed = ["evaluate", str(tmp_path / "made.nrrd"), "--bone", str(case.labels), "--bone-transform", str(case.transform)]
+    size = case.labels.stat().st_size
+    named(case.labels, size, case.transform)
+    assert main(placed) == 0
+    assert "WARNING" not in capsys.readouterr().out
+    (doubt,) = unlike_inputs({"made.nrrd": read_volume(tmp_path / "made.nrrd").fields}, [case.labels, None])
+    assert doubt == f"WARNING: made.nrrd was made with {case.transform.name}, which places the CT, and it is not given now."
+    named(case.labels, size + 1, case.transform)
+    assert main(placed) == 0
+    assert f"WARNING: made.nrrd was made from another {case.labels.name} than is given." in capsys.readouterr().out
+
+
+def test_a_file_of_another_kind_is_not_written_over(case, tmp_path, capsys):
+    ct = tmp_path / "ct.nrrd"
+    ct.write_bytes(b"a CT")
+    assert "Choose a name that ends with .csv" in refusal(command(case, "shell", extra=["--csv", ct]), capsys)
+    assert ct.read_bytes() == b"a CT"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import shlex
 from dataclasses import replace
@@ -17,6 +18,7 @@ from AIFReconLib.calibration.check import CalibrationCheck
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import AIFReconError, DisagreementWarning
 from AIFReconLib.evaluation.metrics import evaluate
+from AIFReconLib.evaluation.quantities import OTHER_BONE, OWN_BONE
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.files import read_sequence
@@ -180,6 +182,22 @@ def test_reconstruct_says_whether_ct_and_sweep_agree_and_where_bone_is_taken_fro
     assert then in said
     width = read_settings(tmp_path / "v.nrrd").options["bone_sigma_mm"]
     assert width == (1.0 if transform == "right" else "auto"), "the volume says how it is made again"
+
+
+def test_a_batch_says_which_case_s_ct_does_not_lie_on_the_sweep(patient, tmp_path, capsys):
+    write_transform(np.eye(4), tmp_path / "wrong.tfm")
+    files = [f"{patient.sequence},{patient.configuration},{patient.labels},{place}" for place in (patient.ct_to_reference, "wrong.tfm")]
+    rows = [f"{case},{of_case},average;weighted,3,no" for case, of_case in zip(("right", "wrong"), files, strict=True)]
+    (tmp_path / "cases.csv").write_text("\n".join(["case,sweeps,config,bone_labels,bone_transform,method,spacing,preview", *rows]))
+    assert main(["batch", str(tmp_path / "cases.csv"), "--output", str(tmp_path / "results"), "--workers", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "  wrong: CT and sweep do not agree" in said
+    assert "  right: " not in said
+    with (tmp_path / "results" / "results.csv").open(encoding="utf-8") as file:
+        found = {(row["case"], row["method"]): row for row in csv.DictReader(file)}
+    assert all("WARNING: The CT is probably not where the bone is" in found["wrong", method]["notes"] for method in ("average", "weighted"))
+    assert float(found["right", "average"]["registration_agreement"]) > 0.9 > float(found["wrong", "average"]["registration_agreement"])
+    assert [found[case, "weighted"]["yardstick"] for case in ("right", "wrong")] == [OWN_BONE, OTHER_BONE], "its own echoes weighted it"
 
 
 # ---- one's own data: the same patient's bone in other forms

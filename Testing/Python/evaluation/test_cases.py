@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import csv
 import io
+import json
+import re
 
 import numpy as np
 import pytest
 import scipy
 
 from AIFReconLib.errors import FileFormatError, SettingsError
-from AIFReconLib.evaluation.cases import OWN_BONE, CaseNumbers
-from AIFReconLib.evaluation.paragraph import CITATION, methods_paragraph
-from AIFReconLib.evaluation.quantities import QUANTITIES
+from AIFReconLib.evaluation.cases import CaseNumbers
+from AIFReconLib.evaluation.paragraph import CITATION, methods_paragraph, unlike_settings
+from AIFReconLib.evaluation.quantities import OWN_BONE, QUANTITIES
+from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.provenance.record import METHOD, SETTINGS
 
 CNR = {"average": [1.0, 2.0, 4.0, 3.0], "weighted": [3.0, 3.5, 7.0, 4.0]}
 
@@ -86,6 +90,33 @@ def test_a_volume_that_is_named_by_its_file_is_known_by_its_method_too(asked):
     assert found.reference(asked) == found.reference(None) == "average.nrrd"
 
 
+def test_a_table_of_a_spreadsheet_with_decimal_commas_has_the_same_numbers(table, found):
+    text = table.read_text("utf-8").replace(",", ";").replace(".5", ",5").replace("0.", "0,")
+    table.write_text(text, "utf-8-sig")
+    assert CaseNumbers.read({"results.csv": table}).numbers == found.numbers
+
+
+def test_cases_that_are_one_or_have_no_numbers_are_told(table):
+    more = ["P9,average,1.0,0.1,1000,other bone,P9/average.nrrd", "P0,average,8.0,0.1,1000,other bone,x.nrrd", "P8,average,,,,,"]
+    table.write_text(table.read_text("utf-8") + "\n".join(more), "utf-8")
+    same, twice, none = CaseNumbers.read({"results.csv": table}).notes
+    assert same == "WARNING: average of P9 has the same numbers as that of P0. Are these two patients?"
+    assert twice.startswith("WARNING: average of P0 stands there twice")
+    assert none == "Left out, as it has no numbers: average of P8."
+
+
+def test_settings_that_differ_between_cases_are_told_and_what_is_found_for_each_is_not(tmp_path):
+    volumes = {}
+    for case, spacing, limit in (("P1", 1.0, 2.2), ("P2", 2.0, 2.5), ("P3", 1.0, 2.2)):
+        settings = {"spacing": spacing, "hole_limit": limit, "bone_sigma_mm": "auto" if case == "P3" else spacing}
+        fields = {METHOD: "weighted", SETTINGS: json.dumps(settings)}
+        volumes[case] = tmp_path / f"{case}.nrrd"
+        Volume(np.ones((2, 2, 2), np.uint8), np.eye(4), fields).write(volumes[case])
+    spacing, bone = unlike_settings({"weighted": volumes})
+    assert spacing == "weighted: spacing 1 mm in P1, P3, spacing 2 mm in P2"
+    assert bone == "weighted: bone_sigma_mm in P1, P2, the bone of the sweep's own echoes in P3"
+
+
 def test_what_was_weighted_by_the_yardstick_is_known(found):
     assert found.own_bone == {"weighted"}
 
@@ -100,10 +131,10 @@ def test_what_is_no_such_table_is_refused(tmp_path, text):
 def test_the_paragraph_has_all_settings_and_what_to_cite():
     settings = {"method": "aif", "alpha": 0.1, "spacing": 0.5, "bone_sigma_mm": 4.0, "grid_size": [10, 20, 30], "grid_to_reference": [[1]]}
     text = methods_paragraph({"a.nrrd": settings, "b.nrrd": {}}, "They were measured against bone.nrrd.", ["a.nrrd"], cases=12)
-    assert "a.nrrd by the method aif (" in text
+    assert re.search(r"a.nrrd by the method aif \(.*\) \[2\], with alpha", text)
     assert "with alpha 0.1, spacing 0.5 mm, bone sigma 4 mm, grid size 10 x 20 x 30." in text
     assert "How b.nrrd was made is not known. They were measured against bone.nrrd." in text
     assert "The bone that a.nrrd was measured against had weighted its frames." in text
     assert "over 12 cases; differences are paired, with 95% confidence intervals by the percentile bootstrap" in text
-    assert text.endswith("BSD-3-Clause.\n")
-    assert f"[1] {CITATION}" in text
+    assert "BSD-3-Clause.\n" in text
+    assert f"[2] {CITATION}" in text

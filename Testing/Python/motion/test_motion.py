@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -63,10 +64,11 @@ def left(found: PatientMotion, shown: SweepEchoes, true: SweepEchoes, as_one: bo
     return float(np.sqrt(((here - there) ** 2).sum(axis=1).mean()))
 
 
-def test_a_patient_at_rest_is_left_alone_and_nothing_is_said(scan, bone):
+def test_a_patient_at_rest_is_left_alone_and_said_to_have_lain_still(scan, bone):
     for field in (None, bone):
         found = motion_of(*scan, field)
-        assert (found.applied, found.lines) == (False, ())
+        assert not found.applied
+        assert re.fullmatch(r"The patient lay still: no pass shows the bone more than 0\.\d mm off\.", *found.lines)
         assert np.array_equal(found.curve.matrices, np.tile(np.eye(4), (len(scan[1].numbers), 1, 1)))
 
 
@@ -112,7 +114,7 @@ def test_a_ct_that_lies_off_is_no_motion_of_the_patient(scan, bone):
 def test_frames_that_no_motion_explains_are_said_to_contradict_each_other(scan):
     rest = MotionCurve.none(scan[1], scan[0])
     assert PatientMotion(rest, 1.9, 1.9, False).lines[0].startswith("WARNING: Passes show the bone 1.9 mm apart, and no motion")
-    assert PatientMotion(rest, 0.9, 0.9, False).lines == ()
+    assert PatientMotion(rest, 0.9, 0.9, False).lines == ("The patient lay still: no pass shows the bone more than 0.9 mm off.",)
 
 
 def test_along_a_rod_nothing_is_moved_and_that_is_said():
