@@ -120,6 +120,10 @@ class OperationCanceled(AIFReconError):
     """The caller's progress function asked to stop. Inputs are untouched."""
 
 
+class DoubtfulInputWarning(UserWarning):
+    """A recording contradicts itself, or what is known of probes and patients."""
+
+
 class DisagreementWarning(UserWarning):
     """A CT and a sweep that are used together do not agree."""
 

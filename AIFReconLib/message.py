@@ -19,6 +19,7 @@ ARGUMENTS = {
     "accept": "found.transform",
     "mirror": "edits.mirrored",
     "bone_labels": "bone=BoneMap.from_labels(...)",
+    "bone_from_sweep": "Recipe(bone_from_sweep=True)",
     "bone_probability": "bone=BoneMap.from_probability(...)",
     "ct": "labels_from_ct(...)",
     "bone_transform": "start",
@@ -83,7 +84,7 @@ def as_argument(name: str, value: str = "") -> str:
     if name in COMMANDS:
         return name
     if not value:
-        return name if "." in name else f"{name}="
+        return name if {".", "("} & {*name} else f"{name}="
     if value.startswith('"'):
         return f"{name}={value}"
     words = [word.lower() if word.isupper() or word.strip("-.0123456789") == "" else f'"{word}"' for word in value.split()]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Collection, Iterable
 from dataclasses import replace
 
 from .bone.map import BoneMap
 from .compounding.frame_placement import require_kinds
 from .compounding.state import BESIDE, Reconstruction
+from .errors import DoubtfulInputWarning
 from .geometry.volume import Volume, VoxelGrid
+from .message import advised
 from .progress import Progress
 from .recipe.recipe import Recipe
 from .registration.comparison import warn_of_disagreement
@@ -58,6 +61,11 @@ def reconstruct(
     Reconstruction
         Its volumes say in the headers of their files how they were made, by which it can be repeated.
 
+    Warns
+    -----
+    DoubtfulInputWarning
+        For each line of the result's `said` that is a warning: the volume is made, and probably wrong.
+
     Raises
     ------
     AIFReconError
@@ -67,6 +75,9 @@ def reconstruct(
     recipe = recipe or Recipe()
     job = ReconstructionJob(joined(sequence, recipe), recipe, bone, grid, beside, memory)
     output = reconstruct_job(job, progress)
+    for line in output.result.said:
+        if line.startswith("WARNING: "):
+            warnings.warn(advised(line).removeprefix("WARNING: "), DoubtfulInputWarning, stacklevel=2)
     if output.labeled is None:
         return output.result
     warn_of_disagreement(output.labeled.comparison())

@@ -28,6 +28,9 @@ from .scan_line_reader import ForEachKind
 MOST_BONE = 0.5
 """Share of the pixels that masks may call bone: its surface is thin."""
 
+SAME_SHAPE = 0.02
+"""By which the ratio of the sides of a mask may differ from its frame's."""
+
 
 class BoneEstimator(Protocol):
     """What tells where bone is in a frame."""
@@ -61,16 +64,21 @@ class EchoEstimator:
 
 
 class _Masks:
-    """Masks in memory as an estimator; `full` is the value of certain bone."""
+    """Masks in memory of frames of (columns, rows) pixels as an estimator; `full` is the value of certain bone."""
 
-    def __init__(self, masks: Sequence[Numbers] | Numbers, full: float):
-        self._masks, self._full = masks, full
+    def __init__(self, masks: Sequence[Numbers] | Numbers, full: float, frame_size: tuple[int, int]):
+        self._masks, self._full, self._frame_size = masks, full, frame_size
 
     def estimate(self, frame: TrackedFrame) -> Prediction:
         return as_prediction(np.asarray(self._masks[frame.number]), f"mask {frame.number}", self._full)
 
     def notes(self) -> tuple[str, ...]:
-        return (f"Bone is what {len(self._masks)} masks say.",)
+        said = f"Bone is what {len(self._masks)} masks say."
+        (high, wide), (columns, rows) = np.shape(self._masks[0]), self._frame_size
+        if abs(high * columns / (wide * rows) - 1) <= SAME_SHAPE:
+            return (said,)
+        cut = f"WARNING: Masks of {high} x {wide} pixels are laid over whole frames of {rows} x {columns}, which have another shape."
+        return (said, f"{cut} Were they cut out of them? Put them back into arrays as large as the frames.")
 
 
 class PointsOfFrames:
@@ -151,7 +159,8 @@ def bone_from_masks(
     ----------
     sequence : TrackedSequence or several in one Reference
     masks : (frames, rows, columns) array, or one array for each frame
-        Where bone is: True, or from 0 to 1; 8 bit: 0 to 255. As large as the frames, or resized ones of all of them.
+        Where bone is: True, or from 0 to 1; 8 bit: 0 to 255. As large as the frames, or resized ones of all of them; a note warns of those
+        of another shape.
     recipe : Recipe or None
         As in `reconstruct`.
     """
@@ -161,5 +170,10 @@ def bone_from_masks(
     share = np.mean([np.mean(np.asarray(mask) > np.max(mask, initial=0) / 2) for mask in masks])
     if share > MOST_BONE:
         raise GeometryError(f"Input masks must be set where bone is; {share:.0%} of all pixels are. Turn them round if bone is 0.")
+    columns, rows = sequence.frame_size
+    if np.shape(masks[0]) == (columns, rows) != (rows, columns):
+        raise GeometryError(
+            f"Input masks must be {rows} x {columns} like the frames; got {columns} x {rows}. Give masks.transpose(0, 2, 1)."
+        )
     is_8_bit = any(np.asarray(mask).dtype == np.uint8 and np.max(mask, initial=0) > 1 for mask in masks)
-    return bone_from_frames(sequence, _Masks(masks, 255.0 if is_8_bit else 1.0), progress=progress, recipe=recipe)
+    return bone_from_frames(sequence, _Masks(masks, 255.0 if is_8_bit else 1.0, sequence.frame_size), progress=progress, recipe=recipe)

@@ -19,7 +19,7 @@ from ..registration.agreement import Agreement
 from ..registration.comparison import check
 from ..registration.registration import LEAST_CLOSENESS
 from ..registration.search import anywhere, search
-from ..remedies import ADD_TIME_OFFSET
+from ..remedies import ADD_TIME_OFFSET, SCAN_AGAIN
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
 from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
@@ -214,9 +214,7 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
         )
     rival = next((one for one in others if one.cost < best.cost + AS_GOOD and _apart(best, one, echoes) > ELSEWHERE), None)
     if rival is not None:
-        return Sentence(
-            f"Two calibrations fit as well and lie {_apart(best, rival, echoes):.1f} mm apart. Scan the same bone from more angles."
-        )
+        return Sentence(f"Two calibrations fit as well and lie {_apart(best, rival, echoes):.1f} mm apart.", SCAN_AGAIN)
     return doubt_of_halves(sides.apart) or doubt_of_size(best.correction, free)
 
 
@@ -224,7 +222,7 @@ def doubt_of_halves(apart: float) -> Sentence | None:
     """Why a calibration must not be used whose halves of the sweep place echoes so many mm apart; None where they agree."""
     if apart <= HALVES_APART:
         return None
-    return Sentence(f"The halves of this sweep give calibrations that lie {apart:.1f} mm apart. Scan the same bone from more angles.")
+    return Sentence(f"The halves of this sweep give calibrations that lie {apart:.1f} mm apart.", SCAN_AGAIN)
 
 
 def doubt_of_size(correction: Correction, free: Mask) -> Sentence | None:

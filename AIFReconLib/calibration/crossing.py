@@ -21,7 +21,7 @@ from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.refine import welsch
-from ..remedies import ADD_TIME_OFFSET
+from ..remedies import ADD_TIME_OFFSET, SCAN_AGAIN
 from ..sweep.frames import TrackedSequence
 from .calibration import FEWEST_ANGLES, ONE_ANGLE, advice_for, doubt_of_halves, doubt_of_size
 from .certainty import Halves, halves
@@ -188,7 +188,7 @@ def _begun(echoes: ImagedEchoes, progress: Progress | None) -> tuple[Correction,
         return best, Sentence(words, "Correct it, and write the start anew.")
     apart = [_apart(echoes, best, by) for cost, _, by in ends if cost < AS_GOOD * least]
     if max(apart) > ELSEWHERE:
-        return best, Sentence(f"Calibrations that fit nearly as well lie {max(apart):.0f} mm apart. Scan the same bone from more angles.")
+        return best, Sentence(f"Calibrations that fit nearly as well lie {max(apart):.0f} mm apart.", SCAN_AGAIN)
     return best, None
 
 

@@ -24,7 +24,10 @@ from .methods.table import method_named
 
 KINDS: dict[str, tuple[type, str]] = {
     "recipe": (Recipe, "Write Recipe(method=..., spacing=...)."),
-    "bone": (BoneMap, "Make one: BoneMap.from_labels(labels) or BoneMap.from_probability(probability)."),
+    "bone": (
+        BoneMap,
+        "Make one: BoneMap.from_labels(labels), BoneMap.from_probability(probability), or bone_from_masks(sequence, masks) of frames.",
+    ),
     "grid": (VoxelGrid, "A Volume has one: volume.grid; else VoxelGrid.from_spacing(origin, size, spacing)."),
     "region": (ImageRegion, "Make one: ImageRegion(ClipRectangle((x, y), (width, height)), Fan(apex, angles, radii))."),
     "probe": (ProbeGeometry, 'Make one: ProbeGeometry("linear") or ProbeGeometry("sector", (column, row)).'),

@@ -132,8 +132,9 @@ class TrackedSequence(Described):
         Parameters
         ----------
         images : (frames, rows, columns) array_like of numbers
-            Gray, MF: the marked side of the probe at the last column (on the right), the transducer at row 0. Whatever has `shape`, `dtype`
-            and an image for each number is read when an image is needed: an array that is mapped from a file, an HDF5 data set.
+            Gray; whole numbers of 0 to 255 are 8-bit images, whatever their type. MF: the marked side of the probe at the last column (on
+            the right), the transducer at row 0. Whatever has `shape`, `dtype` and an image for each number is read when an image is needed:
+            an array that is mapped from a file, an HDF5 data set.
         image_to_reference : (frames, 4, 4) or (frames, 3, 4) array_like
             Pixel (column, row, 0, 1) to mm in Reference; with `spacing`, mm in the image plane to mm in Reference. A frame whose matrix
             is not finite has no pose: it is skipped and counted.
@@ -242,6 +243,9 @@ def _as_images(images: ImageStack | ArrayLike) -> ImageStack:
             f"Input images must be gray, (frames, rows, columns) of numbers; got {tuple(stack.shape)} of {np.dtype(stack.dtype)}. "
             "Masks become images by images.astype(np.uint8) * 255."
         )
+    if isinstance(stack, np.ndarray) and stack.dtype.kind in "iu" and stack.dtype != np.uint8 and stack.size:
+        # Lists, and what a computation has made of 8-bit images
+        return stack.astype(np.uint8) if stack.min() >= 0 and stack.max() <= 255 else stack
     return stack
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Floats, Matrix
+from ..arrays import Floats, Integers, Matrix
 from ..geometry.transform_graph import TransformName
+from ..message import listed
 
 SIZES_DIFFER = 0.05
 """Part by which the size of a pixel that a recording states differs from that of its poses: calibrations find it more exactly."""
@@ -30,6 +31,25 @@ def implausible_extent(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str 
 
 FEWEST_PIXELS, SMALLEST_OF_FEW_PIXELS = 64, 0.5
 """Along an image; smaller ones are cut out or made up, and may be as small as this, mm."""
+
+
+ASTRAY, FEW = 50.0, 0.02
+"""mm off all other images along an axis of Reference, and the share of images that may lie so by a wrong pose: two scanned places have
+more."""
+
+
+def implausible_places(middles: Floats, numbers: Integers) -> str | None:
+    """A sentence where a few of the images of these numbers (n,), with their middles at (n, 3) mm, lie far off all others."""
+    astray = np.zeros(len(middles), bool)
+    for along in middles.T:
+        order = np.argsort(along)
+        for before in np.flatnonzero(np.diff(along[order]) > ASTRAY) + 1:
+            fewer = min(order[:before], order[before:], key=len)
+            astray[fewer] |= len(fewer) <= max(FEW * len(middles), 1)
+    if not astray.any() or len(middles) <= 5:
+        return None
+    which = listed(numbers[astray][:10])
+    return f"Frames {which} lie more than {ASTRAY:g} mm off all others: their poses are probably wrong. Leave them out, or ask the tracker."
 
 
 def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:

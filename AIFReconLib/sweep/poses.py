@@ -26,7 +26,7 @@ from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
 from .frames import CROPPED, TrackedFrame, TrackedSequence
 from .multi_sweep import JoinedSequence, names_of
-from .pixel_size import about_pixel_size, implausible_extent, implausible_size
+from .pixel_size import about_pixel_size, implausible_extent, implausible_places, implausible_size
 from .still_images import STILL, StillImages, are_equal
 
 FARTHEST_APART = 1000.0
@@ -166,8 +166,10 @@ def sweep_poses(sequence: TrackedSequence, image_to_reference: str | None = None
     for seen, frames in pairs.items():
         require_agreement(f"{sequence.name}: ", sequence.frame_size, seen, frames)
     path = tuple(link.name for link in ways.path)
-    placed = matrices[[problem is None for problem in problems]]
+    numbers = np.flatnonzero([problem is None for problem in problems])
+    placed, (columns, rows) = matrices[numbers], sequence.frame_size
     asked = [about(placed, sequence.frame_size) for about in (implausible_size, implausible_extent)] if len(placed) else []
+    asked.append(implausible_places(placed[:, :3] @ (columns / 2, rows / 2, 0.0, 1.0), numbers))
     doubts = [f"WARNING: {doubt}" for doubt in asked if doubt is not None][:1]
     return SweepPoses(matrices, tuple(problems), path, (*notes, *doubts, *about_pixel_size(stated, wanted, matrices)))
 
@@ -334,7 +336,10 @@ def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: 
     others = ", ".join(sorted(near - fixed))
     if not others:
         return Sentence("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
-    return Sentence("", "Choose another frame to reconstruct in with {reference}, one of: {frames}.", frames=others)
+    choose = "Choose another frame to reconstruct in with {reference}, one of: {frames}."
+    if wanted.target == "Reference":
+        choose += " There the patient must not move; a marker on the patient is imported with {reference_tool}."
+    return Sentence("", choose, frames=others)
 
 
 def _moves(sequence: TrackedSequence, name: TransformName) -> bool:

@@ -91,6 +91,7 @@ def test_another_kind_of_thing_is_refused_with_what_to_do(call, words):
             lambda: library.bone_from_masks(SEQUENCE, IMAGES[:2] > 100),
             r"each of 3 frames, .*; got \(2, 26, 34\)",
         ),
+        (lambda: library.bone_from_masks(SEQUENCE, np.zeros_like(IMAGES.transpose(0, 2, 1)), LINEAR), r"Give masks.transpose\(0, 2, 1\)"),
         (lambda: library.bone_from_masks(SEQUENCE, POSES[:, 0], LINEAR), r"mask 0: bone must be \(rows, columns\) .* got \(4,\)"),
         (lambda: library.bone_from_masks(SEQUENCE, 3.0 * (IMAGES.max() == IMAGES), LINEAR), r"must be 0 to 1; got 0 to 3"),
     ],

@@ -42,7 +42,7 @@ def test_each_door_says_the_remedy_in_its_own_words():
         ("{clip_px:5 3 29.5 -2}", "clip_px=(5, 3, 29.5, -2)", "--clip-px 5 3 29.5 -2"),
         ("{apex_px:COLUMN ROW}", "apex_px=(column, row)", "--apex-px COLUMN ROW"),
         ('{columns:"time x"}', 'columns="time x"', '--columns "time x"'),
-        ("{bone_from_sweep}", "bone_from_sweep=", "--bone-from-sweep"),
+        ("{bone_from_sweep}", "Recipe(bone_from_sweep=True)", "--bone-from-sweep"),
         ("{grid_like}", "grid=", "--grid-like"),
     ],
 )

@@ -13,7 +13,17 @@ from ...errors import SettingsError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import are_rigid, invert, why_not_an_image_pose, why_not_rigid
 from ...message import Sentence, said
-from ...remedies import CALIBRATION_UNIT, NAME_THE_CALIBRATION, NO_PIXEL_SIZE, PIXEL_SIZE, SURE, TIME_OFFSET, TIME_UNIT, UNITS
+from ...remedies import (
+    CALIBRATION_UNIT,
+    NAME_THE_CALIBRATION,
+    NO_PIXEL_SIZE,
+    PIXEL_SIZE,
+    SAME_MOVEMENT,
+    SURE,
+    TIME_OFFSET,
+    TIME_UNIT,
+    UNITS,
+)
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
@@ -28,6 +38,9 @@ from .poses.sheet import has_none
 from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
+
+BEGUN_MM, BEGUN_TURN, LOOKED_AT, IN_STEP = 1.0, 0.02, 300, 0.2
+"""mm and part of a turn by which a tool has begun to move, the images that are looked at for it, and s that both may differ unsaid."""
 
 LONGER = 1.0
 """s by which poses may last longer than images at a steady rate before it is said."""
@@ -97,7 +110,7 @@ def import_sequence(
     stack = images.stack if orientation[:2] == IN_MEMORY[:2] else FlippedImages(images.stack, orientation)
     understood = (
         f"images: {images.description}, orientation {orientation[:2]}",
-        *(f"poses: {line}" for line in poses.understood),
+        *(Sentence(f"poses: {line}", said(line)) for line in poses.understood),
         *(f"direction: {each} takes points of {each.source} to {each.target}" for each in every),
         f"place of the image: {how}",
         f"pairing: {pairing}",
@@ -138,8 +151,35 @@ def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[fl
     if apart and len(from_zero) > 1 and not (len(taken) == len(poses.times) and _in_step(poses.times, taken)):
         told = f"note: images and poses count from different moments; the images were taken to begin {offset:g} s after the poses."
         return first - begin, [Sentence(told, TIME_OFFSET)]
+    if from_zero != {True} or offset:
+        return 0.0, []
     told = "note: images and poses both count from 0, and were taken to begin at one moment."
-    return 0.0, [Sentence(told, TIME_OFFSET)] if from_zero == {True} and not offset else []
+    moves, changes = _first_motion(poses), _first_change(images)
+    if moves is not None and changes is not None and abs(moves - changes) > IN_STEP:
+        told += f" The tool begins to move at {moves:.2f} s, and the images to change at {changes:.2f} s."
+        return 0.0, [Sentence(told, SAME_MOVEMENT, offset=f"{moves - changes:.2f}")]
+    return 0.0, [Sentence(told, TIME_OFFSET)]
+
+
+def _first_motion(poses: PoseTable) -> float | None:
+    """s until the tool leaves the place where it was at first; None where that is not seen."""
+    known = np.isfinite(poses.matrices).all(axis=(1, 2))
+    if poses.times is None or not known.any():
+        return None
+    matrices = in_millimeters(poses.matrices[known], poses.length_unit, takes_pixels=False)
+    turned = np.linalg.norm(matrices[:, :3, :3] - matrices[0, :3, :3], axis=(1, 2))
+    gone = np.flatnonzero((np.linalg.norm(matrices[:, :3, 3] - matrices[0, :3, 3], axis=1) > BEGUN_MM) | (turned > BEGUN_TURN))
+    return float(poses.times[known][gone[0]]) if gone.size else None
+
+
+def _first_change(images: ImportedImages) -> float | None:
+    """s until the images show something else than at first: half of what they change in the end; None where that is not seen."""
+    if images.times is None:
+        return None
+    first = np.asarray(images.stack[0], np.float32)
+    changes = np.array([np.abs(np.asarray(images.stack[n], np.float32) - first).mean() for n in range(min(len(images.stack), LOOKED_AT))])
+    gone = np.flatnonzero(changes > np.median(changes) / 2)
+    return float(images.times[gone[0]]) if gone.size else None
 
 
 def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) -> list[str]:
@@ -351,7 +391,8 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportOpti
     if len(moved) > 5 and extent == 0.0 and not np.ptp(moved, axis=0).any():
         doubts.append(Sentence("The tool never moves: all poses are the same. Was it the fixed one of several?", SURE))
     if 0 < extent < 1.0 and len(moved) > 5:
-        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", UNITS, unit="meters", choice="m"))
+        advice = Sentence("", SURE) if poses.knows_length else Sentence("", UNITS, unit="meters", choice="m")
+        doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", advice))
     if extent > 2000.0:
         doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", UNITS, unit="another unit", choice=""))
     times = None if poses.times is None else poses.times[good]

@@ -16,7 +16,7 @@ from AIFReconLib.batch.records import RECORDS
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.calibration.check import CalibrationCheck
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import AIFReconError, DisagreementWarning
+from AIFReconLib.errors import AIFReconError, DisagreementWarning, DoubtfulInputWarning
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import OTHER_BONE, OWN_BONE
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS, transform_points
@@ -182,6 +182,18 @@ def test_reconstruct_says_whether_ct_and_sweep_agree_and_where_bone_is_taken_fro
     assert then in said
     width = read_settings(tmp_path / "v.nrrd").options["bone_sigma_mm"]
     assert width == (1.0 if transform == "right" else "auto"), "the volume says how it is made again"
+
+
+def test_images_that_are_out_of_step_are_told_without_a_ct(tmp_path):
+    patient = write_simulated_patient(tmp_path, 0, "multi-angle", 54)
+    sequence, recipe = (
+        read_sequence(patient.sequence, config=patient.configuration),
+        Recipe(method="weighted", bone_from_sweep=True, spacing=3.0),
+    )
+    assert any(line.startswith("Calibration: not checked") for line in reconstruct(sequence, recipe).said)
+    late = replace(sequence, images=np.roll(np.stack([sequence.images[n] for n in range(len(sequence))]), 1, axis=0))
+    with pytest.warns(DoubtfulInputWarning, match="Echoes of different angles lie .* Images and poses may be out of step"):
+        reconstruct(late, recipe)
 
 
 def test_a_batch_says_which_case_s_ct_does_not_lie_on_the_sweep(patient, tmp_path, capsys):

@@ -76,6 +76,14 @@ def test_the_arrays_stay_the_giver_s():
     assert sequence.images is IMAGES
 
 
+def test_whole_numbers_of_8_bit_images_are_8_bit_images():
+    for given in (IMAGES.astype(np.int64), IMAGES.astype(np.uint16), IMAGES.tolist()):
+        sequence = TrackedSequence.from_arrays(given, POSES)
+        assert sequence.images.dtype == np.uint8
+        np.testing.assert_array_equal(sequence.images, IMAGES)
+    assert TrackedSequence.from_arrays(IMAGES.astype(np.int16) + 200, POSES).images.dtype == np.int16
+
+
 RIGID = np.stack([rigid(translation=(0.0, 0.0, n)) for n in range(4)])
 
 

@@ -345,3 +345,13 @@ def test_poses_in_meters_are_told(scale, says):
     poses[:, 2, 3] = np.arange(30) * scale[1]
     notes = sweep_poses(TrackedSequence.from_arrays(np.zeros((30, 30, 40), np.uint8), poses)).notes
     assert [says in note for note in notes] == ([True] if says else [])
+
+
+@pytest.mark.parametrize(("few", "told"), [(1, True), (2, True), (20, False)], ids=["one", "two of a hundred", "another place"])
+def test_frames_that_lie_far_off_all_others_are_told(few, told):
+    poses = np.tile(np.diag([0.5, 0.5, 0.5, 1.0]), (100, 1, 1))
+    poses[:, 2, 3] = np.arange(100)
+    poses[40 : 40 + few, 1, 3] = -300.0
+    notes = sweep_poses(TrackedSequence.from_arrays(np.zeros((100, 30, 40), np.uint8), poses)).notes
+    which = ", ".join(map(str, range(40, 40 + few)))
+    assert [f"WARNING: Frames {which} lie more than 50 mm off all others" in note for note in notes] == [True] * told

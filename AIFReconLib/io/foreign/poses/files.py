@@ -13,7 +13,8 @@ import numpy as np
 
 from ....arrays import Floats, Mask, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
-from ....message import listed, said
+from ....message import Sentence, listed, said
+from ....remedies import WHICH_MARKER
 from ...disk.small_files import read_bytes
 from ...disk.tables import read_table
 from ..options import ImportOptions
@@ -185,10 +186,13 @@ def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
     table = _posed(values, form, length, _unit(track, ANGLES), cells)
     moved = np.asarray(np.isfinite(table.matrices).all(axis=(1, 2)) & table.matrices[:, :3, 3].any(axis=1))
     statuses, told_status = statuses_in(track, cells, moved, form)
-    unused = in_words_of_the_table(column for place, column in enumerate(columns) if place not in track.described and column.heading != "-")
+    of_patient = track_of(columns, sheet, form.reference_tool, layout is not None)[0].described if form.reference_tool else {}
+    left = [column for place, column in enumerate(columns) if place not in {*track.described, *of_patient} and column.heading != "-"]
+    unused = in_words_of_the_table(left)
+    another = WHICH_MARKER if is_chosen and not form.reference_tool else ""
     understood = [*table.understood, *([f"as {layout['maker']} writes"] if layout and "maker" in layout else []), *told, *told_rows]
     understood += [*times.told, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
-    understood += [f"not used: {unused}"] if unused else []
+    understood += [Sentence(f"not used: {unused}", another)] if unused else []
     taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
     understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
     images = tuple(cells.words(track.columns[IMAGE])) if IMAGE in track.columns else None
