@@ -64,8 +64,9 @@ CANNOT_TELL = "this sweep cannot tell whether the patient moved: that takes pass
 PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 """s that a breath may last, and the share of the motion that breathing must explain to be named."""
 
-LOOSE, HALF = 0.7, 0.5
-"""mm to which the echoes of a pass must hold it along a direction, else it stays there; and the share of an axis that is named for it."""
+LOOSE, HALF, HINDERS = 0.7, 0.5, 1.1
+"""mm to which the echoes of a pass must hold it along a direction, else it stays there; the share of an axis that is named for it; and by
+how much farther off each other passes that stay there may lie, by frames that had no say: farther, and they have moved along it."""
 
 AXES = ("x", "y", "z")
 """Of Reference: how the patient lies to a tracker nobody knows."""
@@ -172,7 +173,11 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
         return still
     half, information = solved(echoes[tried], rest, bone, progress=part(progress, 0.0, 0.5))
     if (loose := _loose(half, information)).any():
-        half, _ = solved(echoes[tried], rest, bone, loose, progress=part(progress, 0.5, 0.7))
+        held, _ = solved(echoes[tried], rest, bone, loose, progress=part(progress, 0.5, 0.7))
+        if apart(asked, held, bone) > HINDERS * apart(asked, half, bone):
+            loose[:] = 0.0
+        else:
+            half = held
     half = _in_the_middle(half, echoes, bone)
     after = apart(asked, half, bone)
     borne_out = after <= min(GAIN * before, CLOSE if bone is None else np.inf) and (
