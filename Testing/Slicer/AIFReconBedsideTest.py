@@ -165,6 +165,26 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertTrue(self.ui.placeButton.isVisibleTo(self.widget.parent))
         self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking))
         self.assertIn("known where CT and sweep agree", self.ui.calibrationVerdictLabel.text)
+        # No advice of coverage rests on a CT that lies elsewhere
+        self.assertIn("known where CT and sweep agree", self.ui.coverageVerdictLabel.text)
+        # Elsewhere nothing is known of it; where it lay, what was known is
+        said, place = self.ui.registrationVerdictLabel.text, tinyScene.matrixOf(self.registration)
+        tinyScene.setMatrix(self.registration, tinyScene.moved(0.0, 3.0, 0.0) @ place)
+        self.assertTrue(waitFor(lambda: self.levels()[1] == "not yet"))
+        tinyScene.setMatrix(self.registration, place)
+        self.assertTrue(waitFor(lambda: self.ui.registrationVerdictLabel.text == said))
+
+    def test_without_a_ct_nothing_is_shown_that_takes_one(self):
+        self.addInputs()
+        self.parameters.bone = self.parameters.ctVolume = None
+        self.click(self.ui.applyButton)
+        self.assertIsNotNone(self.parameters.output)
+        names = ("tracking", "registration", "coverage", "calibration", "motion")
+        shown = [name for name in names if getattr(self.ui, f"{name}VerdictLabel").isVisibleTo(self.widget.parent)]
+        self.assertEqual(shown, ["tracking", "motion"])
+        picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")._ui
+        self.assertFalse(picture.opacitySliderWidget.isVisibleTo(self.widget.parent))
+        self.assertFalse(picture.boneOutlinesCheckBox.isVisibleTo(self.widget.parent))
 
     def calibrated(self, off: float) -> str:
         """What the light *Calibration* says of a patient whose images lie so many mm off, out of their plane."""

@@ -3,7 +3,7 @@
 from html import escape
 
 from AIFReconScene.panelWords import inPanelWords
-from AIFReconScene.registration.sweepVerdicts import NAMES
+from AIFReconScene.registration.sweepVerdicts import NAMES, WITHOUT_CT
 from slicer.i18n import tr as _
 
 from ..fields.choosers import Follower
@@ -34,11 +34,12 @@ class Lights(Follower):
         for name, verdict in shown.items():
             known = name not in self._verdicts.sought
             self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), verdict.advice if known else "")
-        ui = self._ui
-        for name in ("calibration", "motion"):
+        ui, hasSweep, hasBone = self._ui, self._parameterNode.sweep is not None, self._parameterNode.bone is not None
+        for name in NAMES:
+            # An empty scene's panel is seen whole on a small screen; without a CT nothing is told of one
+            isShown = (hasSweep or name not in ("calibration", "motion")) and (hasBone or not hasSweep or name in WITHOUT_CT)
             for part in ("SignalLabel", "VerdictLabel", "MoreButton"):
-                # An empty scene's panel is seen whole on a small screen
-                getattr(ui, f"{name}{part}").visible = self._parameterNode.sweep is not None
+                getattr(ui, f"{name}{part}").visible = isShown
         # At hand where it is needed, and with the rest of its kind else
         isWrong, isPlaced = shown["calibration"].level.value == "look", shown["registration"].level.value == "good"
         ui.placeButton.visible = ui.registrationMoreButton.checked or (ui.placeButton.enabled and not isPlaced)

@@ -69,7 +69,8 @@ class PicturePanel:
         enable(ui.probeUpCheckBox, noSweep, _("Turn the slice views as the scanner does"))
         enable(ui.copyLineButton, tells, _("Copy the summary, one line, to the clipboard"))
         enable(ui.saveReportButton, tells, _("Write a page with pictures, sweep, agreement of the CT, coverage, settings and software"))
-        ui.boneOutlinesCheckBox.visible = ui.opacityLabel.visible = ui.opacitySliderWidget.visible = parameters.output is not None
+        ui.boneOutlinesCheckBox.visible = parameters.output is not None and parameters.bone is not None
+        ui.opacityLabel.visible = ui.opacitySliderWidget.visible = parameters.output is not None and parameters.ctVolume is not None
         for view in self._views:
             view.update(parameters)
 

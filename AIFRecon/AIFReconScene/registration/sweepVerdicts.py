@@ -29,10 +29,10 @@ which stay right where a scene is loaded into another and its nodes get other ID
 
 
 class SweepVerdicts:
-    """Remembers what is to be thought of the chosen sweep and CT, and forgets it when one of them is changed or moved."""
+    """Remembers what is to be thought of the chosen sweep and CT; it holds while they are as they were then, and again when they are."""
 
     def __init__(self):
-        self._known: dict[str, tuple] = {}
+        self._known: dict[str, dict[tuple, Verdict]] = {}
         self._job, self._sought = None, {}
 
     def forget(self) -> None:
@@ -81,7 +81,7 @@ class SweepVerdicts:
     def _beginOnCT(self, parameters, job) -> None:
         names = boneNames(parameters.bone, list(parameters.boneSegments))
         looks: dict[str, tuple] = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
-        if self._known[REGISTRATION][1].level is Level.GOOD:
+        if self._known_or(REGISTRATION, parameters).level is Level.GOOD:
             looks[CALIBRATION] = calibration_of_sweep, lambda verdict: verdict
         else:
             advice = "If they do not wherever the CT is placed, the calibration may be wrong: press “More”."
@@ -98,9 +98,10 @@ class SweepVerdicts:
         for name in done:
             task, key, verdictOf, output = self._sought.pop(name)
             try:
-                self._known[name] = key, verdictOf(task.result())
+                verdict = verdictOf(task.result())
             except AIFReconError as error:
-                self._known[name] = key, unknown(said(error))
+                verdict = unknown(said(error))
+            self._known.setdefault(name, {})[key] = verdict
             self._keep(output)
         return bool(done)
 
@@ -128,17 +129,17 @@ class SweepVerdicts:
         return seen
 
     def _tell(self, name: str, parameters, verdict: Verdict) -> None:
-        self._known[name] = _key(name, parameters), verdict
+        self._known.setdefault(name, {})[_key(name, parameters)] = verdict
         self._keep(parameters.output)
 
     def _keep(self, output) -> None:
         if output is not None:
-            for nodeID in (each for key, _told in self._known.values() for each in _nodesOf(key)):
+            for nodeID in (each for known in self._known.values() for key in known for each in _nodesOf(key)):
                 if nodeID not in _judged(output):
                     output.AddNodeReferenceID(ROLE, nodeID)
             told = {
-                name: (_lasting(key, output), told.level.value, told.finding, inPanelWords(told.advice))
-                for name, (key, told) in self._known.items()
+                name: [(_lasting(key, output), told.level.value, told.finding, inPanelWords(told.advice)) for key, told in known.items()]
+                for name, known in self._known.items()
             }
             output.SetAttribute(ATTRIBUTE, json.dumps(told))
 
@@ -149,14 +150,11 @@ class SweepVerdicts:
             return unknown("not known: select the bone of the CT under “Bone of CT”")
         if name not in WITHOUT_CT and not isLabeled(parameters.bone):
             return unknown("not known: select a segmentation of the CT under “Bone of CT”")
-        asked = _key(name, parameters)
-        key, verdict = self._known.get(name, (None, None))
-        if verdict is not None and key == asked:
-            return verdict
-        kept = _keptWith(parameters.output, name, asked)
-        if kept is not None:
-            return kept
-        return unknown("something has changed: press “Reconstruct” again" if verdict is not None else "known after “Reconstruct”")
+        if name == COVERAGE and self._known_or(REGISTRATION, parameters).level is Level.POOR:
+            return unknown("known where CT and sweep agree")
+        asked, known = _key(name, parameters), self._known.get(name, {})
+        told = known.get(asked) or _keptWith(parameters.output, name, asked)
+        return told or unknown("something has changed: press “Reconstruct” again" if known else "known after “Reconstruct”")
 
 
 def _key(name: str, parameters) -> tuple:
@@ -199,8 +197,9 @@ def _rounded(value):
 def _keptWith(output, name: str, key: tuple) -> Verdict | None:
     """The verdict that is kept with a volume, if it is about this; None where nothing readable is."""
     try:
-        about, level, finding, advice = json.loads(output.GetAttribute(ATTRIBUTE))[name]
-        return Verdict(Level(level), str(finding), str(advice)) if about == _lasting(key, output) else None
+        told = {json.dumps(about): more for about, *more in json.loads(output.GetAttribute(ATTRIBUTE))[name]}
+        level, finding, advice = told[json.dumps(_lasting(key, output))]
+        return Verdict(Level(level), str(finding), str(advice))
     except (AttributeError, LookupError, TypeError, ValueError):
         return None
 
