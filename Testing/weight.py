@@ -48,12 +48,12 @@ def weighed(house: str) -> Weight:
     top = REPOSITORY / house
     for path in sorted(top.rglob("*.py")):
         text = path.read_text("utf-8")
-        tree = ast.parse(text)
+        nodes = list(ast.walk(ast.parse(text)))
         inside = path.relative_to(top)
         room = inside.parts[0] if len(inside.parts) > 1 else "."
-        weight.lines[room] += len(_code_lines(tree, text))
+        weight.lines[room] += len(_code_lines(nodes, text))
         weight.long_lines += sum(len(line) > LONGEST_LINE for line in text.splitlines())
-        for node in ast.walk(tree):
+        for node in nodes:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
                 weight.classes[node.name] += 1
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not node.name.startswith("_"):
@@ -63,10 +63,10 @@ def weighed(house: str) -> Weight:
     return weight
 
 
-def _code_lines(tree: ast.Module, text: str) -> set[int]:
+def _code_lines(nodes: list[ast.AST], text: str) -> set[int]:
     """Numbers of the lines that are code."""
     code = {n for n, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")}
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Import | ast.ImportFrom):
             code -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
         body = getattr(node, "body", None)

@@ -7,6 +7,7 @@ each engine and with each method that it concerns. Where it concerns nothing thi
 from __future__ import annotations
 
 import json
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -103,43 +104,35 @@ def test_every_setting_is_tried():
     assert "every engine gives the same voxels" in RULES["engine"]["help"]
 
 
-@pytest.fixture
-def patient(tmp_path):
+@pytest.fixture(scope="module")
+def patient(tmp_path_factory):
     """A patient whose images show bone early enough for a shadow to be told: tissue, an echo, next to nothing below."""
     images = np.random.default_rng(0).integers(40, 90, (6, 30, 40), dtype=np.uint8)
     images[:, 7:9] = 200
     images[:, 9:] //= 20
-    folder = tmp_path / "inputs"
-    folder.mkdir()
-    return write_patient(folder, tracked_sequence(images=images))
+    return write_patient(tmp_path_factory.mktemp("inputs"), tracked_sequence(images=images))
 
 
-@pytest.fixture
-def outcome(patient, results):
-    """What becomes of the sweep with these settings: the exit code, voxels and their place."""
+@pytest.fixture(scope="module")
+def outcome(patient, tmp_path_factory):
+    """What becomes of the sweep with these settings: the exit code, voxels and their place; the same settings run once."""
 
-    def made(settings, *words):
+    @lru_cache
+    def run(text, *words):
+        results = tmp_path_factory.mktemp("results")
         path = results / "settings.json"
-        path.write_text(json.dumps({name: value for name, value in settings.items() if value is not None}))
-        bone = patient.bone if str(settings.get("method", "average")) in ("aif", "aif-compensated", "weighted") else []
+        path.write_text(text)
+        of_bone = ["--bone-labels", patient.labels, "--bone-transform", patient.transform]
+        bone = of_bone if json.loads(text).get("method") in BONE_METHODS else []
         outputs = {name: results / f"{name}.nrrd" for name in ("intensity", "score")}
-        words = [*patient.reconstruct, *_without_width(bone), "--settings", path, "-q", *words, "--score", outputs["score"]]
+        words = [*patient.reconstruct, *bone, "--settings", path, "-q", *words, "--score", outputs["score"]]
         code = main([str(word) for word in [*words, "-o", outputs["intensity"]]])
         if code:
             return (code,)
         volumes = [read_volume(path) for path in outputs.values()]
         return code, *((volume.array.tobytes(), volume.array.dtype, volume.ijk_to_reference.tobytes()) for volume in volumes)
 
-    return made
-
-
-def _without_width(words):
-    """Bone without the width of its map, which settings give."""
-    words = list(map(str, words))
-    if "--bone-sigma-mm" in words:
-        place = words.index("--bone-sigma-mm")
-        del words[place : place + 2]
-    return words
+    return lambda settings, *words: run(json.dumps({name: value for name, value in settings.items() if value is not None}), *words)
 
 
 @pytest.mark.parametrize("name", VALUES)
@@ -168,19 +161,21 @@ def test_what_predictions_cover_makes_a_difference(outcome, tmp_path):
 # ---- Python
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def in_python(patient):
-    """A reconstruction of the sweep by Python, with bone for the methods that need it."""
+    """A reconstruction of the sweep by Python, with bone for the methods that need it; the same settings run once."""
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    labels, place = read_labels(patient.labels), read_transform(patient.transform)
 
-    def made(method, **settings):
-        sequence = read_sequence(patient.sweep, config=patient.config)
-        bone = None
-        if method in BONE_METHODS:
+    @lru_cache
+    def run(text):
+        settings, bone = json.loads(text), None
+        if settings["method"] in BONE_METHODS:
             width = {} if {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings) else {"bone_sigma_mm": 1.6}
-            bone = LabeledBone(read_labels(patient.labels), read_transform(patient.transform), recipe=Recipe(**width))
-        return reconstruct(sequence, Recipe(**{"method": method, **settings}), bone)
+            bone = LabeledBone(labels, place, recipe=Recipe(**width))
+        return reconstruct(sequence, Recipe(**settings), bone)
 
-    return made
+    return lambda **settings: run(json.dumps({name: value for name, value in settings.items() if value is not None}, sort_keys=True))
 
 
 NOTED = [name for name in SOME_METHODS if name in VALUES and name not in ("method", "interpolation", "probe", "apex_px")]
@@ -199,24 +194,31 @@ WITH_NOTHING_LEFT = {
 }
 """Settings whose other value leaves nothing to reconstruct, which is an error."""
 
-TRIED = [(name, method) for name in VALUES for method in SOME_METHODS.get(name, METHODS) if name != "bone_frames_px"]
+OF_ENGINES = {"pixel_rejection", "interpolation", "alpha", "beta", "bone_gain", "weight_floor", "gray_levels", "intensity_maximum"}
+"""Settings whose arithmetic each engine has its own of; all others are decided before it or after it."""
+
+TRIED = [
+    (name, method, engine)
+    for name in VALUES
+    for method in SOME_METHODS.get(name, METHODS)
+    for engine in (("numpy", "numba") if name in OF_ENGINES else ("numba",))
+    if name != "bone_frames_px"
+]
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
-@pytest.mark.parametrize("engine", ["numpy", "numba"])
-@pytest.mark.parametrize(("name", "method"), TRIED)
-def test_each_engine_and_method_that_it_concerns_obeys_it(name, method, engine, in_python):
+@pytest.mark.parametrize(("name", "method", "engine"), TRIED)
+def test_each_method_and_engine_that_it_concerns_obeys_it(name, method, engine, in_python):
     one, other, beside = VALUES[name]
-    beside = {**beside, "engine": engine}
-    beside.pop("method", None)
+    beside = {**beside, "method": method, "engine": engine}
     if name == "orientation":
         with pytest.raises(SettingsError, match="orientation counts where a recording is read"):
-            in_python(method, **beside, orientation=other)
+            in_python(**beside, orientation=other)
         return
     outcomes = []
     for value in (one, other):
         try:
-            outcomes.append(_voxels(in_python(**{"method": method, **beside, **({} if value is None else {name: value})})))
+            outcomes.append(_voxels(in_python(**{**beside, name: value})))
         except AIFReconError as error:
             assert name in WITH_NOTHING_LEFT
             outcomes.append(str(error))
@@ -229,10 +231,10 @@ def test_each_engine_and_method_that_it_concerns_obeys_it(name, method, engine, 
     [(name, method) for name in NOTED for method in METHODS if method not in SOME_METHODS[name]],
 )
 def test_where_it_concerns_nothing_that_is_said_and_the_header_does_not_claim_it(name, method, in_python):
-    result = in_python(method, **{name: VALUES[name][1]})
+    result = in_python(**{"method": method, name: VALUES[name][1]})
     assert any(note.startswith(f"{name} is not used: ") for note in result.notes)
     assert name not in settings_of(result.intensity)
-    assert _voxels(result) == _voxels(in_python(method))
+    assert _voxels(result) == _voxels(in_python(method=method))
 
 
 def test_the_sweep_itself_says_where_bone_is_where_a_recipe_asks_for_it(patient):
@@ -253,13 +255,10 @@ def test_how_bone_was_made_is_what_the_header_says_and_another_width_is_refused(
 
 GRID = VoxelGrid.from_spacing((-12.0, -12.0, -12.0), (25, 25, 25), 1.0)
 REFUSED_BY_RECONSTRUCTOR = {"grid_size": {"grid_to_reference": ASIDE}, **{name: {} for name in (*OF_READING, "spacing", "bone_sigma_mm")}}
-TRIED_HERE = [name for name in VALUES if name not in ("grid_to_reference", "bone_sigma_voxels", "bone_belief", "method")]
 
 
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
-@pytest.mark.parametrize(
-    "name", [name for name in VALUES if name not in ("grid_to_reference", "bone_sigma_voxels", "bone_belief", "method")]
-)
+@pytest.mark.parametrize("name", sorted({*VALUES} - {"grid_to_reference", "bone_sigma_voxels", "bone_belief", "method"}))
 def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, patient):
     one, other, beside = VALUES[name]
     method = SOME_METHODS.get(name, ("average",))[-1]
