@@ -97,6 +97,39 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertEqual(self.clicks, 3)
         np.testing.assert_allclose(tinyScene.worldOf(self.parameters.bone)[:3, 3], tinyScene.CT_TO_WORLD[:3, 3], atol=4.0)
 
+    def test_files_in_any_order_end_in_the_same_scene(self):
+        from AIFReconLib import write_sequence
+        from AIFReconLib.geometry.transform_graph import TransformName
+        from AIFReconLib.sweep.frames import FrameRecord
+
+        ct, _bone, registration = tinyScene.addCT()
+        place = tinyScene.matrixOf(registration)
+        sequence, image, probe = tinyScene.makeSequence(), TransformName("Image", "Reference"), TransformName("Probe", "Reference")
+        calibration, poses = np.diag([*tinyScene.PIXEL, 0.45, 1.0]), [each.transforms[image] for each in sequence.records]
+        rigid = [replace(pose, matrix=pose.matrix @ np.linalg.inv(calibration)) for pose in poses]
+        records = [FrameRecord(each.timestamp, transforms={probe: pose}) for each, pose in zip(sequence.records, rigid)]
+        with tempfile.TemporaryDirectory() as folder:
+            paths = [pathlib.Path(folder) / name for name in ("place.tfm", "CT.nrrd", "sweep.igs.mha", "calibration.xml")]
+            for node, path, kind in ((registration, paths[0], "Transform"), (ct, paths[1], "NRRD")):
+                storage = slicer.mrmlScene.AddNewNodeByClass(f"vtkMRML{kind}StorageNode")
+                storage.SetFileName(str(path))
+                self.assertTrue(storage.WriteData(node), path)
+            write_sequence(replace(sequence, records=records), paths[2])
+            matrix = " ".join(map(str, calibration.ravel()))
+            paths[3].write_text(
+                "<PlusConfiguration><CoordinateDefinitions>"
+                f'<Transform From="Image" To="Probe" Matrix="{matrix}" /></CoordinateDefinitions></PlusConfiguration>'
+            )
+            slicer.mrmlScene.Clear()
+            self.parameters = self.widget._parameterNode
+            said = [self.widget.logic.openFiles(self.parameters, [path]) for path in paths]
+        self.assertEqual(said[0], "Opened place.tfm. place is taken for the place of the CT that is opened next.")
+        self.assertEqual(said[1], "Opened CT.nrrd. The CT lies where place says.")
+        self.assertEqual(said[3], "Opened calibration.xml. The recording was read again with this calibration.")
+        np.testing.assert_allclose(tinyScene.matrixOf(self.parameters.ctVolume.GetParentTransformNode()), place, atol=1e-6)
+        self.assertEqual(slicer.mrmlScene.GetNumberOfNodesByClass("vtkMRMLSequenceBrowserNode"), 1)
+        self.assertIn("11 of 12 frames", self.widget.logic.describeSweep(self.parameters))
+
     def test_a_file_of_labels_becomes_segments_in_the_same_voxels(self):
         from AIFReconScene.inputs.boneNodes import labelsFromNode
 

@@ -12,10 +12,13 @@ from AIFReconLib.progress import part, report
 from AIFReconLib.worker.recordings import CONFIGURATION, PREDICTIONS, RECORDING, SEGMENTATION, TRANSFORM, VOLUME, kind_of
 
 from ..inputs.boneSource import BoneSource
-from ..sceneNodes import addedTogether, freeName, removeNodes
+from ..sceneNodes import addedTogether, freeName, proxiesOf, removeNodes, sequencesOf
 from ..transforms import ijkToRAS
 from ..work import inWorker
 from .segments import addSegments
+
+WAITS = "AIFRecon.PlaceOfCT"
+"""Of a transform that was opened before a CT."""
 
 MOST_LABELS = 64
 """A volume of so few whole numbers from 0 to 255 is a labelmap; a CT has hundreds."""
@@ -36,6 +39,9 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
     ``loadRecording(parameters, progress)`` reads the recording that the parameters name.
     """
     kinds = [(inWorker(kind_of, path), path) for path in paths]
+    before = parameters.sweep if isReadAnew(parameters, [kind for kind, _path in kinds]) else None
+    if before is not None:
+        kinds.append((RECORDING, parameters.recordingPath))
     ordered = [(kind, path) for wanted in ORDER for kind, path in kinds if kind == wanted]
     sweeps = []
     with openedTogether(parameters):
@@ -52,7 +58,33 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
                 _openOther(parameters, kind, path, share)
         if sweeps:
             parameters.sweep, parameters.otherSweeps = sweeps[0], sweeps[1:]
-    return _("Opened {names}.").format(names=", ".join(path.name for path in paths))
+        lies = _placeCT(parameters)
+    done = [_("Opened {names}.").format(names=", ".join(path.name for path in paths)), *lies]
+    if before is not None:
+        name = before.GetName()
+        removeNodes([*sequencesOf(before), *proxiesOf(before), before])
+        parameters.sweep.SetName(name)
+        done.append(_("The recording was read again with this calibration."))
+    return " ".join(done)
+
+
+def isReadAnew(parameters, kinds) -> bool:
+    """Whether what is opened is a calibration of the recording that was opened before."""
+    return CONFIGURATION in kinds and RECORDING not in kinds and parameters.sweep is not None and parameters.recordingPath.is_file()
+
+
+def _placeCT(parameters) -> list[str]:
+    """Lay CT and bone below a transform that was opened before them; what is said of it."""
+    waiting = [node for node in slicer.util.getNodesByClass("vtkMRMLTransformNode") if node.GetAttribute(WAITS)]
+    opened = [node for node in (parameters.ctVolume, parameters.bone) if node is not None]
+    if not waiting or not opened:
+        return [_("{name} is taken for the place of the CT that is opened next.").format(name=waiting[-1].GetName())] if waiting else []
+    for node in opened:
+        if node.GetTransformNodeID() is None:
+            node.SetAndObserveTransformNodeID(waiting[-1].GetID())
+    for node in waiting:
+        node.RemoveAttribute(WAITS)
+    return [_("The CT lies where {name} says.").format(name=waiting[-1].GetName())]
 
 
 @contextlib.contextmanager
@@ -86,9 +118,11 @@ def _openOther(parameters, kind: str, path, progress) -> None:
         parameters.bone = _read("vtkMRMLSegmentationNode", "vtkMRMLSegmentationStorageNode", path)
     elif kind == TRANSFORM:
         above = _read("vtkMRMLTransformNode", "vtkMRMLTransformStorageNode", path)
-        for node in (parameters.ctVolume, parameters.bone):
-            if node is not None:
-                node.SetAndObserveTransformNodeID(above.GetID())
+        placed = [node for node in (parameters.ctVolume, parameters.bone) if node is not None]
+        for node in placed:
+            node.SetAndObserveTransformNodeID(above.GetID())
+        if not placed:
+            above.SetAttribute(WAITS, "1")
     else:
         node = openVolume(path, progress)
         setattr(parameters, "bone" if node.IsA("vtkMRMLSegmentationNode") else "ctVolume", node)
