@@ -269,6 +269,8 @@ class AIFReconGuidanceTest(unittest.TestCase):
         self.playUntil(self.colored)
         self.ui.liveStopButton.click()
         self.assertTrue(self.colored())
+        slicer.app.processEvents()
+        self.assertEqual(self.ui.guidanceMoveLabel.text, "Look at the picture, or press Start")
         self.setBox(False)
         self.assertTrue(waitFor(lambda: not self.own()), self.own())
 

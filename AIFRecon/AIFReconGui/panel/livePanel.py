@@ -41,7 +41,7 @@ class LivePanel(PanelPart):
 
     def __init__(self, ui, work, refresh, paths):
         super().__init__(ui, work, refresh)
-        self._live, self._paths = None, paths
+        self._live, self._paths, self._hasScanned = None, paths, False
         self.recorded: list = []  #: The files of the scan that has ended
         self._missing = self._advised = ""
         self._shownID = self._words = None
@@ -119,8 +119,7 @@ class LivePanel(PanelPart):
         for button in (ui.livePauseButton, ui.liveResetButton, ui.liveStopButton):
             button.enabled = running
         ui.liveUseBoxButton.enabled = running and self._live.seen.is_scouting
-        if not running:
-            self._showMove(self._advised or missing or _("Press Start"))
+        self.advise(self._advised)
 
     # ---- buttons
 
@@ -177,7 +176,7 @@ class LivePanel(PanelPart):
 
     def close(self, sceneStays: bool = False) -> None:
         """End the scan without showing anything more: the scene, the panel or the application is being closed."""
-        live, self._live = self._live, None
+        live, self._live, self._hasScanned = self._live, None, False
         self._looking.stop()
         if live is not None:
             live.abandon()
@@ -189,7 +188,7 @@ class LivePanel(PanelPart):
     def _start(self, parameters, progress) -> str:
         from AIFReconScene.live.liveReconstruction import LiveReconstruction
 
-        self._shownID = self._words = None
+        self._shownID, self._words, self._hasScanned = None, None, False
         self.recorded, self._ui.liveRebuildButton.visible = [], False
         self._sized = self._counted = 0.0
         self._live = LiveReconstruction(parameters, progress, recordingPath(parameters), self._paths.unseen)
@@ -210,7 +209,8 @@ class LivePanel(PanelPart):
         finally:
             self._showState(_("stopped"), GRAY)
             self._say("")
-            self._showMove(_("Look at the picture, or press Start"))
+            self._hasScanned = True
+            self.advise("")
         if live.volumeNode is not None:
             parameters.output = live.volumeNode
             if ended is not None and ended.result is not None:
@@ -260,7 +260,9 @@ class LivePanel(PanelPart):
         """What guidance says to do next; empty: nothing."""
         self._advised = text
         if not self.isRunning:
-            self._showMove(text or self._missing or _("Press Start"))
+            # No order to move the probe outlasts the scan
+            ended = _("Look at the picture, or press Start") if self._hasScanned else ""
+            self._showMove(ended or text or self._missing or _("Press Start"))
 
     def _showMove(self, text: str) -> None:
         label = self._ui.guidanceMoveLabel
