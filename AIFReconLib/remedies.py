@@ -16,8 +16,8 @@ CALIBRATE_NOW = "Write a better one with {calibrate} on this sweep, and give tha
 CALIBRATE = "See {calibrate}, or repeat the calibration."
 CHECK_IN_PLACE = "See {calibrate}, which tells of a delay and of a wrong axis, too; {motion:auto} takes the patient's motion out."
 SCAN_AGAIN = (
-    "Check first that the poses are of the tool on the probe, and that images and poses are in step ({time_offset}). If they are, scan the "
-    "same bone from more angles."
+    "Check first that the poses are of the tool on the probe, that images and poses are in step ({time_offset}), and that a pixel has its "
+    "true size (the depth). If so, scan the same bone from more angles."
 )
 MISSING_LINK = "Give the missing link with {config:PlusDeviceSet.xml}."
 CALIBRATION_FILE = "Give it with {config:PlusDeviceSet.xml} or {calibration:FILE}."

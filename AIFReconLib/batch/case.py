@@ -23,7 +23,7 @@ from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputErro
 from ..evaluation.figures import require_matplotlib
 from ..evaluation.metrics import evaluate
 from ..evaluation.preview import preview
-from ..evaluation.quantities import OTHER_BONE, OWN_BONE
+from ..evaluation.quantities import OTHER_BONE, OWN_BONE, hardly_shown
 from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
@@ -289,6 +289,8 @@ class _Work:
         if truth is not None:
             with _noted(notes, GeometryError):
                 metrics = evaluate(result.intensity, truth, result.mask)
+                if (doubt := hardly_shown([metrics])) and method_named(result.method).needs_bone:
+                    notes.append(doubt)
                 if metrics.bone.area:
                     return {name: None if value != value else float(value) for name, value in metrics.to_dict().items()}
                 notes.append("No bone surface that the sweep reaches lies where it was measured.")

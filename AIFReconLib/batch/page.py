@@ -63,6 +63,9 @@ WIDTH, SIDE = 320.0, 3.0
 OF_CASE = ("sweep_", "registration_")
 """How the names of numbers begin that all methods of a case share."""
 
+WARNING = "WARNING"
+"""In the notes of a case that is done and doubtful."""
+
 TEMPLATE = Path(__file__).with_name("page.html")
 
 
@@ -79,6 +82,7 @@ def page(title: str, table: DataFrame) -> str:
         style=STYLE,
         counts={state: count for state, count in states.items() if count or state == DONE},
         failures=of_cases[of_cases["message"] != ""].to_dict("records"),
+        doubts=table[[WARNING in str(notes) for notes in table["notes"]]].drop_duplicates("case").to_dict("records"),
         drawn=[(number, plot) for number, plot in plots if plot["rows"]],
         rows=table.astype(object).where(table.notna(), None).to_dict("records"),
         numbers=numbers,

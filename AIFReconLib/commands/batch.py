@@ -12,7 +12,7 @@ from ..batch.cohort import Cohort, duration
 from ..batch.columns import Columns
 from ..batch.engine import cluster_at, local_workers, require
 from ..batch.memory import shared_out
-from ..batch.page import PAGE, page
+from ..batch.page import PAGE, WARNING, page
 from ..batch.place import require_place
 from ..batch.records import DONE, FAILED, LOST
 from ..batch.results import results_table, write_tables
@@ -152,7 +152,7 @@ def _tell(cohort: Cohort) -> int:
         print(f"  {record.case}: {record.state}: {record.message}")
     if len(bad) > MOST_SHOWN:
         print(f"  and {len(bad) - MOST_SHOWN} more, in results.csv")
-    doubtful = {record.case: row["notes"] for record in cohort.records.values() for row in record.results if "WARNING" in str(row["notes"])}
+    doubtful = {record.case: row["notes"] for record in cohort.records.values() for row in record.results if WARNING in str(row["notes"])}
     for case, notes in list(doubtful.items())[:MOST_SHOWN]:
         print(f"  {case}: {notes}")
     return 1 if bad else 0

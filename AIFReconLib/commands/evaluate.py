@@ -12,7 +12,7 @@ from ..errors import SettingsError
 from ..evaluation.cases import FEW, LEVEL, CaseNumbers
 from ..evaluation.figures import ComparisonFigure, require_matplotlib, within_spinous_process
 from ..evaluation.paragraph import methods_paragraph, unlike_settings
-from ..evaluation.quantities import BoneMetrics, achieved, metrics_csv, table, what_counted
+from ..evaluation.quantities import BoneMetrics, achieved, hardly_shown, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams
 from ..io.disk.atomic import write_text
@@ -131,6 +131,7 @@ def run(asked: EvaluateOptions) -> None:
     if mask is None:
         print("  Measured where a volume is not 0. batch and the panel measure where frames entered or gaps were filled, as with --mask.")
     doubts = unlike_inputs(found.headers, [*labels_inputs(asked), asked.bone_transform, *asked.sweep])
+    doubts += [doubt for doubt in [hardly_shown(results.values())] if doubt]
     for line in (*doubts, *map(in_options, given.notes), *(f"wrote {path}" for path in outputs)):
         print(f"  {line}")
 

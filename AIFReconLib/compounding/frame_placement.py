@@ -26,7 +26,7 @@ KINDS: dict[str, tuple[type, str]] = {
     "recipe": (Recipe, "Write Recipe(method=..., spacing=...)."),
     "bone": (
         BoneMap,
-        "Make one: BoneMap.from_labels(labels), BoneMap.from_probability(probability), or bone_from_masks(sequence, masks) of frames.",
+        "Make one: LabeledBone(Volume(labels, ijk_to_reference)), BoneMap.from_probability(volume), or bone_from_masks(sequence, masks).",
     ),
     "grid": (VoxelGrid, "A Volume has one: volume.grid; else VoxelGrid.from_spacing(origin, size, spacing)."),
     "region": (ImageRegion, "Make one: ImageRegion(ClipRectangle((x, y), (width, height)), Fan(apex, angles, radii))."),

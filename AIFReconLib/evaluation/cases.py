@@ -80,6 +80,9 @@ class CaseNumbers:
         same = "WARNING: {} of {} has the same numbers as that of {}. Are these two patients?"
         self.notes.extend(same.format(volume, case, other) for other in alike)
         known[case] = numbers
+        doubt = f"{case}: {row.get('notes')}"
+        if "WARNING" in doubt and doubt not in self.notes:
+            self.notes.append(doubt)
         self.volumes.setdefault(volume, {})[case] = path.parent / row["volume"]
         self.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
 

@@ -14,7 +14,7 @@ from ..message import listed
 from ..provenance.record import made_by
 from ..recipe.recipe import AUTOMATIC, RULES
 from .cases import DRAWS, FEW, LEVEL
-from .quantities import HEADINGS, QUANTITIES
+from .quantities import HEADINGS, OBLIQUE, QUANTITIES
 
 OF_THE_PAPER = ("aif", "aif-compensated")
 """Methods that `CITATION` is of."""
@@ -23,7 +23,8 @@ CITATION = (
     "B. Jiang, K. Xu, A. Moghekar, P. Kazanzides and E. Boctor, Insonification Angle-based Ultrasound Volume Reconstruction for Spine "
     "Intervention."
 )
-ITSELF = f"The AIFRecon contributors, AIFRecon {__version__}: insonification-angle-based ultrasound volume reconstruction, BSD-3-Clause."
+PROGRAM = f"AIFRecon {__version__}"
+ITSELF = f"The AIFRecon contributors, {PROGRAM}: insonification-angle-based ultrasound volume reconstruction, BSD-3-Clause."
 
 OVER_CASES = (
     f"Numbers are mean and standard deviation over {{}} cases; differences are paired, with {LEVEL:.0%} confidence intervals by the "
@@ -97,10 +98,11 @@ def methods_paragraph(made: Mapping[str, Mapping[str, object]], measured: str, o
     unknown = listed(name for name, settings in made.items() if not settings)
     definitions = {QUANTITIES[key].label: QUANTITIES[key].definition for key in HEADINGS}
     parts = [
-        f"Volumes were reconstructed from tracked 2D ultrasound with AIFRecon {__version__} [1]: {known}." if known else "",
+        f"Volumes were reconstructed from tracked 2D ultrasound with {PROGRAM} [1], which follows [2]: {known}." if known else "",
         f"How {unknown} was made is not known." if unknown else "",
         measured,
         *(f"{label}: {definition}" for label, definition in definitions.items()),
+        f"{OBLIQUE[:1].upper()}{OBLIQUE[1:]}.",
         f"The bone that {listed(own_bone)} was measured against had weighted its frames." if own_bone else "",
         OVER_CASES.format(cases, TOO_NARROW if cases < FEW else "") if cases > 1 else "",
     ]

@@ -234,12 +234,24 @@ def what_counted(result: BoneMetrics, frames: int | None) -> str:
     )
 
 
+HARDLY = 0.15
+"""Share of the bone, shown by the best volume, below which it is hardly that of the volumes: of plain averages it is 0.3 and more."""
+
+OBLIQUE = "oblique: bone that beams hit at more than 45 degrees at best"
 IN_WORDS = (
     "CNR, contrast-to-noise ratio: by how many standard deviations bone is brighter than the tissue before it",
-    "oblique: bone that beams hit at more than 45 degrees at best",
+    OBLIQUE,
     "coverage: share of the bone in reach that stands out from the tissue before it",
 )
 """What the lines of a terminal's table mean."""
+
+
+def hardly_shown(metrics: Iterable[BoneMetrics]) -> str | None:
+    """A sentence where none of the volumes shows more than a little of the bone that they are measured against."""
+    best = max((result.bone.coverage for result in metrics), default=math.nan)
+    if not best < HARDLY:
+        return None
+    return f"WARNING: Hardly any of this bone is seen ({best:.0%}). Is it of another patient, or does it lie elsewhere?"
 
 
 def achieved(metrics: dict[str, BoneMetrics], frames: int | None, against: str = "average") -> str:

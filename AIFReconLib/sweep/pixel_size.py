@@ -48,8 +48,8 @@ def implausible_places(middles: Floats, numbers: Integers) -> str | None:
             astray[fewer] |= len(fewer) <= max(FEW * len(middles), 1)
     if not astray.any() or len(middles) <= 5:
         return None
-    which = listed(numbers[astray][:10])
-    return f"Frames {which} lie more than {ASTRAY:g} mm off all others: their poses are probably wrong. Leave them out, or ask the tracker."
+    which = f"Frame {numbers[astray][0]} lies" if astray.sum() == 1 else f"Frames {listed(numbers[astray][:10])} lie"
+    return f"{which} more than {ASTRAY:g} mm off all others: by a wrong pose, probably. Leave out what the tracker did not see well."
 
 
 def implausible_size(image_to_mm: Matrix, frame_size: tuple[int, int]) -> str | None:

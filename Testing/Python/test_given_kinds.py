@@ -46,7 +46,7 @@ LABELS = library.Volume(np.pad(np.ones((1, 1, 1), np.uint8), 1), np.eye(4))
         (lambda: library.reconstruct(SEQUENCE, "weighted"), r"Input recipe must be Recipe; got 'weighted'. Write"),
         (
             lambda: library.reconstruct(SEQUENCE, bone="lumbar.nrrd"),
-            r"Input bone must be BoneMap; got 'lumbar.nrrd'. Make one: BoneMap.from",
+            r"Input bone must be BoneMap; got 'lumbar.nrrd'. Make one: LabeledBone",
         ),
         (lambda: library.reconstruct(SEQUENCE, grid=LABELS), r"Input grid must be VoxelGrid; got Volume of shape .*volume.grid"),
         (lambda: library.Reconstructor(turned_grid(), probe="linear"), r"Input probe must be ProbeGeometry; got 'linear'"),

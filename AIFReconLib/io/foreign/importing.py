@@ -151,14 +151,16 @@ def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[fl
     if apart and len(from_zero) > 1 and not (len(taken) == len(poses.times) and _in_step(poses.times, taken)):
         told = f"note: images and poses count from different moments; the images were taken to begin {offset:g} s after the poses."
         return first - begin, [Sentence(told, TIME_OFFSET)]
-    if from_zero != {True} or offset:
+    if from_zero != {True}:
         return 0.0, []
     told = "note: images and poses both count from 0, and were taken to begin at one moment."
+    if offset:
+        told = f"note: the images were taken to begin {offset:g} s after the poses."
     moves, changes = _first_motion(poses), _first_change(images)
-    if moves is not None and changes is not None and abs(moves - changes) > IN_STEP:
+    if moves is not None and changes is not None and abs(moves - changes - offset) > IN_STEP:
         told += f" The tool begins to move at {moves:.2f} s, and the images to change at {changes:.2f} s."
         return 0.0, [Sentence(told, SAME_MOVEMENT, offset=f"{moves - changes:.2f}")]
-    return 0.0, [Sentence(told, TIME_OFFSET)]
+    return 0.0, [] if offset else [Sentence(told, TIME_OFFSET)]
 
 
 def _first_motion(poses: PoseTable) -> float | None:

@@ -205,6 +205,9 @@ def test_a_batch_says_which_case_s_ct_does_not_lie_on_the_sweep(patient, tmp_pat
     said = capsys.readouterr().out
     assert "  wrong: CT and sweep do not agree" in said
     assert "  right: " not in said
+    assert "doubtful" in (tmp_path / "results" / "index.html").read_text("utf-8").partition("</style>")[2]
+    assert main(["evaluate", str(tmp_path / "results" / "results.csv")]) == 0
+    assert "  wrong: CT and sweep do not agree" in capsys.readouterr().out
     with (tmp_path / "results" / "results.csv").open(encoding="utf-8") as file:
         found = {(row["case"], row["method"]): row for row in csv.DictReader(file)}
     assert all("WARNING: The CT is probably not where the bone is" in found["wrong", method]["notes"] for method in ("average", "weighted"))

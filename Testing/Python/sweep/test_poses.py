@@ -353,5 +353,5 @@ def test_frames_that_lie_far_off_all_others_are_told(few, told):
     poses[:, 2, 3] = np.arange(100)
     poses[40 : 40 + few, 1, 3] = -300.0
     notes = sweep_poses(TrackedSequence.from_arrays(np.zeros((100, 30, 40), np.uint8), poses)).notes
-    which = ", ".join(map(str, range(40, 40 + few)))
-    assert [f"WARNING: Frames {which} lie more than 50 mm off all others" in note for note in notes] == [True] * told
+    which = "Frame 40 lies" if few == 1 else "Frames 40, 41 lie"
+    assert [f"WARNING: {which} more than 50 mm off all others" in note for note in notes] == [True] * told
