@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 from ..bone.echoes.found import FEWEST
 from ..message import Sentence, listed, said
-from ..motion.motion import CANNOT_TELL
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
@@ -21,6 +20,8 @@ if TYPE_CHECKING:
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
 """Shares of the frames that were used. With one in ten missing a sweep is whole where its frames overlap; with half of them gone
 what is reconstructed is not what was scanned, and nobody knows what lay in between."""
+
+CANNOT_TELL = "this sweep cannot tell whether the patient moved: that takes passes over the same bone"
 
 FAST = 60.0
 """mm/s, of the probe in the median. A lumbar sweep moves at 10 to 60; at 20 frames per second, 60 leaves 3 mm from frame to frame, the

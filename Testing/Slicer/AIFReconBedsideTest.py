@@ -6,6 +6,7 @@ import tempfile
 import unittest
 import unittest.mock
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import slicer
@@ -62,8 +63,12 @@ class AIFReconBedsideTest(unittest.TestCase):
     # ---- clicks
 
     def test_the_sample_patient_is_one_click_away_from_an_empty_scene(self):
+        from AIFReconScene.volumes import phantomSample
+
         self.parameters.spacing = 2.0
-        self.click(self.ui.sampleButton)
+        small = partial(phantomSample.loadPhantom, frames=FRAMES)
+        with unittest.mock.patch.object(phantomSample, "loadPhantom", small):
+            self.click(self.ui.sampleButton)
         self.assertPicture()
         self.assertEqual(self.clicks, 1)
         self.assertEqual(self.levels()[1], "good")

@@ -11,11 +11,11 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import liveSceneSoak
 
-FRAMES = 600
+FRAMES = 400
 
 
 class AIFReconLiveSoakTest(unittest.TestCase):
-    """Half a simulated minute; `python Testing/soak scene` does as many as asked."""
+    """A third of a simulated minute; `python Testing/soak scene` does as many as asked."""
 
     def setUp(self):
         slicer.mrmlScene.Clear()

@@ -14,8 +14,8 @@ import tinyScene
 from AIFReconLiveTest import waitFor
 from simulatedPatient import addPatient
 
-FRAMES = 90
-"""Of the sweep: ten at each of nine angles."""
+FRAMES = 63
+"""Of the sweep: seven at each of nine angles."""
 
 
 class AIFReconPathsTest(unittest.TestCase):
@@ -63,6 +63,17 @@ class AIFReconPathsTest(unittest.TestCase):
         sweep, volume = sequenceFromBrowser(self.nodes.browser), volumeOf(self.parameters.output)
         return free_paths(volume, target, sweep, bone, place, mask=result.mask, score=result.score)
 
+    def target(self):
+        """Where the canal is between the first two levels, as the nodes are."""
+        from AIFReconScene.inputs.boneNodes import labelsFromNode
+
+        from AIFReconLib.bone.canal import canal_between
+        from AIFReconLib.geometry.labels import Labels
+
+        labels = labelsFromNode(self.nodes.segmentation, world=False)
+        place = tinyScene.worldOf(self.nodes.segmentation)
+        return canal_between(Labels(labels.array, labels.ijk_to_reference), "1-2", place)
+
     def words(self, found, entry, end) -> str:
         """What the panel says of a line."""
         clearance, seen = found.along(entry, end)
@@ -93,7 +104,7 @@ class AIFReconPathsTest(unittest.TestCase):
 
     # ---- what is found
 
-    def test_lines_and_map_are_those_that_the_library_finds(self):
+    def test_lines_and_map_are_those_that_the_library_finds_and_the_number_follows_a_line_that_is_dragged(self):
         self.assertFalse(self.ui.pathsCollapsibleButton.visible)
         said, found = self.find(), self.expected()
         self.assertGreater(len(found.windows), 1)
@@ -105,21 +116,19 @@ class AIFReconPathsTest(unittest.TestCase):
         np.testing.assert_array_equal(slicer.util.arrayFromModelPointData(skin, "Best line from here"), found.states)
         self.assertGreater(skin.GetPolyData().GetNumberOfPolys(), 100)
         self.assertTrue(skin.GetDisplayNode().GetScalarVisibility())
+        np.testing.assert_allclose(self.paths.unseen, found.unseen, atol=1e-3)
         self.assertIn(self.words(found, *self.points()), said)
         self.assertIn("CT and volume agree", said)
         self.assertIn("not for guiding a needle", self.ui.pathsResearchLabel.text)
         self.assertTrue(self.ui.pathsResearchLabel.visible)
         self.assertIn("not&nbsp;seen", self.ui.pathColorsLabel.text)
-
-    def test_the_number_follows_a_line_that_is_dragged(self):
-        self.find()
-        found, node = self.expected(), slicer.util.getNode("Path 1")
+        node = slicer.util.getNode("Path 1")
         for step in ((0.0, 0.0, 6.0), (9.0, 0.0, 2.0), (-20.0, 4.0, 0.0)):
             node.SetNthControlPointPositionWorld(0, *(self.points()[0] + step))
             expected = self.words(found, *self.points())
             self.assertTrue(waitFor(lambda expected=expected: expected in self.ui.pathsLabel.text), (expected, self.ui.pathsLabel.text))
 
-    def test_another_line_is_shown_with_the_slices_along_and_across_it(self):
+    def test_another_line_is_shown_with_the_slices_along_and_across_it_until_the_scene_is_closed(self):
         self.find()
         for number, name in enumerate(("Path 1", "Path 2")):
             if number:
@@ -134,11 +143,13 @@ class AIFReconPathsTest(unittest.TestCase):
             for plane in (red, yellow):
                 np.testing.assert_allclose(plane[:3, 3], (entry + end) / 2, atol=1e-6)
                 self.assertAlmostEqual(np.linalg.det(plane[:3, :3]), 1.0)
+        slicer.mrmlScene.Clear()
+        self.assertEqual(self.ui.pathsLabel.text, "")
 
     def test_a_ct_that_does_not_lie_on_the_sweep_is_said_and_not_believed(self):
         self.ui.applyButton.click()
         tinyScene.setMatrix(self.nodes.ctToReference, tinyScene.moved(0.0, 15.0, 8.0) @ tinyScene.worldOf(self.nodes.segmentation))
-        self.addPoint(*self.expected().target)
+        self.addPoint(*self.target())
         said = self.find()
         self.assertIn("the CT does not lie on the volume's bone", said)
         self.assertIn("no lower bound is promised. Find the place of the CT with “Place CT on sweep”.", said)
@@ -147,7 +158,6 @@ class AIFReconPathsTest(unittest.TestCase):
 
     def test_the_next_move_leads_to_windows_that_were_not_seen(self):
         self.find()
-        np.testing.assert_allclose(self.paths.unseen, self.expected().unseen, atol=1e-3)
         self.ui.guidanceCheckBox.click()
         self.assertTrue(waitFor(lambda: "looks where paths were not seen" in self.ui.guidanceLabel.text), self.ui.guidanceLabel.text)
         self.ui.pathTargetComboBox.currentIndex = 1
@@ -170,9 +180,6 @@ class AIFReconPathsTest(unittest.TestCase):
             self.assertFalse(any(node.GetDisplayVisibility() for node in shown))
             self.assertFalse(self.ui.pathsComboBox.visible)
             tinyScene.setMatrix(self.nodes.ctToReference, self.nodes_place())
-        self.find()
-        slicer.mrmlScene.Clear()
-        self.assertEqual(self.ui.pathsLabel.text, "")
 
     def nodes_place(self):
         """Where the simulated CT lies."""
@@ -244,7 +251,7 @@ class AIFReconPathsTest(unittest.TestCase):
         self.assertEqual(logic.GetSelectionNode().GetActivePlaceNodeID(), node.GetID())
         self.assertEqual(logic.GetInteractionNode().GetCurrentInteractionMode(), slicer.vtkMRMLInteractionNode.Place)
         logic.GetInteractionNode().SetCurrentInteractionMode(slicer.vtkMRMLInteractionNode.ViewTransform)
-        node.AddControlPoint(*self.expected().target)
+        node.AddControlPoint(*self.target())
         self.assertIn("mm deep", self.find())
 
     def test_a_target_out_of_reach_is_one_sentence(self):
@@ -256,11 +263,7 @@ class AIFReconPathsTest(unittest.TestCase):
         self.assertEqual((self.ui.pathsLabel.text, self.made()), ("", []))
 
     def test_no_path_at_all_is_one_sentence(self):
-        from dataclasses import replace
-
-        from AIFReconScene.picture import freePaths
-        from AIFReconScene.work import inWorker
-
-        with mock.patch.object(freePaths, "inWorker", lambda *asked: replace(inWorker(*asked), lines=(), notes=())):
-            self.assertEqual(self.find(), "No line from the skin reaches the target past bone.")
+        # So coarse that half a voxel is more than any line is clear of bone
+        self.parameters.spacing = 2.5
+        self.assertEqual(self.find().splitlines()[0], "No line from the skin reaches the target past bone.")
         self.assertEqual(self.made(), ["Free paths on the skin"])

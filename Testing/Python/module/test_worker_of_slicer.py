@@ -20,12 +20,16 @@ from host import runHost
 host = runHost()
 host.start("AIFRecon/AIFRecon.py")
 widget = host.open("AIFRecon")
-import pathlib, qt, slicer
+import functools, pathlib, qt, slicer
+from unittest import mock
 from AIFReconScene.work import worker
+from AIFReconScene.volumes import phantomSample
 from AIFReconScene.volumes.volumeNodes import saveSettings
 
 ui, parameters = widget.ui, widget._parameterNode
-ui.sampleButton.click()
+parameters.spacing = 2.0
+with mock.patch.object(phantomSample, "loadPhantom", functools.partial(phantomSample.loadPhantom, frames=27)):
+    ui.sampleButton.click()
 assert parameters.output is not None, host.dialogs.messages()
 while widget._recorded.lights.isLooking:
     slicer.app.processEvents()
