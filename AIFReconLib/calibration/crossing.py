@@ -184,7 +184,7 @@ def _begun(echoes: ImagedEchoes, progress: Progress | None) -> tuple[Correction,
         ends.append((_cost(echoes.corrected(by)), axes, by))
     least, axes, best = min(ends, key=lambda end: end[0])
     if axes:
-        words = f"Echoes of other angles lie closer when {axes} to the opposite side. Look at the marker's axes, and whether images are mirrored."
+        words = f"Echoes of other angles lie closer when {axes} to the opposite side. Look at the marker's axes; are the images mirrored?"
         return best, Sentence(words, "Correct it, and write the start anew.")
     apart = [_apart(echoes, best, by) for cost, _, by in ends if cost < AS_GOOD * least]
     if max(apart) > ELSEWHERE:
