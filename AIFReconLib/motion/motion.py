@@ -44,9 +44,10 @@ FAR, SEEN_TWICE, SHARE = 6.0, 0.2, 0.03
 GAIN, LEAST = 0.85, 0.5
 """Part of their distance that echoes may keep which had no say, and mm (root mean square) that a motion must have, to be applied."""
 
-CLOSE, CLOSE_TO_BONE = 1.1, 0.5
-"""mm that the worst pass may lie off the others afterwards, and off the CT's bone: 0.4 to 0.6 and 0.2 to 0.3 where a motion is right. Where
-passes have few frames nothing comes so close, and without a CT nothing is done."""
+CLOSE, CLOSE_TO_BONE, LAID_ON_BONE = 1.1, 0.5, 0.7
+"""mm that the worst pass may lie off the others afterwards, and off the CT's bone: 0.4 to 0.6 and 0.2 to 0.3 where a motion is right, and
+up to 0.5 where passes were laid on each other first; one that was laid beside its CT is 2.6 mm off. Where passes have few frames nothing
+comes so close, and without a CT nothing is done."""
 
 COMMON = 5.0
 """mm that all frames together may be moved onto a CT. Beyond, it is the CT that is off."""
@@ -64,7 +65,7 @@ PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 
 LOOSE, HALF, HINDERS = 0.7, 0.5, 1.1
 """mm to which the echoes of a pass must hold it along a direction, else it stays there; the share of an axis that is named for it; and by
-how much farther off each other passes that stay there may lie, by frames that had no say: farther, and they have moved along it."""
+how much farther off each other passes that stay there may lie without a CT, by frames that had no say: farther, and they moved."""
 
 AXES = ("x", "y", "z")
 """Of Reference: how the patient lies to a tracker nobody knows."""
@@ -172,7 +173,7 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
     half, information = solved(echoes[tried], rest, bone, progress=part(progress, 0.0, 0.5))
     if (loose := _loose(half, information)).any():
         held, _ = solved(echoes[tried], rest, bone, loose, progress=part(progress, 0.5, 0.7))
-        if apart(asked, held, bone) > HINDERS * apart(asked, half, bone):
+        if bone is None and apart(asked, held) > HINDERS * apart(asked, half):
             loose[:] = 0.0
         else:
             half = held
@@ -196,7 +197,7 @@ def _by_echoes_first(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace, pro
         return found
     laid = found.curve.then(onto_bone(found.echoes, passes, bone))
     curve = _in_the_middle(solved(echoes, laid, bone, stages=FINE)[0], echoes, bone)
-    if off_the_bone(echoes, curve, bone) > CLOSE_TO_BONE or apart(echoes, curve) > max(CLOSE, found.after):
+    if off_the_bone(echoes, curve, bone) > LAID_ON_BONE or apart(echoes, curve) > max(CLOSE, found.after):
         return found
     return replace(found, curve=curve, echoes=curve.moved(echoes))
 
