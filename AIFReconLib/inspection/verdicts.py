@@ -21,8 +21,6 @@ MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
 """Shares of the frames that were used. With one in ten missing a sweep is whole where its frames overlap; with half of them gone
 what is reconstructed is not what was scanned, and nobody knows what lay in between."""
 
-CANNOT_TELL = "this sweep cannot tell whether the patient moved: that takes passes over the same bone"
-
 FAST = 60.0
 """mm/s, of the probe in the median. A lumbar sweep moves at 10 to 60; at 20 frames per second, 60 leaves 3 mm from frame to frame, the
 thickness of the beam, so that beyond it there is bone that no beam crosses. A pose that comes 30 ms late is 2 mm off then."""
@@ -150,6 +148,9 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
 def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
     """How the patient moved, and whether that is out of the volume."""
     if motion is None:
+        # Here, since it computes: nothing of that may be loaded where verdicts are only read
+        from ..motion.motion import CANNOT_TELL
+
         return unknown(CANNOT_TELL)
     if motion.applied:
         found = f"{motion.moved} Passes show the bone {motion.before:.1f} mm apart, {motion.after:.1f} with that taken out."

@@ -60,6 +60,8 @@ UNEXPLAINED = (
 )
 """What contradicts itself without a motion."""
 
+CANNOT_TELL = "this sweep cannot tell whether the patient moved: that takes passes over the same bone"
+
 PERIODS, BREATHES = np.arange(2.0, 8.01, 0.1), 0.6
 """s that a breath may last, and the share of the motion that breathing must explain to be named."""
 

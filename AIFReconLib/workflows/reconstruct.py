@@ -50,10 +50,9 @@ from ..imaging.extent import grid_around_sweep
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor, depth_scale
 from ..inspection.tracking_report import TrackingReport, tracking_report
-from ..inspection.verdicts import CANNOT_TELL
 from ..machine.read_ahead import read_ahead
 from ..machine.threads import usable_cores
-from ..motion.motion import PatientMotion, find_motion, taken_out, with_notes
+from ..motion.motion import CANNOT_TELL, PatientMotion, find_motion, taken_out, with_notes
 from ..motion.solve import BoneInPlace
 from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin

@@ -3,6 +3,7 @@
 import pathlib
 import sys
 import unittest
+from dataclasses import replace
 from unittest import mock
 
 import numpy as np
@@ -54,10 +55,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
         """The patient in the scene, with the wrong sweep; all is chosen. The browser."""
         from AIFReconScene.volumes import phantomSample
 
-        patient = mock.Mock(
-            sweep=sweep or self.wrong, ct=self.patient.ct, labels=self.patient.labels, ct_to_reference=self.patient.ct_to_reference
-        )
-        nodes = phantomSample.addPatient(patient)
+        nodes = phantomSample.addPatient(replace(self.patient, sweep=sweep or self.wrong))
         self.browser, self.ctToReference = nodes.browser, nodes.ctToReference
         self.widget.initializeParameterNode()
         self.parameters.spacing = 2.0
@@ -159,8 +157,6 @@ class AIFReconCalibrationTest(unittest.TestCase):
         self.assertFalse(self.ui.undoCalibrationButton.enabled)
 
     def test_a_calibration_of_the_scene_gets_the_new_matrix(self):
-        from dataclasses import replace
-
         from AIFReconLib.geometry.transform_graph import TransformName
         from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 

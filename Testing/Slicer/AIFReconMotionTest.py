@@ -2,7 +2,6 @@
 
 import unittest
 from dataclasses import replace
-from unittest import mock
 
 import numpy as np
 import slicer
@@ -45,9 +44,7 @@ class AIFReconMotionTest(unittest.TestCase):
         """Add the patient with this sweep, reconstruct, wait for all lights; what that for motion says."""
         from AIFReconScene.volumes import phantomSample
 
-        patient = self.patient
-        given = mock.Mock(sweep=sweep, ct=patient.ct, labels=patient.labels, ct_to_reference=patient.ct_to_reference)
-        phantomSample.addPatient(given)
+        phantomSample.addPatient(replace(self.patient, sweep=sweep))
         self.widget.initializeParameterNode()
         self.parameters.spacing = 3.0
         return self.press()
