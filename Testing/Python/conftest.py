@@ -26,7 +26,7 @@ if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is signal.SIG_I
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
-LONG = ("test_the_self_tests_pass", "test_faults.py", "test_worker_of_slicer.py", "test_fuzz_corpus.py", "test_panel_accessibility.py")
+LONG = ("test_the_self_tests_pass", "test_faults.py", "test_worker_of_slicer.py", "test_fuzz.py", "test_panel_accessibility.py")
 """What takes minutes."""
 
 

@@ -12,44 +12,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 NAMES = [
-    *(
-        "Probe",
-        "Reference",
-        "Stylus",
-        "left",
-        "right",
-        "pos",
-        "rot",
-        "pose",
-        "ref",
-        "tip",
-        "tool",
-        "quat",
-        "tool1",
-        "tool2",
-        "body_1",
-        "body_2",
-    ),
-    *(
-        "left/probe",
-        "right/probe",
-        "rx",
-        "qx",
-        "tx",
-        "az",
-        "m0",
-        "q1",
-        "mm",
-        "us",
-        "0",
-        "1",
-        "2",
-        "3",
-        "10",
-        "12",
-        *"LRABCDEOPQSTUVWXYZMNK",
-    ),
-]
+    "Probe", "Reference", "Stylus", "left", "right", "pos", "rot", "pose", "ref", "tip", "tool", "quat",
+    "tool1", "tool2", "body_1", "body_2", "left/probe", "right/probe", "rx", "qx", "tx", "az", "m0", "q1",
+    "mm", "us", "0", "1", "2", "3", "10", "12", "L", "R", "A", "B", "C", "D", "E", "O", "P", "Q", "S", "T",
+    "U", "V", "W", "X", "Y", "Z", "M", "N", "K",
+]  # fmt: skip
 """Of tools; many are words that mean something of a pose."""
 
 

@@ -1,6 +1,5 @@
-"""Fuzzing: what comes from a file, a network or a command line is damaged on purpose, and only a clear refusal may come out.
+"""Fuzzing: recordings, the texts that belong to them, and a stream of messages are damaged on purpose; only a clear refusal may come out.
 
-`target` says what holds for every input, `*_targets` what is fuzzed, `seeds` gives good inputs, `mutation` damages them, `engines` chooses
-the damage (guided by coverage where atheris is installed, else by hypothesis), `run` shares out the time. `corpus.zip` holds inputs
-that reached something; Testing/Python/tools/test_fuzz_corpus.py runs them on every submission.
+`targets` says what is read and what every input must come to, `damage` how good inputs are damaged, `__main__` shares out the time.
+Compiled readers of foreign images and volumes are left to the guard of the command line (decision 0037).
 """

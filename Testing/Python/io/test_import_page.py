@@ -9,19 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_recordings import CALIBRATION, COUNT, IMAGES, POSES, TO_BASE, TO_MM, Bag, acquisition, bundle, pose
 from test_foreign_images import FRAMES, write_dicom
 from test_pictures_as_shown import ORIENTATION, groups, imagej_stack
-from test_recordings_of_others import CALIBRATION, COUNT, IMAGES, POSES, TO_BASE, TO_MM, Bag, acquisition, pose
 
-TESTING = Path(__file__).resolve().parents[2]
-if str(TESTING) not in sys.path:
-    sys.path.insert(0, str(TESTING))
-from fuzz import foreign_seeds  # noqa: E402
+from AIFReconLib import read_sequence, read_volume
+from AIFReconLib.commands.parser import main
 
-from AIFReconLib import read_sequence, read_volume  # noqa: E402
-from AIFReconLib.commands.parser import main  # noqa: E402
-
-PAGE = (TESTING.parent / "docs" / "import.md").read_text("utf-8")
+PAGE = (Path(__file__).resolve().parents[3] / "docs" / "import.md").read_text("utf-8")
 LINES = {
     name: line for line, name in re.findall(r"`aifrecon ((?:reconstruct|import) (\S+) [^`]*)`", PAGE) if not name.startswith("images.npy")
 }
@@ -68,7 +63,7 @@ def mechanism(folder: Path) -> None:
 WRITERS = {
     "US-Acq_1": lambda folder: acquisition(folder / "US-Acq_1"),
     "sweep.bag": bag,
-    "scene.mrb": lambda folder: (folder / "scene.mrb").write_bytes(foreign_seeds.bundled(foreign_seeds.scenes()[0])),
+    "scene.mrb": lambda folder: bundle(folder / "scene.mrb"),
     "sweep.npz": lambda folder: np.savez(
         folder / "sweep.npz", images=IMAGES, image_to_reference=POSES @ TO_MM, timestamps=np.arange(COUNT) / 20
     ),

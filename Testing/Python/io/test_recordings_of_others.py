@@ -10,8 +10,23 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_recordings import (
+    CALIBRATION,
+    COUNT,
+    IMAGES,
+    POSES,
+    PROBE,
+    ROWS,
+    SPACING,
+    START,
+    TO_BASE,
+    TO_MM,
+    Bag,
+    acquisition,
+    pose,
+    three_rows,
+)
 from scipy.spatial.transform import Rotation
-from sweeps import rigid
 
 from AIFReconLib import read_sequence
 from AIFReconLib.errors import FileFormatError, SequenceFormatError, TransformError
@@ -21,54 +36,11 @@ from AIFReconLib.io.sequence.others.unread import UNREAD
 from AIFReconLib.sweep.configuration import PlusConfiguration
 from AIFReconLib.sweep.poses import sweep_poses
 
-COUNT, ROWS, COLUMNS = 6, 12, 17
-IMAGES = np.random.default_rng(0).integers(0, 256, (COUNT, ROWS, COLUMNS), np.uint8)
-SPACING = (0.2, 0.3)
-TO_MM = np.diag([0.2, 0.3, 0.25, 1.0])
-
-
-def pose(number: float) -> np.ndarray:
-    """Oblique, and smooth in time."""
-    return rigid((10.0 + 2.0 * number, 25.0, -40.0 + number), (3.0 * number, 40.0, -7.0))
-
-
-POSES = np.array([pose(number) for number in range(COUNT)])
-
-# ---- CustusX
-
-
-def three_rows(matrices) -> str:
-    return "".join(" ".join(f"{value:.12g}" for value in row) + "\n" for matrix in matrices for row in matrix[:3])
-
-
-def acquisition(folder: Path, *, frame_poses=True, tool_times=None, spacing=SPACING, probe=None) -> Path:
-    """What CustusX writes: see its US Acquisition Data File Format."""
-    folder.mkdir(exist_ok=True)
-    base = folder / "US-Acq_1_20260101T120000_Probe"
-    for number, image in enumerate(IMAGES):
-        Path(f"{base}_{number}.raw").write_bytes(image.tobytes())
-        Path(f"{base}_{number}.mhd").write_text(
-            f"ObjectType = Image\nNDims = 3\nElementSpacing = {spacing[0]} {spacing[1]} 1\nDimSize = {COLUMNS} {ROWS} 1\n"
-            f"ElementType = MET_UCHAR\nElementDataFile = {base.name}_{number}.raw\n"
-        )
-    Path(f"{base}.fts").write_text("".join(f"{1700000000000 + 50 * number}\n" for number in range(COUNT)))
-    if frame_poses:
-        Path(f"{base}.fp").write_text(three_rows(POSES))
-    times = np.arange(-1, 2 * COUNT) / 2 if tool_times is None else np.array(tool_times)
-    Path(f"{base}.tts").write_text("".join(f"{1700000000000 + 50 * time:.6f}\n" for time in times))
-    Path(f"{base}.tp").write_text(three_rows([pose(time) for time in times]))
-    if probe is not None:
-        Path(f"{base}.probedata.xml").write_text(f"<!DOCTYPE navnet>\n<navnet><configuration>{probe}</configuration></navnet>\n")
-    return folder
-
 
 def without(base: Path, *patterns: str) -> None:
     """Remove these files of an acquisition."""
     for file in [file for pattern in patterns for file in base.parent.glob(pattern)]:
         file.unlink()
-
-
-PROBE = '<image origin_p="8 -3 0" spacing="0.2 0.3 1" width="17" height="12"/>'
 
 
 def test_an_acquisition_of_custusx_is_read_by_its_folder_and_by_its_times(tmp_path):
@@ -196,91 +168,6 @@ def test_an_array_that_promises_more_than_the_archive_holds_is_refused(tmp_path)
 # ---- bags of ROS
 
 rosbags = pytest.importorskip("rosbags", reason="rosbags is not installed")
-START = 1_700_000_000
-FIRST, SECOND = "ros1", "ros2"
-
-
-def ros_types(version):
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    store = get_typestore(Stores.ROS1_NOETIC if version == FIRST else Stores.ROS2_HUMBLE)
-    if version == FIRST:
-        store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage"))
-    return store
-
-
-class Bag:
-    """A bag, and what is written into it."""
-
-    def __init__(self, path: Path, storage: str):
-        self.version = FIRST if storage == "bag" else SECOND
-        self.store = ros_types(self.version)
-        if storage == "bag":
-            from rosbags.rosbag1 import Writer
-
-            self.path = path.with_suffix(".bag")
-            self.writer = Writer(self.path)
-        else:
-            from rosbags.rosbag2 import StoragePlugin, Writer
-
-            self.path = path
-            plugin = StoragePlugin.MCAP if storage == "mcap" else StoragePlugin.SQLITE3
-            self.writer = Writer(path, version=9, storage_plugin=plugin)
-        self.connections: dict[str, Any] = {}
-
-    def make(self, name, *values, **fields):
-        kind = self.store.types[name]
-        return kind(*values, **fields)
-
-    def header(self, seconds, frame):
-        whole, rest = divmod(round(seconds * 1e9), 10**9)
-        stamp = self.make("builtin_interfaces/msg/Time", sec=START + whole, nanosec=rest)
-        extra = {"seq": 0} if self.version == FIRST else {}
-        return self.make("std_msgs/msg/Header", stamp=stamp, frame_id=frame, **extra)
-
-    def write(self, topic, kind, seconds, message):
-        if topic not in self.connections:
-            self.connections[topic] = self.writer.add_connection(topic, kind, typestore=self.store)
-        serialize = self.store.serialize_ros1 if self.version == FIRST else self.store.serialize_cdr
-        # Written a while after it was measured, as networks do
-        self.writer.write(self.connections[topic], round((START + seconds + 0.7) * 1e9), bytes(serialize(message, kind)))
-
-    def moved(self, matrix, kind="Vector3"):
-        x, y, z, w = Rotation.from_matrix(matrix[:3, :3]).as_quat()
-        place = self.make(f"geometry_msgs/msg/{kind}", *(matrix[:3, 3] / 1000))
-        return place, self.make("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
-
-    def image(self, number, topic="/us/image", encoding="mono8", pixels=None):
-        pixels = IMAGES[number] if pixels is None else pixels
-        message = self.make(
-            "sensor_msgs/msg/Image",
-            header=self.header(0.05 * number, "us_probe"),
-            height=pixels.shape[0],
-            width=pixels.shape[1],
-            encoding=encoding,
-            is_bigendian=0,
-            step=pixels[0].nbytes,
-            data=np.frombuffer(pixels.tobytes(), np.uint8),
-        )
-        self.write(topic, "sensor_msgs/msg/Image", 0.05 * number, message)
-
-    def tree(self, seconds, child, parent, matrix, topic="/tf"):
-        translation, rotation = self.moved(matrix)
-        transform = self.make("geometry_msgs/msg/Transform", translation=translation, rotation=rotation)
-        stamped = self.make(
-            "geometry_msgs/msg/TransformStamped", header=self.header(seconds, parent), child_frame_id=child, transform=transform
-        )
-        self.write(topic, "tf2_msgs/msg/TFMessage", seconds, self.make("tf2_msgs/msg/TFMessage", transforms=[stamped]))
-
-    def pose(self, seconds, frame, matrix, topic="/probe/pose_stamped"):
-        position, orientation = self.moved(matrix, "Point")
-        pose = self.make("geometry_msgs/msg/Pose", position=position, orientation=orientation)
-        message = self.make("geometry_msgs/msg/PoseStamped", header=self.header(seconds, frame), pose=pose)
-        self.write(topic, "geometry_msgs/msg/PoseStamped", seconds, message)
-
-
-CALIBRATION = rigid((5.0, 60.0, -4.0), (1.0, -2.0, 3.0)) @ TO_MM
-TO_BASE = rigid((90.0, 0.0, 20.0), (100.0, 20.0, 30.0))
 
 
 @pytest.fixture(params=["bag", "mcap", "sqlite3"])

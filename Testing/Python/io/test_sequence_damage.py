@@ -9,9 +9,7 @@ import zlib
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from sequence_samples import FIELDS, IDENTITY, metaimage, nrrd, ramp
+from sequence_samples import IDENTITY, metaimage, nrrd, ramp
 
 from AIFReconLib.errors import SequenceFormatError
 from AIFReconLib.io.sequence import file_images
@@ -259,19 +257,3 @@ def test_reading_a_long_compressed_recording_needs_the_memory_of_a_few_frames(tm
         assert tracemalloc.get_traced_memory()[1] < 2_000_000
     finally:
         tracemalloc.stop()
-
-
-@settings(max_examples=150, suppress_health_check=list(HealthCheck))
-@given(position=st.integers(0, 900), replacement=st.binary(min_size=1, max_size=6), nrrd_file=st.booleans(), compressed=st.booleans())
-def test_whatever_the_damage_the_answer_is_images_or_one_error(tmp_path, position, replacement, nrrd_file, compressed):
-    path = tmp_path / ("sweep.nrrd" if nrrd_file else "sweep.mha")
-    (nrrd if nrrd_file else metaimage)(path, ramp(), FIELDS, compressed=compressed)
-    content = path.read_bytes()
-    path.write_bytes(content[:position] + replacement + content[position + len(replacement) :])
-    try:
-        images = np.asarray(read_sequence(path).images)
-    except SequenceFormatError as error:
-        message = str(error)
-    else:
-        message = f"{images.shape[0]} frames"
-    assert message.isprintable()

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 import SimpleITK as sitk
+from hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5
 from volume_samples import noise_volume, oblique_matrix, refusal
 
 from AIFReconLib.errors import GeometryError, OutputError, TransformFileError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_volume, write_volume
-
-TESTING = Path(__file__).resolve().parents[2]
-if str(TESTING) not in sys.path:
-    sys.path.insert(0, str(TESTING))
-
-from fuzz.hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5  # noqa: E402
 
 
 def lps_matrix(transform: sitk.Transform) -> np.ndarray:

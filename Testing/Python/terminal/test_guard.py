@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fuzz.hdf5_samples import OLDER_HDF5
+from hdf5_samples import OLDER_HDF5
 from waiting import until
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="signals")

@@ -153,7 +153,8 @@ def parts_of(words: tuple[str, ...]) -> tuple[tuple[tuple[str, str], str], ...]:
     """Every way to read words as what a column holds with a tool's name before it or behind it, or none; the longest first."""
     found = []
     for start in range(len(words)):
-        for end in range(len(words), start, -1):
+        # No spelling has more letters; a damaged heading may have thousands of words
+        for end in range(min(len(words), start + 15), start, -1):
             word = "".join(words[start:end]).lower()
             role = meaning(word)
             if role is not None and (start == 0 or end == len(words) or word not in _ALONE):
