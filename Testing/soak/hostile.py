@@ -18,8 +18,10 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
+from itertools import count, islice, repeat
 
 import numpy as np
+import psutil
 
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.replay.server import ReplayServer
@@ -29,96 +31,64 @@ from AIFReconLib.live.wire.encoding import encode_message, encode_status_request
 
 from . import stream
 from .client import imaging
-from .growth import resident_mib
 
 GARBAGE = os.urandom(2**20)
 RATE = 20.0
 
 
-# ---- servers
+# ---- servers, each what it sends to a client, without end where nothing else is said
 
 
-def silent(connection: socket.socket) -> Iterator[bytes]:
+def silent() -> Iterator[bytes]:
     """Never sends."""
     while True:
         time.sleep(0.1)
         yield b""
 
 
-def one_byte_a_second(connection: socket.socket) -> Iterator[bytes]:
+def one_byte_a_second() -> Iterator[bytes]:
     """Sends an image, a byte a second."""
     for byte in stream.image_message(1, 1.0, 2):
-        yield bytes([byte])
-        for _ in range(10):
-            time.sleep(0.1)
-            yield b""
+        yield from (bytes([byte]), *islice(silent(), 10))
 
 
-def garbage(connection: socket.socket) -> Iterator[bytes]:
-    """Sends random bytes without end."""
-    while True:
-        yield GARBAGE
-
-
-def made_up_headers(connection: socket.socket) -> Iterator[bytes]:
-    """Sends headers of long messages, one behind the other, so that each byte could belong to a thousand of them."""
-    message = encode_message("IMAGE", "Image_Reference", 1.0, GARBAGE)
-    while True:
-        yield b"junk" + message[:58] * 2000
-
-
-def long_messages_that_never_end(connection: socket.socket) -> Iterator[bytes]:
-    """Declares as much as is allowed, and sends it slowly."""
-    header = encode_message("IMAGE", "Image_Reference", 1.0, b"x")[:42] + (2**26).to_bytes(8, "big") + bytes(8)
-    yield header
+def slowly(message: bytes) -> Iterator[bytes]:
+    """Sends the beginning of a message that declares as much as is allowed, and garbage for its body."""
+    yield message[:42] + (2**26).to_bytes(8, "big") + bytes(8)
     while True:
         time.sleep(0.05)
         yield GARBAGE[: 2**18]
 
 
-def ever_new_names(connection: socket.socket) -> Iterator[bytes]:
+def ever_new_names() -> Iterator[bytes]:
     """Sends whole messages, each of a device that nobody has seen."""
-    number = 0
-    while True:
-        yield b"".join(encode_transform(f"T{number + n:x}ToTracker", 1.0, np.eye(4), version=2) for n in range(50))
-        number += 50
+    for number in count():
+        yield encode_transform(f"T{number:x}ToTracker", 1.0, np.eye(4), version=2)
 
 
-def long_texts(connection: socket.socket) -> Iterator[bytes]:
-    """Sends transforms with megabytes of metadata."""
-    message = encode_transform("ProbeToTracker", 1.0, np.eye(4), version=2, metadata={"Note": "x" * 2**22})
-    while True:
-        yield message
-
-
-def half_a_million_tools(connection: socket.socket) -> Iterator[bytes]:
-    """Sends tracking data of more tools than there are in the world's operating rooms."""
-    tool = np.zeros(70, np.uint8).tobytes()
-    message = encode_message("TDATA", "Tracker", 1.0, tool * 500_000)
-    while True:
-        yield message
-
-
-def closes_at_once(connection: socket.socket) -> Iterator[bytes]:
+def closes_at_once() -> Iterator[bytes]:
     """Accepts and hangs up."""
     return iter(())
 
 
-SERVERS = (
-    silent,
-    one_byte_a_second,
-    garbage,
-    made_up_headers,
-    long_messages_that_never_end,
-    ever_new_names,
-    long_texts,
-    half_a_million_tools,
-    closes_at_once,
-)
+IMAGE = encode_message("IMAGE", "Image_Reference", 1.0, GARBAGE)
+TEXT = encode_transform("ProbeToTracker", 1.0, np.eye(4), version=2, metadata={"Note": "x" * 2**22})
+TOOLS = encode_message("TDATA", "Tracker", 1.0, bytes(70) * 500_000)
+SERVERS: dict[str, Callable[[], Iterator[bytes]]] = {
+    "silent": silent,
+    "one byte a second": one_byte_a_second,
+    "garbage": partial(repeat, GARBAGE),
+    "headers, each within the other": partial(repeat, b"junk" + IMAGE[:58] * 2000),
+    "a long message that never ends": partial(slowly, IMAGE),
+    "ever new names": ever_new_names,
+    "megabytes of metadata": partial(repeat, TEXT),
+    "half a million tools": partial(repeat, TOOLS),
+    "closes at once": closes_at_once,
+}
 
 
 @contextmanager
-def hostile_server(behavior: Callable[[socket.socket], Iterator[bytes]]) -> Iterator[int]:
+def hostile_server(behavior: Callable[[], Iterator[bytes]]) -> Iterator[int]:
     """A server that treats every client alike; gives its port."""
     ending = threading.Event()
 
@@ -128,7 +98,7 @@ def hostile_server(behavior: Callable[[socket.socket], Iterator[bytes]]) -> Iter
                 connection, _ = listener.accept()
                 with connection, suppress(OSError):
                     connection.settimeout(0.1)
-                    for data in behavior(connection):
+                    for data in behavior():
                         send(connection, data)
                         if ending.is_set():
                             break
@@ -178,7 +148,7 @@ class Endured:
     expected: int = 0
 
 
-def endure_server(behavior: Callable[[socket.socket], Iterator[bytes]], seconds: float) -> Endured:
+def endure_server(behavior: Callable[[], Iterator[bytes]], seconds: float) -> Endured:
     """A live session with a hostile server for a while, then stopped."""
     before = threading.active_count()
     with hostile_server(behavior) as port:
@@ -214,7 +184,7 @@ def sends_garbage(connection: socket.socket) -> None:
 CROWDS = ((never_reads, 1), (never_reads, 20), (sends_garbage, 20), (says_nothing, 1000), (never_reads, 1000))
 
 
-def endure_clients(behavior: Callable[[socket.socket], None], count: int, seconds: float) -> Endured:
+def endure_clients(behavior: Callable[[socket.socket], None], many: int, seconds: float) -> Endured:
     """The replay server with so many hostile clients and an honest one."""
     before = threading.active_count()
     with ExitStack() as crowd:
@@ -224,7 +194,7 @@ def endure_clients(behavior: Callable[[socket.socket], None], count: int, second
         honest.start()
         while not honest.statistics.count("IMAGE"):
             time.sleep(0.01)
-        for _ in range(count):
+        for _ in range(many):
             connection = crowd.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10.0))
             with suppress(OSError):  # one that is turned away is no news
                 behavior(connection)
@@ -245,11 +215,11 @@ def endure_clients(behavior: Callable[[socket.socket], None], count: int, second
 
 def _watch(seconds: float) -> tuple[float, float]:
     """Wait; how far the memory rose in all, and in the second half, MiB."""
-    samples = [resident_mib()]
+    samples = [psutil.Process().memory_info().rss / 2**20]
     began = time.monotonic()
     while (left := began + seconds - time.monotonic()) > 0:
         time.sleep(min(0.1, left))
-        samples.append(resident_mib())
+        samples.append(psutil.Process().memory_info().rss / 2**20)
     late = samples[len(samples) // 2 :]
     return max(samples) - samples[0], max(late) - late[0]
 
@@ -266,8 +236,8 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=20.0)
     arguments = parser.parse_args(argv)
-    rows = [(behavior.__name__, partial(endure_server, behavior, arguments.seconds)) for behavior in SERVERS]
-    rows += [(f"{behavior.__name__} x {count}", partial(endure_clients, behavior, count, arguments.seconds)) for behavior, count in CROWDS]
+    rows = [(name, partial(endure_server, behavior, arguments.seconds)) for name, behavior in SERVERS.items()]
+    rows += [(f"{behavior.__name__} x {many}", partial(endure_clients, behavior, many, arguments.seconds)) for behavior, many in CROWDS]
     bad = 0
     print(f"{'peer':32} {'stop s':>7} {'peak MiB':>9} {'late MiB':>9} {'threads left':>13} {'frames':>7} {'sent':>7}", flush=True)
     for name, endure in rows:

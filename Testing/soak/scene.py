@@ -13,7 +13,8 @@ import os
 import sys
 from pathlib import Path
 
-from .growth import resident_mib
+import psutil
+
 from .stream import RATE
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -43,7 +44,7 @@ def main(argv: list[str]) -> int:
     def report(look) -> None:
         if look.frames % 600 == 0:
             numbers = (look.frames, look.nodes, look.observers, look.threads, look.blocks)
-            print(" ".join(f"{number:9d}" for number in numbers) + f" {resident_mib():9.1f}", flush=True)
+            print(" ".join(f"{number:9d}" for number in numbers) + f" {psutil.Process().memory_info().rss / 2**20:9.1f}", flush=True)
 
     looks = soak.run(round(60 * RATE * arguments.minutes), report)
     live = soak.live._live
