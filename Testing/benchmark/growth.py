@@ -1,6 +1,6 @@
-"""How the time of a whole job grows with frames, pixels, voxels, threads and parts: a table, and a figure whose axes are logarithmic.
+"""How the time of a whole job grows with frames, pixels, voxels, threads and parts, as a table.
 
-    python Testing/benchmark growth --figure docs/images/cost-growth.png --json growth.json
+    python Testing/benchmark growth --repeats 3
 
 One of these numbers is varied at a time, the others stay as in the benchmark: 60 frames of 640 x 480 in a 30 degree fan, voxels of 0.5 mm,
 all threads, one part. A whole job is `reconstruct` from images in memory to the finished volume, bone map and holes included.
@@ -9,15 +9,13 @@ all threads, one part. A whole job is `reconstruct` from images in memory to the
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
@@ -28,7 +26,6 @@ from AIFReconLib.effective_settings import imaging_fields
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import usable_cores
 from AIFReconLib.message import columns
 from AIFReconLib.progress import report
@@ -155,58 +152,14 @@ def slopes(points: list[Point]) -> list[tuple[str, ...]]:
     return rows
 
 
-def draw(points: list[Point], path: Path) -> None:
-    """The curves, one panel for each amount that was varied."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    ink, faint, colors = "#222222", "#bbbbbb", dict(zip(METHODS, ("#3b6fb6", "#c2772c", "#2f8f5b"), strict=True))
-    overs = list(dict.fromkeys(point.over for point in points))
-    figure = Figure(figsize=(13, 3.3), layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
-    panels = figure.subplots(1, len(overs), sharey=True)
-    for panel, over in zip(panels, overs, strict=True):
-        for method in METHODS:
-            some = [point for point in points if (point.over, point.method) == (over, method)]
-            panel.plot([p.amount for p in some], [p.seconds for p in some], "o-", color=colors[method], markersize=3.5, label=method)
-        amounts = sorted({point.amount for point in points if point.over == over})
-        low = min(point.seconds for point in points if point.over == over and point.amount == amounts[0])
-        if over not in ("threads", "parts"):
-            # Growth in proportion, from below the first point
-            panel.plot(amounts, [0.6 * low * amount / amounts[0] for amount in amounts], "--", color=faint, linewidth=1, zorder=0)
-        panel.set(xscale="log", yscale="log", xlabel=over)
-        panel.set_xticks(amounts, [_short(amount) for amount in amounts], fontsize=7)
-        panel.minorticks_off()
-        panel.tick_params(colors=ink, labelsize=7)
-        panel.grid(color="#eeeeee")
-        for side in ("top", "right"):
-            panel.spines[side].set_visible(False)
-    panels[0].set_ylabel("seconds of a whole job")
-    panels[0].legend(frameon=False, fontsize=7)
-    figure.savefig(path, dpi=110)
-
-
-def _short(number: float) -> str:
-    for unit, factor in (("M", 1e6), ("k", 1e3)):
-        if number >= factor:
-            return f"{number / factor:.3g}{unit}"
-    return f"{number:g}"
-
-
 def main(words: list[str] | None = None) -> None:
-    """Measure, print and draw."""
+    """Measure and print."""
     parser = argparse.ArgumentParser(
         prog="python Testing/benchmark growth", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--repeats", type=int, default=3, metavar="N", help="the least of this many counts (default: %(default)s)")
-    parser.add_argument("--figure", type=Path, metavar="FILE.png", help="draw the curves")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here")
     arguments = parser.parse_args(words)
     busy = busy_share()
     points = measure(arguments.repeats)
     print("\n".join(filter(None, (machine(), busy_warning(busy)))))
     print(columns(slopes(points)))
-    if arguments.json:
-        write_text(arguments.json, json.dumps([asdict(point) for point in points], indent=1) + "\n")
-    if arguments.figure:
-        draw(points, arguments.figure)

@@ -1,6 +1,6 @@
 """How far the kernels are from what this machine can do: each beside the loads and stores that it cannot do without, on one thread.
 
-    python Testing/benchmark limits --json limits.json
+    python Testing/benchmark limits --repeats 5
 
 The limit of a method is a loop that adds to the same voxels in the same order (frames by 16, slab by slab, row by row), with their
 numbers known beforehand and no other arithmetic: it loads a pixel and a number, and loads, adds to and stores what the method keeps of a
@@ -10,11 +10,9 @@ voxel. Beside it, a copy of the images, which is all that any of them must read.
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,7 +25,6 @@ from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.geometry.transforms import pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.message import columns
 from AIFReconLib.progress import report
@@ -121,7 +118,6 @@ def main(words: list[str] | None = None) -> None:
         prog="python Testing/benchmark limits", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="the least of this many counts (default: %(default)s)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here")
     arguments = parser.parse_args(words)
     busy = busy_share()
     found = measure(arguments.repeats)
@@ -132,5 +128,3 @@ def main(words: list[str] | None = None) -> None:
         beside = ("", "") if limit is None else (f"{limit:.2f}", f"{row['ns'] / limit:.1f}")
         rows.append((row["sweep"], f"{row['spacing_mm']:g} mm", row["what"], f"{row['ns']:.2f}", *beside))
     print(columns(rows))
-    if arguments.json:
-        write_text(arguments.json, json.dumps(found, indent=1) + "\n")

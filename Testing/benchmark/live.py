@@ -1,7 +1,7 @@
 """How a live session keeps up: a second process serves a made-up scan over OpenIGTLink, this one reconstructs it.
 
     python Testing/benchmark live --seconds 600
-    python Testing/benchmark live --seconds 60 --size 640x480@30 --engine numpy --json live.json
+    python Testing/benchmark live --seconds 60 --size 640x480@30 --engine numpy
 
     python Testing/benchmark live --size 640x480@30 --method weighted --bone-model Testing/models/bone.onnx
 
@@ -12,14 +12,12 @@ For each stream it tells the frames that the server sent, and where they went; t
 from __future__ import annotations
 
 import argparse
-import json
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 
 from AIFReconLib.bone.echoes.surface import LEAST_A_FRAME
 from AIFReconLib.bone.field import BoneField
@@ -41,6 +39,7 @@ from AIFReconLib.live.session.guidance_watch import GuidanceWatch
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.session.watch import Watch
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
+from AIFReconLib.machine.processes import start_python
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.simulation.anatomy import make_lumbar_phantom
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
@@ -51,7 +50,7 @@ DEPTH = 96.0
 BONE = 60.0, 68.0
 """mm below the skin between which a plate of bone lies."""
 
-FRAMES = 90
+FRAMES, SPACING = 90, 0.5
 FAN_DEG = 30.0
 STREAMS = ("640x480@30", "1024x768@20")
 
@@ -86,83 +85,68 @@ def plate() -> Volume:
     return Volume(labels, matrix)
 
 
-def serve(columns: int, rows: int, rate: float) -> None:
-    """Serve until standard input is closed; then tell what was sent."""
-    server = ReplayServer(sweep(columns, rows), port=0, rate=rate, loop=True)
-    with server:
-        print(json.dumps({"port": server.port}), flush=True)
-        sys.stdin.read()
-        print(json.dumps({"sent": server.sent, "left_out": server.dropped}), flush=True)
-
-
-def memory_mib() -> float:
-    """Resident memory of this process; NaN where the system does not tell."""
-    status = Path("/proc/self/status")
-    if not status.is_file():
-        return float("nan")
-    return next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmRSS")) / 1024
+def serve(connection, columns: int, rows: int, rate: float) -> None:
+    """Serve, in a process of its own, until something is asked; then tell what was sent."""
+    with ReplayServer(sweep(columns, rows), port=0, rate=rate, loop=True) as server:
+        connection.send(server.port)
+        connection.recv()
+        connection.send((server.sent, server.dropped))
 
 
 def measure(stream: str, arguments: argparse.Namespace) -> dict:
     """Reconstruct one stream for the time asked for."""
-    size = stream.partition("@")[0]
+    size, _, rate = stream.partition("@")
     columns, rows = (int(n) for n in size.split("x"))
-    command = [sys.executable, str(Path(__file__).parent), "live", "--serve", stream]
     poses = np.stack([r.transforms[TransformName("Image", "Reference")].matrix for r in sweep(columns, rows).records])
     region = ImageRegion(ClipRectangle((0.0, 0.0), (columns - 1.0, rows - 1.0)))
     probe = ProbeGeometry(LINEAR)
-    grid = grid_around_sweep(poses, (columns, rows), region, (arguments.spacing,) * 3)
+    grid = grid_around_sweep(poses, (columns, rows), region, (SPACING,) * 3)
     settings = ReconstructionSettings(method=arguments.method, engine=arguments.engine, **imaging_fields(region, probe))
     model = arguments.bone_model and OnnxModel(arguments.bone_model)
     seen, growing = bool(model or arguments.bone_from_sweep), GrowingBone(least_a_frame=LEAST_A_FRAME * arguments.bone_from_sweep)
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdin is not None
-        assert server.stdout is not None
-        port = json.loads(server.stdout.readline())["port"]
-        client = OpenIGTLinkClient("127.0.0.1", port)
-        session = LiveSession(
-            client,
-            settings,
-            growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0),
-            grid,
-            record=arguments.record and Path(arguments.record),
-        )
-        preparing = time.monotonic()
-        session.prepare()
-        prepared = time.monotonic() - preparing
-        watches: list[Watch] = []
-        if arguments.agreement:
-            watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4)))
-        if arguments.guidance:
-            guidance = GuidanceWatch(session, growing if seen else make_lumbar_phantom().labels, np.eye(4))
-            guidance.prepared.wait()
-            watches.append(guidance)
-        asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging)) if seen else None
-        watches += [asking] if asking else []
-        session.start()
-        began, samples, p99s, snapshots = time.monotonic(), [], [], []
-        computed = time.process_time()
-        threads = threading.active_count()
-        while (elapsed := time.monotonic() - began) < arguments.seconds:
-            time.sleep(min(1.0, max(arguments.seconds - elapsed, 0.0)))
-            if arguments.snapshots:
-                asked = time.monotonic()
-                session.snapshot()
-                snapshots.append(time.monotonic() - asked)
-            statistics = session.statistics
-            samples.append(memory_mib())
-            p99s.append(statistics.latency_p99)
-            if arguments.verbose:
-                print(f"{elapsed:6.1f} s  {statistics}", file=sys.stderr)
-        computed = (time.process_time() - computed) / (time.monotonic() - began)
-        dropped = client.statistics.dropped
-        looked_at = asking.frames / (time.monotonic() - began) if asking else None
-        for watch in watches:
-            watch.stop()
-        session.stop()
+    process, server = start_python(serve, columns, rows, float(rate))
+    client = OpenIGTLinkClient("127.0.0.1", server.recv())
+    session = LiveSession(
+        client,
+        settings,
+        growing if seen else BoneMap.from_labels(plate(), sigma_mm=4.0),
+        grid,
+    )
+    preparing = time.monotonic()
+    session.prepare()
+    prepared = time.monotonic() - preparing
+    watches: list[Watch] = []
+    if arguments.agreement:
+        watches.append(AgreementWatch(session, BoneField.from_labels(plate()), np.eye(4)))
+    if arguments.guidance:
+        guidance = GuidanceWatch(session, growing if seen else make_lumbar_phantom().labels, np.eye(4))
+        guidance.prepared.wait()
+        watches.append(guidance)
+    asking = BoneWatch(session, growing, lambda imaging: model or EchoEstimator(imaging)) if seen else None
+    watches += [asking] if asking else []
+    session.start()
+    began, samples, p99s, snapshots = time.monotonic(), [], [], []
+    computed = time.process_time()
+    threads = threading.active_count()
+    while (elapsed := time.monotonic() - began) < arguments.seconds:
+        time.sleep(min(1.0, max(arguments.seconds - elapsed, 0.0)))
+        if arguments.snapshots:
+            asked = time.monotonic()
+            session.snapshot()
+            snapshots.append(time.monotonic() - asked)
         statistics = session.statistics
-        server.stdin.close()
-        told = json.loads(server.stdout.readline())
+        samples.append(psutil.Process().memory_info().rss / 2**20)
+        p99s.append(statistics.latency_p99)
+    computed = (time.process_time() - computed) / (time.monotonic() - began)
+    dropped = client.statistics.dropped
+    looked_at = asking.frames / (time.monotonic() - began) if asking else None
+    for watch in watches:
+        watch.stop()
+    session.stop()
+    statistics = session.statistics
+    server.send("enough")
+    sent, left_out = server.recv()
+    process.wait()
     settled = samples[min(len(samples) // 4, 30) :]
     return {
         "stream": stream,
@@ -171,8 +155,8 @@ def measure(stream: str, arguments: argparse.Namespace) -> dict:
         "seconds": arguments.seconds,
         "voxels": grid.voxels,
         "preparation_s": prepared,
-        "sent": told["sent"],
-        "left_out_by_server": told["left_out"],
+        "sent": sent,
+        "left_out_by_server": left_out,
         "received": statistics.frames_received,
         "inserted": statistics.inserted,
         "skipped": statistics.skipped,
@@ -200,27 +184,13 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--size", action="append", metavar="WxH@FPS", help=f"a stream; may be repeated (default: {', '.join(STREAMS)})")
     parser.add_argument("--method", choices=METHODS, default="aif-compensated")
     parser.add_argument("--engine", default="auto")
-    parser.add_argument("--spacing", type=float, default=0.5, metavar="MM")
     parser.add_argument("--snapshots", action="store_true", help="take a snapshot every second, as a display does")
     parser.add_argument("--agreement", action="store_true", help="watch how well a CT agrees, as the module does")
     parser.add_argument("--guidance", action="store_true", help="tell which bone was met and where to look next, as the module does")
     parser.add_argument("--bone-model", type=Path, metavar="FILE.onnx", help="let a network tell where bone is, in the place of a CT")
     parser.add_argument("--bone-from-sweep", action="store_true", help="let the echoes tell where bone is, in the place of a CT")
-    parser.add_argument("--record", metavar="SEQUENCE", help="also record")
-    parser.add_argument("--json", type=Path, metavar="FILE")
-    parser.add_argument("--verbose", action="store_true")
-    parser.add_argument("--serve", metavar="WxH@FPS", help=argparse.SUPPRESS)
     arguments = parser.parse_args(words)
-    if arguments.serve:
-        size, rate = arguments.serve.split("@")
-        columns, rows = (int(n) for n in size.split("x"))
-        serve(columns, rows, float(rate))
-        return
-    results = []
     for stream in arguments.size or STREAMS:
-        results.append(measure(stream, arguments))
-        for key, value in results[-1].items():
+        for key, value in measure(stream, arguments).items():
             print(f"{key:24} {value:.1f}" if isinstance(value, float) else f"{key:24} {value}")
         print(flush=True)
-    if arguments.json:
-        arguments.json.write_text(json.dumps(results, indent=2) + "\n")

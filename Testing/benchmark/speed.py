@@ -1,13 +1,12 @@
 """How fast this machine reconstructs: every method with every engine, and all that comes before and after.
 
 python Testing/benchmark --quick
-python Testing/benchmark --json before.json --markdown table.md
+python Testing/benchmark
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import statistics
 import tempfile
@@ -30,7 +29,6 @@ from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.nearest import fill_holes
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.machine.threads import optional_module, usable_cores
@@ -276,8 +274,6 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--spacing", type=float, nargs="+", default=[0.5, 0.3], metavar="MM", help="voxel sizes to time (default: 0.5 0.3)")
     parser.add_argument("--quick", action="store_true", help="only reconstruction, at the first voxel size, with a third of the frames")
     parser.add_argument("--data", type=Path, default=os.environ.get("AIFRECON_DATA_DIR"), metavar="DIR", help="time its recordings too")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here, to compare later")
-    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write the table here, for a document")
     parser.add_argument("--pages", action="store_true", help="also renew docs/measured, and the pages that show it")
     arguments = parser.parse_args(words)
     frames, spacings, data = arguments.frames, tuple(arguments.spacing), arguments.data
@@ -291,10 +287,6 @@ def main(words: list[str] | None = None) -> int:
         result = benchmark(frames, arguments.repeats, spacings, voxels=0 if arguments.quick else VOXELS, data=data, progress=progress)
     print(f"{result.heading()}\n")
     print(columns(result.rows()))
-    if arguments.json:
-        write_text(arguments.json, json.dumps(result.to_dict(), indent=2) + "\n")
-    if arguments.markdown:
-        write_text(arguments.markdown, result.markdown())
     if arguments.pages:
         keep(result.in_the_pages(), "make bench", result.machine.replace("\n", "; "))
     return 0

@@ -1,7 +1,7 @@
 """A spine from neck to sacrum, from the file of its sweep to that of its volume: time, peak memory and bytes read, by the memory given.
 
     python Testing/benchmark spine
-    python Testing/benchmark spine --spacing 0.2 --memory 10 --folder kept --json spine.json
+    python Testing/benchmark spine --spacing 0.2 --memory 10
 
 5,000 frames of 640 x 480 (1.5 GB, written once into the folder) in four passes over a back of 400 x 300 x 150 mm, tilted to and fro. What
 is measured is the whole program, `aifrecon reconstruct`, in a process of its own, libraries and compiled code included. The checksum tells
@@ -11,7 +11,6 @@ whether two runs made the same voxels.
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import re
 import struct
@@ -19,7 +18,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -27,7 +25,6 @@ import numpy as np
 
 from AIFReconLib.compounding.methods.table import BONE_METHODS, METHODS
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.disk.atomic import write_text
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.sweep.frames import TrackedSequence
 
@@ -184,18 +181,10 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("--method", choices=METHODS, default="average", help="default: %(default)s")
     meaning = f"that each run in turn is given; {UNLIMITED}: three quarters of what is free (default: {UNLIMITED} 6)"
     parser.add_argument("--memory", type=_memory, nargs="+", default=[UNLIMITED, "6"], metavar="GB", help=meaning)
-    parser.add_argument("--repeats", type=int, default=1, metavar="N", help="rounds (default: %(default)s)")
-    parser.add_argument("--folder", type=Path, metavar="DIR", help="keep sweep and volume here (default: a folder that is removed)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the numbers here")
     arguments = parser.parse_args(words)
-    found = []
-    with nullcontext(arguments.folder) if arguments.folder else tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        for _ in range(arguments.repeats):
-            for memory in arguments.memory:
-                found.append(measure(Path(folder), arguments.frames, arguments.spacing, arguments.method, memory))
-                if len(found) == 1:
-                    print("  ".join(found[0]))
-                print("  ".join(f"{value:.2f}" if isinstance(value, float) else str(value) for value in found[-1].values()), flush=True)
-    if arguments.json:
-        write_text(arguments.json, json.dumps(found, indent=2) + "\n")
+    with tempfile.TemporaryDirectory(prefix="aifrecon-") as folder:
+        for number, memory in enumerate(arguments.memory):
+            found = measure(Path(folder), arguments.frames, arguments.spacing, arguments.method, memory)
+            if number == 0:
+                print("  ".join(found))
+            print("  ".join(f"{value:.2f}" if isinstance(value, float) else str(value) for value in found.values()), flush=True)

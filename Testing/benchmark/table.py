@@ -1,8 +1,8 @@
-"""What a benchmark found, as rows to print, as Markdown and as JSON."""
+"""What a benchmark found, as rows to print and as Markdown."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from AIFReconLib.workflows.benchmark import busy_warning
 
@@ -35,10 +35,6 @@ class BenchmarkResult:
     busy: float
     timings: tuple[Timing, ...]
 
-    def to_dict(self) -> dict:
-        """For JSON."""
-        return asdict(self)
-
     def rows(self) -> list[tuple[str, ...]]:
         """The table, heading first."""
         return [HEADING, *(_cells(timing) for timing in self.timings)]
@@ -50,13 +46,6 @@ class BenchmarkResult:
             f"medians of {self.repeats}"
         )
         return "\n".join(filter(None, (text, busy_warning(self.busy))))
-
-    def markdown(self) -> str:
-        """The table for a document."""
-        rows = self.rows()
-        lines = ["| " + " | ".join(row) + " |" for row in rows]
-        lines.insert(1, "|" + "|".join([" --- "] * len(HEADING)) + "|")
-        return self.heading().replace("\n", "  \n") + "\n\n" + "\n".join(lines) + "\n"
 
     def in_the_pages(self) -> dict[str, str]:
         """What docs/performance.md shows, by the names of the files in docs/measured: methods at the first voxel size, and the rest."""
