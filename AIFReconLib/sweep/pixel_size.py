@@ -33,9 +33,9 @@ FEWEST_PIXELS, SMALLEST_OF_FEW_PIXELS = 64, 0.5
 """Along an image; smaller ones are cut out or made up, and may be as small as this, mm."""
 
 
-ASTRAY, FEW = 50.0, 0.02
-"""mm off all other images along an axis of Reference, and the share of images that may lie so by a wrong pose: two scanned places have
-more."""
+ASTRAY, FEW, FEWEST_FRAMES = 50.0, 0.02, 20
+"""mm off all other images along an axis of Reference, the share of images that may lie so by a wrong pose (two scanned places have more),
+and images from which on that is told."""
 
 
 def implausible_places(middles: Floats, numbers: Integers) -> str | None:
@@ -46,7 +46,7 @@ def implausible_places(middles: Floats, numbers: Integers) -> str | None:
         for before in np.flatnonzero(np.diff(along[order]) > ASTRAY) + 1:
             fewer = min(order[:before], order[before:], key=len)
             astray[fewer] |= len(fewer) <= max(FEW * len(middles), 1)
-    if not astray.any() or len(middles) <= 5:
+    if not astray.any() or len(middles) < FEWEST_FRAMES:
         return None
     which = f"Frame {numbers[astray][0]} lies" if astray.sum() == 1 else f"Frames {listed(numbers[astray][:10])} lie"
     return f"{which} more than {ASTRAY:g} mm off all others: by a wrong pose, probably. Leave out what the tracker did not see well."

@@ -315,10 +315,16 @@ def _find_ways(
         names = list(dict.fromkeys([*configured, *recorded]))
         none = Sentence(NO_TRANSFORMS) if sequence.notes else NO_TRANSFORMS  # what its notes tell comes first
         advice = none if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
+        if advice.advice == CHOOSE_FRAME and wanted.target == "Reference":
+            advice = Sentence("", CHOOSE_OR_IMPORT, **advice.details)
         raise TransformError(f"{sequence.name}: {said(error)} {advice}", advice) from None
 
 
 NO_TRANSFORMS = Sentence("The recording has no transforms at all: was a tracker connected?", TRANSFORM_SEQUENCES)
+
+
+CHOOSE_FRAME = "Choose another frame to reconstruct in with {reference}, one of: {frames}."
+CHOOSE_OR_IMPORT = f"{CHOOSE_FRAME} There the patient must not move; a marker on the patient is imported with {{reference_tool}}."
 
 
 def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: Sequence[TransformName]) -> Sentence:
@@ -336,10 +342,7 @@ def missing_link(wanted: TransformName, names: Sequence[TransformName], moving: 
     others = ", ".join(sorted(near - fixed))
     if not others:
         return Sentence("No pose of a tool leads on from there: check which tools the tracker follows, and their names.")
-    choose = "Choose another frame to reconstruct in with {reference}, one of: {frames}."
-    if wanted.target == "Reference":
-        choose += " There the patient must not move; a marker on the patient is imported with {reference_tool}."
-    return Sentence("", choose, frames=others)
+    return Sentence("", CHOOSE_FRAME, frames=others)
 
 
 def _moves(sequence: TrackedSequence, name: TransformName) -> bool:
