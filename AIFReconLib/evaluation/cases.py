@@ -24,7 +24,7 @@ MOST_BYTES = 2**28
 def _rows(text: str) -> list[dict[str, str]]:
     """The rows of a table; of one that a spreadsheet of another country has saved, too."""
     if text.partition("\n")[0].count(";") > text.partition("\n")[0].count(","):
-        rows = csv.DictReader(io.StringIO(text.replace(",", ".")), delimiter=";")
+        rows = csv.DictReader(io.StringIO(text), delimiter=";")
     else:
         rows = csv.DictReader(io.StringIO(text))
     return list(rows) or [{}]  # a table without rows is none
@@ -69,7 +69,7 @@ class CaseNumbers:
 
     def _take(self, row: Mapping[str, str], name: str, path: Path) -> None:
         volume, case = row.get("method") or row["volume"], row.get("case") or name
-        numbers = {key: float(row[key]) for key in QUANTITIES if row.get(key)}
+        numbers = {key: float(row[key].replace(",", ".")) for key in QUANTITIES if row.get(key)}
         known = self.numbers.setdefault(volume, {})
         if not numbers:
             self.notes.append(f"Left out, as it has no numbers: {volume} of {case}.")

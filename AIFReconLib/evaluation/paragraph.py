@@ -9,9 +9,11 @@ from typing import cast
 from .. import __version__
 from ..compounding.methods.table import METHODS, built_in
 from ..compounding.methods.weighted import WEIGHTED
-from ..io.volume.files import read_volume
+from ..errors import FileFormatError
+from ..io.metafile.opening import read_metafile
 from ..message import listed
-from ..provenance.record import made_by
+from ..provenance.record import made_in_header
+from ..provenance.settings_files import VOLUME_SUFFIXES
 from ..recipe.recipe import AUTOMATIC, RULES
 from .cases import DRAWS, FEW, LEVEL
 from .quantities import HEADINGS, OBLIQUE, QUANTITIES
@@ -70,7 +72,9 @@ def unlike_settings(volumes: Mapping[str, Mapping[str, Path]]) -> list[str]:
     """
     told = []
     for volume, paths in volumes.items():
-        made = {case: made_by(read_volume(path)) for case, path in paths.items() if path.is_file()}
+        # Of many cases the headers alone
+        files = {case: path for case, path in paths.items() if path.suffix.lower() in VOLUME_SUFFIXES and path.is_file()}
+        made = {case: made_in_header(read_metafile(path, FileFormatError).fields) for case, path in files.items()}
         for key in dict.fromkeys(key for settings in made.values() for key in settings):
             cases: dict[str, list[str]] = {}
             for case, settings in made.items():

@@ -138,11 +138,17 @@ def settings_of(volume: Volume) -> dict[str, object]:
 def made_by(volume: Volume) -> dict[str, object]:
     """The same with the method, which a configuration may have named, and the number of frames and the files that it was made from; nothing
     where the volume does not say it."""
-    method = volume.fields.get(METHOD)
+    return made_in_header(volume.fields)
+
+
+def made_in_header(fields: Mapping[str, str]) -> dict[str, object]:
+    """The same of the header alone."""
+    method, settings = fields.get(METHOD), _said(fields, SETTINGS)
     if not method:
         return {}
-    names = [each["name"] for each in _inputs(volume.fields)]
-    return {**settings_of(volume), "method": method, "frames": volume.fields.get(FRAMES, ""), "inputs": names}
+    names = [each["name"] for each in _inputs(fields)]
+    known = settings if isinstance(settings, dict) else {}
+    return {**known, "method": method, "frames": fields.get(FRAMES, ""), "inputs": names}
 
 
 def _said(fields: Mapping[str, str], key: str) -> object:
