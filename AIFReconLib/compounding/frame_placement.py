@@ -135,6 +135,9 @@ class Intake:
         Which pixels of an image may enter.
     layout, scan_lines : PixelLayout, ScanLines or None
         Of the frames since `lay_out`.
+    laid_out : dict of (x, y) mm by the number of the frame
+        The pixel spacing by which each is laid out in the whole volume, where only a part is reconstructed: a part by itself would begin
+        with another frame, whose spacing differs in its last digits.
     """
 
     def __init__(
@@ -154,16 +157,19 @@ class Intake:
         self._grid, self._settings, self._region, self._probe = grid, settings, region, probe
         self._needs_beams, self._judges_shadows, self._fixed_point = needs_beams, judges_shadows, fixed_point
         self._stretch: Matrix | None = None
+        self.laid_out: dict[int, tuple[float, float]] = {}
 
-    def fits(self, image: Numbers, pose: Matrix) -> bool:
-        """Whether the layout serves an image (rows, columns) with this pose."""
+    def fits(self, image: Numbers, pose: Matrix, number: int) -> bool:
+        """Whether the layout serves the image (rows, columns) of frame `number` with this pose."""
         rows, columns = image.shape
-        return self.layout is not None and self.layout.fits((columns, rows), pixel_spacing(pose))
+        if self.layout is None or number in self.laid_out:
+            return self.layout is not None and self.layout.spacing == self.laid_out[number]
+        return self.layout.fits((columns, rows), pixel_spacing(pose))
 
-    def lay_out(self, image: Numbers, pose: Matrix) -> None:
+    def lay_out(self, image: Numbers, pose: Matrix, number: int) -> None:
         """Make the layout that does."""
         rows, columns = image.shape
-        spacing = pixel_spacing(pose)
+        spacing = self.laid_out.get(number) or pixel_spacing(pose)
         scale = depth_scale(self._settings, self._region.mask(columns, rows), self._probe, spacing)
         # What keeps rows straight is the pose's to do, which any engine can
         self._stretch = None if scale is None else scale.stretch

@@ -241,6 +241,10 @@ class Reconstructor:
             raise RuntimeError("Gray levels are for the whole volume: give them before the first frame.")
         self.settings = replace(self.settings, gray_levels=levels.landmarks)
 
+    def lay_out_as(self, first: Reconstructor) -> None:
+        """Lay frames out as the first part of the volume did, to which all of them were given; before any is inserted."""
+        self._intake.laid_out = first._intake.laid_out
+
     @property
     def engine(self) -> str:
         """Name of the engine that does the arithmetic: "numpy" or "numba"."""
@@ -339,9 +343,9 @@ class Reconstructor:
         batch = self._start(ImageKind.of(image, frame.number)) if self._batch is None else self._batch
         if self._images is not None:
             self._images.check(image, frame.number)
-        if not self._intake.fits(image, pose):
+        if not self._intake.fits(image, pose, frame.number):
             self._compute(progress)
-            self._intake.lay_out(image, pose)
+            self._intake.lay_out(image, pose, frame.number)
         layout, kept = self._intake.layout, self._intake.filter.entering(image)
         if kept is not None and layout is not None and not layout.has_any(kept):
             self.counts.skip("nothing bright enough in the image", frame.number)
@@ -355,6 +359,7 @@ class Reconstructor:
             self._hits = MostHits(self.grid.size, state.make_room(most_in_a_voxel(image_to_ijk)))
             self._hits.after(image_to_ijk, layout)
         if self._part is not None and layout is not None:
+            self._intake.laid_out[frame.number] = layout.spacing
             low, high = self.counts.reached[frame.number] = layout.planes_reached(image_to_ijk)
             if high < self._part[0] or low >= self._part[1]:
                 self.counts.skip(OUTSIDE, frame.number)

@@ -461,6 +461,8 @@ def _worked(
             planes=planes if len(cut) > 1 else None,
             progress=part(step, 0.0, placing),
         )
+        if workers:
+            reconstructor.lay_out_as(workers[0])
         reaching = frames_of(planes, counts.reached)
         numbers = order if results is None else [n for n in order if n in reaching]
         tell = part(step, placing, 1.0)

@@ -82,6 +82,7 @@ def assert_same(ours, theirs):
     dtype=st.sampled_from([np.uint8, np.float32]),
 )
 @example("weighted", ENGINES[-1], 3, (0.0, 0.0, 0.0), (12, 12), list(range(1, PLANES)), "uint8", "auto", False, np.uint8)
+@example("weighted", ENGINES[-1], 5169, (0.0, 0.0, 0.0), (2, 1), [1, 4], "uint8", 0.0, False, np.uint8)
 @example("average", ENGINES[-1], 4, (20.0, 30.0, 0.0), (12, 12), [1, 4], "uint8", 2.5, True, np.uint8)
 def test_parts_have_the_voxels_of_the_whole(method, engine, seed, turn, size, cuts, output, hole_limit, linear, dtype):
     interpolation = "linear" if linear and method in LINEAR_METHODS else "nearest"
