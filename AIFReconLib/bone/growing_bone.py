@@ -59,6 +59,17 @@ class GrowingBone(BoneMap):
         shows_bone = not self.least_a_frame or dark >= LEAST_DARK * echoes
         return bool(shows_bone and echoes >= max(self.least_a_frame * frames, 1))
 
+    def begin_anew(self, echoes: SweepEchoes) -> None:
+        """Forget what frames showed and know these echoes instead: the patient moved, and frames lie elsewhere now."""
+        object.__setattr__(self, "_surface", EchoSurface())
+        self._surface.add(echoes)
+        self._told.clear()
+
+    @property
+    def has_told(self) -> bool:
+        """Whether the reconstructor was told all that was known when `spread` was asked last; nothing is told where too little is known."""
+        return not self._is_enough or self._told == [placed for _, placed in self._on_grid]
+
     def so_far(self) -> Steps[BoneMap | None]:
         """The map as it is now, where enough is known; another thread may `learn` and a third may `spread` meanwhile."""
         return (yield from self._surface.whole()) if self._is_enough else None
@@ -72,16 +83,18 @@ class GrowingBone(BoneMap):
         if not self._on_grid or not self._is_enough:
             return False
         grid, placed = self._on_grid[0]
-        if self._told != [placed]:
+        begins = self._told != [placed]
+        if begins:
             # A volume that begins anew is told all
             self._surface.renew()
-            self._told[:] = [placed]
         elif not has_news:
             return False
         low, high = (end(grid.corners(), axis=0) for end in (np.min, np.max))
         news = yield from self._surface.news(within=(low, high))
         if news is not None:
             yield from _write(news, grid, placed)
+        if begins:
+            self._told[:] = [placed]
         return news is not None
 
 

@@ -110,10 +110,10 @@ class LiveOptions(ReconstructionOptions, TrackingOptions):
     seconds: float | None = None
     scout_seconds: float = 10.0
 
-    SETTINGS: ClassVar[Settings] = ("time_offset", "longest_gap")
+    SETTINGS: ClassVar[Settings] = ("time_offset", "longest_gap", "motion")
     time_offset: ClassVar[float] = 0.0
     longest_gap: ClassVar[float] = SynchronizerSettings.longest_gap
-    NOT_KEPT: ClassVar[Names] = (*OF_A_RECORDING, "motion")
+    NOT_KEPT: ClassVar[Names] = OF_A_RECORDING
     FIRST: ClassVar[Names] = ("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
     EXAMPLES: ClassVar[str] = """examples:
   aifrecon live --host 192.168.0.12 --output volume.nrrd

@@ -45,7 +45,7 @@ def passes_of(sweeps: list[TrackedSequence], poses: list[SweepPoses]) -> Passes:
         stamps = stamps - stamps.min(initial=np.inf)
         number = np.full(len(sweep), -1)
         if len(order):
-            number[order] = count + _parted(stamps[order], placed.image_to_reference[order])
+            number[order] = count + parted(stamps[order], placed.image_to_reference[order])
             count = int(number.max()) + 1
         numbers.append(number)
         times.append(before + stamps)
@@ -53,7 +53,7 @@ def passes_of(sweeps: list[TrackedSequence], poses: list[SweepPoses]) -> Passes:
     return Passes(np.concatenate(numbers), np.concatenate(times))
 
 
-def _parted(stamps: Floats, matrices: Matrix) -> Integers:
+def parted(stamps: Floats, matrices: Matrix) -> Integers:
     """The number of the pass of each frame (n,), in the order of time."""
     steps = np.diff(stamps)
     usual = float(np.median(steps)) if len(steps) else 0.0

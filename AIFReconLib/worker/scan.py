@@ -121,7 +121,10 @@ class Scan(LiveScan):
             has_fallen=state is not None and state.has_fallen,
             compared=-1 if self._agreement is None else self._agreement.looked_at,
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
-            bone_lines=() if self.bone_watch is None else self.bone_watch.lines(statistics.frames_received),
+            bone_lines=(
+                *(() if self.bone_watch is None else self.bone_watch.lines(statistics.frames_received)),
+                *(() if self.motion_watch is None else self.motion_watch.lines),
+            ),
             problems=tuple(problem for problem in problems if problem),
             record=None if session.recorder is None else session.recorder.path,
         )
@@ -211,6 +214,7 @@ class Scan(LiveScan):
     def close(self) -> None:
         """End the scan, its recording finished."""
         self._stop_watches()
+        self.session.at_end = None
         self.session.stop()
 
     # ---- parts
@@ -248,7 +252,7 @@ class Scan(LiveScan):
 
     def _stop_watches(self) -> None:
         self._snapshots.stop()
-        for watch in (self._agreement, self._guidance, self.bone_watch):
+        for watch in (self._agreement, self._guidance, self.bone_watch, self.motion_watch):
             if watch is not None:
                 watch.stop()
 

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..bone.echoes.surface import LEAST_A_FRAME
+from ..bone.field import BoneField
 from ..bone.growing_bone import GrowingBone
 from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
 from ..effective_settings import Imaging
-from ..geometry.volume import VoxelGrid
+from ..geometry.volume import Volume, VoxelGrid
 from ..live.pairing.placement import UNCONFIRMED
 from ..live.session.bone_watch import BoneWatch, predictions_beside
+from ..live.session.motion_watch import MotionWatch
 from ..live.session.recording import Recorder
 from ..live.session.session import LiveSession
 from ..live.wire.sources import MessageSource, StreamStatistics
 from ..message import Sentence, Spelling, advised, as_argument
+from ..motion.solve import BoneInPlace
 from ..progress import Progress
+from ..recipe.recipe import AUTOMATIC
 from ..registration.labeled_bone import LabeledBone
 from .job import ScanJob
 
@@ -42,6 +48,8 @@ class LiveScan:
         self.labeled: LabeledBone | None = None
         self.growing: GrowingBone | None = None
         self.bone_watch: BoneWatch | None = None
+        self.motion_watch: MotionWatch | None = None
+        self._field: tuple[Volume, BoneField] | None = None
         self._job = job
         if job.sees_bone:
             by_echoes = job.recipe.bone_from_sweep
@@ -69,12 +77,31 @@ class LiveScan:
             beside = None if recorder is None or by_echoes else predictions_beside(recorder.path)
             estimator = None if self._job.bone.device else self._estimator
             self.bone_watch = BoneWatch(self.session, self.growing, estimator, beside)
+        if self._job.recipe.motion == AUTOMATIC:
+            self.motion_watch = MotionWatch(self.session, self._bone_in_place, self.growing)
+            self.session.at_end = self._lay_last
         return self
 
     def __exit__(self, *_: object) -> None:
         """Look no further."""
+        for watch in (self.bone_watch, self.motion_watch):
+            if watch is not None:
+                watch.stop()
+
+    def _lay_last(self, progress: Progress | None) -> None:
+        """When no frame comes any more, lay the last pass on the others."""
         if self.bone_watch is not None:
             self.bone_watch.stop()
+        if self.motion_watch is not None:
+            self.motion_watch.lay_last(progress)
+
+    def _bone_in_place(self) -> BoneInPlace | None:
+        """The bone of the CT where it lies now."""
+        if self.labels is None:
+            return None
+        if self._field is None or self._field[0] is not self.labels:
+            self._field = self.labels, BoneField.from_labels(self.labels)
+        return BoneInPlace(self._field[1], np.eye(4) if self.bone_to_reference is None else self.bone_to_reference)
 
     def bone_map(self, progress: Progress | None = None) -> BoneMap | None:
         """The map of the CT where it lies now."""

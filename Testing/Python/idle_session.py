@@ -15,6 +15,7 @@ class IdleSession:
     """What a watch asks of a session: the newest frame, and when to work."""
 
     latest = grid = None
+    in_place: list[object] = []
     pool = ThreadPoolExecutor()
 
     def imaging(self) -> Imaging:

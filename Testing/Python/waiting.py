@@ -12,6 +12,6 @@ PATIENCE = 300.0
 def until(condition: Callable[[], object]) -> bool:
     """Wait until the condition holds; whether it does."""
     end = time.monotonic() + PATIENCE
-    while not condition() and time.monotonic() < end:
+    while not (held := bool(condition())) and time.monotonic() < end:
         time.sleep(0.005)
-    return bool(condition())
+    return held

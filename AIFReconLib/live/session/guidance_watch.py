@@ -91,6 +91,7 @@ class GuidanceWatch(Watch):
         self._mets: list[CoverageAccumulator] = []
         self._advisor: Advisor | None = None
         self._poses: list[Matrix] = []
+        self._in_place: list[Matrix] = []
         self._again: list[Matrix] = []
         self._since: list[Matrix] = []
         self._ahead: Iterator[object] | None = None
@@ -141,6 +142,8 @@ class GuidanceWatch(Watch):
 
     def _look(self, frame: LiveFrame | None) -> Iterable[object]:
         imaging = None if frame is None else self._session.imaging()
+        if self._session.in_place is not self._in_place:
+            self._follow_motion(self._session.in_place)
         if frame is not None and imaging is not None:
             image, pose = frame.placed()
             if self._bone is not None:
@@ -162,6 +165,14 @@ class GuidanceWatch(Watch):
             if next(ahead, self) is not self:
                 self._ahead = ahead
             yield None
+
+    def _follow_motion(self, poses: list[Matrix]) -> None:
+        """The patient moved: the frames so far lie elsewhere."""
+        self._in_place, self._renewed = poses, 0.0
+        if poses:
+            self._poses = poses[-MOST_POSES:]
+            if self._growing is None:
+                self._begin()
 
     def _add(self, bone: GuidedBone, imaging: Imaging, image: Numbers, pose: Matrix) -> None:
         """Add a frame; the first says how large images are, and which way the probe looks."""

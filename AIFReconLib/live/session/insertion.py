@@ -83,6 +83,7 @@ class Inserter:
         self._volume = threading.Lock()
         self._turnstile = threading.Lock()
         self._reconstructor: Reconstructor | None = None
+        self._notes: tuple[str, ...] = ()
         self._begin: Callable[[], None] | None = None
         self._image_like: tuple[tuple[int, ...], NumberType] | None = None
         self._insertions = 0
@@ -133,6 +134,17 @@ class Inserter:
             self._changed.notify_all()
         if self._begin is not None:
             self._submit(self._begin)
+
+    def beside(self) -> Reconstructor | None:
+        """An empty volume as the one that grows, to be filled beside it; None where there is none."""
+        with self._volume:
+            growing, imaging = self._reconstructor, self._imaging
+        return None if growing is None else self._empty(growing.grid, growing.settings, imaging)
+
+    def put_in_place(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...]) -> None:
+        """Let a volume that was filled beside the one that grows take its place, and these frames enter it, before any that is put from now
+        on; the notes are said of it."""
+        self._submit(self._replace, filled, frames, notes, self._restarts)
 
     def put(self, frame: LiveFrame, meter: FrameCounters, live: bool = True) -> None:
         """Hand over a frame, usable or not, and what it is counted by.
@@ -186,7 +198,7 @@ class Inserter:
 
     def _signed(self, result: Reconstruction, imaging: Imaging) -> Reconstruction:
         result = self._sign(result, imaging)
-        return replace(result, said=(*imaging.notes, *self._parts.notes, *result.said))
+        return replace(result, said=(*imaging.notes, *self._parts.notes, *self._notes, *result.said))
 
     # ---- the thread
 
@@ -209,22 +221,32 @@ class Inserter:
     def _make(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> None:
         known = imaging()
         judges = method_named(self._settings.method_for(self._bone is not None)).needs_shadows
-        reconstructor = Reconstructor(
+        settings = replace(self._settings, gray_levels=known.gray_levels.landmarks) if judges else self._settings
+        reconstructor = self._empty(grid, settings, known)
+        with self._volume:
+            self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
+            self._imaging, self._notes = known, ()
+        self.error, self._ready = None, time.monotonic()
+        self.ready.set()
+
+    def _empty(self, grid: VoxelGrid, settings: Recipe, imaging: Imaging) -> Reconstructor:
+        return Reconstructor(
             grid,
-            replace(self._settings, gray_levels=known.gray_levels.landmarks) if judges else self._settings,
+            settings,
             self._bone,
-            probe=known.probe,
-            region=known.region,
+            probe=imaging.probe,
+            region=imaging.region,
             threads=self._parts.threads,
             importance=self._parts.importance,
             holes=self._parts.holes,
             fixed_point=self._parts.fixed_point,
         )
-        with self._volume:
-            self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
-            self._imaging = known
-        self.error, self._ready = None, time.monotonic()
-        self.ready.set()
+
+    def _replace(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...], restarts: int) -> None:
+        if restarts == self._restarts:
+            filled.insert(frames)
+            with self._volume:
+                self._reconstructor, self._notes = filled, notes
 
     def _judge(self, imaging: Callable[[], Imaging]) -> None:
         known = imaging()

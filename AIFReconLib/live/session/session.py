@@ -6,12 +6,15 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
+from ...arrays import Matrix
 from ...bone.map import BoneMap
 from ...compounding.methods.table import method_named
 from ...compounding.needs import needs_beams, require_bone, require_grid_as_asked, require_map_as_asked
@@ -21,7 +24,7 @@ from ...errors import SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.sound_speed import depth_factor
 from ...message import said
-from ...progress import Progress, part
+from ...progress import Progress, Steps, part
 from ...provenance.record import with_origin
 from ...recipe.recipe import AUTOMATIC, OF_READING, Recipe
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
@@ -46,6 +49,9 @@ MOST_PREDICTIONS = 64
 MOST_WATCHES = 8
 """That go on at a time, and snapshots."""
 
+MOST_KEPT_BYTES = 2**30
+"""Of pixels that are kept where the motion of the patient is to be taken out."""
+
 POLL = 0.25
 """s after which a source that says nothing is asked again."""
 
@@ -56,14 +62,12 @@ def _read_as_asked(synchronizer: SynchronizerSettings, asked: Recipe) -> tuple[S
     Raises SettingsError when both say it and differ, or for what a stream says itself.
     """
     given = asked.left_open("skip", "motion").given(*OF_READING)
-    if asked.motion == AUTOMATIC:
-        raise SettingsError("Input motion is for recordings, whose frames are all there. Leave it out, and reconstruct the recorded scan.")
     if "orientation" in given:
         raise SettingsError("Input orientation is for files: a stream's server says how its pixels run. Leave it out.")
     for name, value in given.items():
         if getattr(synchronizer, name) not in (value, getattr(SynchronizerSettings, name)):
             raise SettingsError(f"Input {name} must be that of the synchronizer, {getattr(synchronizer, name)!r}; got {value!r}.")
-    return replace(synchronizer, **given), asked.left_open("time_offset", "longest_gap", "motion")
+    return replace(synchronizer, **given), asked.left_open("time_offset", "longest_gap")
 
 
 class LiveSession:
@@ -147,6 +151,10 @@ class LiveSession:
         self.latest: LiveFrame | None = None
         self.recent: deque[LiveFrame] = deque(maxlen=2 * FRAMES_LOOKED_AT)
         self._frame_limit = frame_limit
+        self.kept: list[LiveFrame] | None
+        self.in_place: list[Matrix]
+        self._forget_motion()
+        self.at_end: Callable[[Progress | None], None] | None = None
         self._predictions_device = predictions_device
         self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
         self._meter = FrameCounters()
@@ -214,6 +222,7 @@ class LiveSession:
         with self._lock:
             self._meter = FrameCounters()
             self._inserter.restart()
+            self._forget_motion()
             if self._phase in (SCOUTING, LOOKING):
                 self._scouted = ScoutedFrames()
 
@@ -242,6 +251,42 @@ class LiveSession:
             else:
                 self._begin(grid)
 
+    def rebuild(self, kept: list[LiveFrame], motions: Matrix, bone: Steps[object], lines: tuple[str, ...]) -> Steps[bool]:
+        """Make the volume anew, beside the one that grows, of frames that lie elsewhere, and put it in its place.
+
+        Parameters
+        ----------
+        kept : list
+            As `kept` was when the motions were looked for.
+        motions : (n, 4, 4) array, mm
+            What is to be done to the poses of its first n frames; those that follow, and those to come, go with the last.
+        bone : steps
+            What is to be done before the first frame is inserted, and after the bone was placed.
+        lines : tuple of str
+            What the volume is to say of it.
+
+        Returns
+        -------
+        done : bool
+            Not where the volume was emptied meanwhile, or there is none.
+        """
+        beside = self._inserter.beside()
+        if beside is None:
+            return False
+        yield from bone
+        moved = [_moved(frame, motion) for frame, motion in zip(kept, motions, strict=False)]
+        for number, frame in enumerate(moved):
+            beside.insert(frame)
+            yield number / len(moved), "Laying passes on each other"
+        with self._lock:
+            if self.kept is not kept:
+                return False
+            self._motion = motions[-1]
+            since = [_moved(frame, self._motion) for frame in kept[len(moved) :]]
+            self._inserter.put_in_place(beside, since, lines)
+            self.in_place = [frame.placed()[1] for frame in (*moved, *since)]
+        return True
+
     def use_bone(self, bone: BoneMap) -> None:
         """Take another bone map, the CT having been placed anew, from `use_grid` or `reset` on; a volume that grows keeps its own."""
         self._inserter.use_bone(bone)
@@ -259,12 +304,14 @@ class LiveSession:
         if self._started:
             self._collector.join()
         self._close_scouting()
+        if self.at_end is not None:
+            self.at_end(part(progress, 0.0, 0.8))
         self._inserter.close()
         self.pool.shutdown(wait=False)
         self._phase = STOPPED
         self.finished.set()
         if self.recorder is not None:
-            self.recorded = self.recorder.finish(progress)
+            self.recorded = self.recorder.finish(part(progress, 0.8, 1.0))
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """`stop`, and the final volume, holes filled; None when there never was a grid. It can be asked for once."""
@@ -403,8 +450,8 @@ class LiveSession:
         if not frame.number % (self.settings.skip or 1):
             frame = self._still.judged(frame)
         if live:
-            self.latest = frame
-            self.recent.append(frame)
+            self.latest = _moved(frame, self._motion)
+            self.recent.append(self.latest)
         with self._lock:
             self._meter.receive(frame.received)
             self._hand_on(frame, self._meter, live, counts and not (live and self._paused))
@@ -419,7 +466,17 @@ class LiveSession:
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
                 self._begin(self._grid)
         else:
-            self._inserter.put(frame, meter, live)
+            self._put(frame, meter, live)
+
+    def _put(self, frame: LiveFrame, meter: FrameCounters, live: bool) -> None:
+        """Hand over a frame where it lies now, and keep it as it was recorded where motion is to be taken out."""
+        if self.kept is not None and frame.image is not None and frame.status == "OK":
+            alike = not self.kept or all(getattr(frame.image, name) == getattr(self.kept[0].image, name) for name in ("shape", "dtype"))
+            if alike and len(self.kept) * frame.image.nbytes > MOST_KEPT_BYTES:
+                self.kept = None
+            elif alike:
+                self.kept.append(frame)
+        self._inserter.put(_moved(frame, self._motion), meter, live)
 
     def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was scouted first."""
@@ -435,9 +492,14 @@ class LiveSession:
             self._inserter.judge_by(imaging)
         else:
             self._inserter.begin(grid, imaging)
+        self._forget_motion()
         for frame, meter in frames:
-            self._inserter.put(frame, meter, live=False)
+            self._put(frame, meter, live=False)
         self._phase = RECONSTRUCTING
+
+    def _forget_motion(self) -> None:
+        self.kept = [] if self._asked.motion == AUTOMATIC else None
+        self.in_place, self._motion = [], np.eye(4)
 
     def _close_scouting(self) -> None:
         """Account for the frames that still wait for a grid or for more of them."""
@@ -466,3 +528,9 @@ class LiveSession:
     @property
     def _must_look(self) -> bool:
         return self._imaging is None or self._learns
+
+
+def _moved(frame: LiveFrame, motion: Matrix) -> LiveFrame:
+    """A frame where it lies after a motion (4, 4), mm; one without a pose as it is."""
+    pose = frame.image_to_reference
+    return frame if pose is None else replace(frame, image_to_reference=motion @ pose)

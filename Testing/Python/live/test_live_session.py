@@ -14,7 +14,7 @@ import pytest
 from files import tracked_sequence, write_patient
 from igtl_streams import recorded
 from live_messages import SMALL, image, streamed, tracked
-from sweeps import sphere_bone
+from sweeps import rigid, sphere_bone
 
 from AIFReconLib.compounding.methods.table import METHODS, method_named
 from AIFReconLib.compounding.own.method import register_method
@@ -40,11 +40,12 @@ from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.framing import Framer
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.progress import carry_out
 from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 from AIFReconLib.reconstruction import reconstruct
 from AIFReconLib.sweep.edits import select_frames
-from AIFReconLib.sweep.frames import FrameRecord
+from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
@@ -113,6 +114,36 @@ def captured(data: bytes) -> QueueSource:
 def own_method(intensity, cosine, reach):
     """Of the tests."""
     return 0.1 + cosine * reach, intensity
+
+
+def test_a_volume_made_anew_is_that_of_frames_which_lie_elsewhere(session_of, configuration):
+    """Frames that come while it is made go with the last motion, and so do those that follow."""
+    sequence = replace(tracked_sequence(), configuration=configuration)
+    poses, count = sweep_poses(sequence).image_to_reference, len(sequence)
+    motions = np.stack([rigid((0.0, 0.0, 2.0 * n), (0.3 * n, 0.2, -0.1 * n)) for n in range(count // 2)])
+    messages = list(streamed(sequence))
+    each = len(messages) // count
+    session = session_of(messages[: each * (count // 2)], ReconstructionSettings(method="average", motion="auto"))
+    session.start()
+    wait_for(lambda: session.statistics.inserted == count // 2)
+    anew = session.rebuild(session.kept, motions, iter(()), ("Mended.",))
+    next(anew)
+    for message in messages[each * (count // 2) : each * (count - 1)]:
+        session.queue.put(message)
+    wait_for(lambda: session.statistics.inserted == count - 1)
+    assert carry_out(anew)
+    for message in messages[each * (count - 1) :]:
+        session.queue.put(message)
+    result = session.finish()
+    moved = np.array([motion @ pose for motion, pose in zip([*motions, *[motions[-1]] * (count - len(motions))], poses, strict=True)])
+    there = TrackedSequence.from_arrays([sequence.images[n] for n in range(count)], moved)
+    whole = ImageRegion() if configuration.imaged_region is None else configuration.imaged_region
+    expected = reconstruct(there, ReconstructionSettings(method="average", **imaging_fields(whole, None)), grid=GRID)
+    assert result.intensity.array.any()
+    for name in ("intensity", "hits", "mask"):
+        np.testing.assert_array_equal(getattr(result, name).array, getattr(expected, name).array)
+    assert "Mended." in result.said
+    assert session.in_place[-1] == pytest.approx(moved[-2])
 
 
 @pytest.mark.parametrize("method", [*METHODS, own_method.name])
