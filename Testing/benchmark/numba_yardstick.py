@@ -52,15 +52,22 @@ def add_weighed(voxels, pixels, value, weight, hits):
         hits[voxel] += np.uint32(1)
 
 
+@njit(nogil=True, cache=True, inline="always")
+def voxel(matrix, row, column):
+    """Where a pixel lies, (k, j, i); `matrix` is image_to_ijk."""
+    i = math.floor(matrix[0, 1] * row + (matrix[0, 3] + 0.5) + matrix[0, 0] * column)
+    j = math.floor(matrix[1, 1] * row + (matrix[1, 3] + 0.5) + matrix[1, 0] * column)
+    k = math.floor(matrix[2, 1] * row + (matrix[2, 3] + 0.5) + matrix[2, 0] * column)
+    return k, j, i
+
+
 @njit(nogil=True, cache=True)
 def plain_average(image, matrix, total, hits):
-    """Add one frame's pixels to sums and counts [k, j, i]; `matrix` is image_to_ijk."""
+    """Add one frame's pixels to sums and counts [k, j, i]."""
     nk, nj, ni = total.shape
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):
-            i = math.floor(matrix[0, 1] * row + (matrix[0, 3] + 0.5) + matrix[0, 0] * column)
-            j = math.floor(matrix[1, 1] * row + (matrix[1, 3] + 0.5) + matrix[1, 0] * column)
-            k = math.floor(matrix[2, 1] * row + (matrix[2, 3] + 0.5) + matrix[2, 0] * column)
+            k, j, i = voxel(matrix, row, column)
             if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
                 total[k, j, i] += image[row, column]
                 hits[k, j, i] += 1
@@ -72,9 +79,7 @@ def plain_latest(image, matrix, value, hits):
     nk, nj, ni = value.shape
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):
-            i = math.floor(matrix[0, 1] * row + (matrix[0, 3] + 0.5) + matrix[0, 0] * column)
-            j = math.floor(matrix[1, 1] * row + (matrix[1, 3] + 0.5) + matrix[1, 0] * column)
-            k = math.floor(matrix[2, 1] * row + (matrix[2, 3] + 0.5) + matrix[2, 0] * column)
+            k, j, i = voxel(matrix, row, column)
             if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
                 value[k, j, i] = image[row, column]
                 hits[k, j, i] += 1
@@ -86,9 +91,7 @@ def plain_maximum(image, matrix, value, hits):
     nk, nj, ni = value.shape
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):
-            i = math.floor(matrix[0, 1] * row + (matrix[0, 3] + 0.5) + matrix[0, 0] * column)
-            j = math.floor(matrix[1, 1] * row + (matrix[1, 3] + 0.5) + matrix[1, 0] * column)
-            k = math.floor(matrix[2, 1] * row + (matrix[2, 3] + 0.5) + matrix[2, 0] * column)
+            k, j, i = voxel(matrix, row, column)
             if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
                 value[k, j, i] = max(value[k, j, i], np.float32(image[row, column]))
                 hits[k, j, i] += 1
@@ -100,9 +103,7 @@ def plain_aif(image, matrix, x_axis, y_axis, beams, probability, directions, alp
     nk, nj, ni = value.shape
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):
-            i = math.floor(matrix[0, 1] * row + (matrix[0, 3] + 0.5) + matrix[0, 0] * column)
-            j = math.floor(matrix[1, 1] * row + (matrix[1, 3] + 0.5) + matrix[1, 0] * column)
-            k = math.floor(matrix[2, 1] * row + (matrix[2, 3] + 0.5) + matrix[2, 0] * column)
+            k, j, i = voxel(matrix, row, column)
             if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
                 pixel = np.float32(image[row, column])
                 v = directions[k, j, i]
@@ -126,9 +127,7 @@ def plain_weighted(
     nk, nj, ni = value.shape
     for row in range(image.shape[0]):
         for column in range(image.shape[1]):
-            i = math.floor(matrix[0, 1] * row + (matrix[0, 3] + 0.5) + matrix[0, 0] * column)
-            j = math.floor(matrix[1, 1] * row + (matrix[1, 3] + 0.5) + matrix[1, 0] * column)
-            k = math.floor(matrix[2, 1] * row + (matrix[2, 3] + 0.5) + matrix[2, 0] * column)
+            k, j, i = voxel(matrix, row, column)
             if 0 <= i < ni and 0 <= j < nj and 0 <= k < nk:
                 pixel = np.float32(image[row, column])
                 v = directions[k, j, i]
@@ -165,31 +164,29 @@ def yardsticks(sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, probe:
     reach, onset = judged.reach.reshape(rows, columns), judged.onset.reshape(rows, columns)
     known = placed.probability, placed.directions_reference
 
-    def average() -> None:
-        for frame, matrix in zip(sweep, matrices, strict=True):
-            plain_average(frame.image, matrix, total, hits)
+    def each(put: Callable[..., None], *arguments: object) -> Callable[[], None]:
+        """All frames, one after the other."""
 
-    def latest() -> None:
-        for frame, matrix in zip(sweep, matrices, strict=True):
-            plain_latest(frame.image, matrix, value, hits)
+        def run() -> None:
+            for frame, matrix in zip(sweep, matrices, strict=True):
+                put(frame.image, matrix, *arguments)
 
-    def maximum_() -> None:
-        for frame, matrix in zip(sweep, matrices, strict=True):
-            plain_maximum(frame.image, matrix, value, hits)
+        return run
 
-    def aif(compensated: bool) -> None:
-        for frame, matrix, (x, y) in zip(sweep, matrices, axes, strict=True):
-            plain_aif(frame.image, matrix, x, y, beams, *known, alpha, beta, maximum, compensated, value, weight, hits)
+    def beamed(put: Callable[..., None], *arguments: object) -> Callable[[], None]:
+        """The same with the beams of each."""
 
-    def weighted() -> None:
-        for frame, matrix, (x, y) in zip(sweep, matrices, axes, strict=True):
-            plain_weighted(frame.image, matrix, x, y, beams, *known, reach, onset, floor, gain, beta, maximum, value, weight, hits)
+        def run() -> None:
+            for frame, matrix, (x, y) in zip(sweep, matrices, axes, strict=True):
+                put(frame.image, matrix, x, y, beams, *known, *arguments, value, weight, hits)
+
+        return run
 
     return {
-        "average": average,
-        "latest": latest,
-        "maximum": maximum_,
-        "aif": lambda: aif(False),
-        "aif-compensated": lambda: aif(True),
-        "weighted": weighted,
+        "average": each(plain_average, total, hits),
+        "latest": each(plain_latest, value, hits),
+        "maximum": each(plain_maximum, value, hits),
+        "aif": beamed(plain_aif, alpha, beta, maximum, False),
+        "aif-compensated": beamed(plain_aif, alpha, beta, maximum, True),
+        "weighted": beamed(plain_weighted, reach, onset, floor, gain, beta, maximum),
     }
