@@ -116,7 +116,7 @@ def ndi_track(r: Recording) -> Made:
             line += ",".join(values) + ",0.2372032,3" + ",OK,-54.047,-355.147,-1630.068" * 3
         lines.append(line)
     poses, times = r.of(0)
-    return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": f"{r.names[0]} tool"}})
+    return Made(poses, times, "\n".join(lines), answers={"tool": {"tool": ports[0]}})
 
 
 def ndi_in_rows(r: Recording) -> Made:
@@ -151,7 +151,7 @@ def motive(r: Recording) -> Made:
             cells += [*quaternion(pose, "xyzw"), *numbers(factor * pose[:3, 3]), "0.0002"] if r.good[tool, n] else [""] * 8
         rows.append(",".join(cells))
     poses, times = r.of(0)
-    return Made(poses, times, "\n".join([*head, *rows]), answers={"tool": {"tool": f"{shown(r.names[0])} 17"}})
+    return Made(poses, times, "\n".join([*head, *rows]), answers={"tool": {"tool": r.names[0]}})
 
 
 def vicon(r: Recording) -> Made:
@@ -171,7 +171,7 @@ def vicon(r: Recording) -> Made:
     after = ["", "Trajectories", str(rate), "," + ",Probe:M1,,", "Frame,Sub Frame,X,Y,Z", ",,mm,mm,mm", "1,0,1,2,3"]
     poses, times = r.of(0)
     text = "\n".join([*head, *rows, *(after if r.random.uniform() < 0.5 else [])])
-    said = {"tool": {"tool": shown(f"{r.names[0]} {r.names[0]}")}, "euler_order": {"euler_order": "vector"}}
+    said = {"tool": {"tool": f"{r.names[0]}:{r.names[0]}"}, "euler_order": {"euler_order": "vector"}}
     return Made(poses, times, text, answers=said)
 
 
@@ -201,7 +201,7 @@ def qualisys(r: Recording) -> Made:
     poses, times = r.of(0)
     columns = ("frame", "time", *"xyz", *"----", *(f"r{k}" for k in range(9)), *["-"] * 16 * (len(r.names) - 1))
     said: dict[str, dict[str, Any]] = {
-        "tool": {"tool": shown(r.names[0])},
+        "tool": {"tool": r.names[0]},
         "column_major": {"column_major": True},
         "columns": {"columns": " ".join(columns)},
     }
@@ -302,9 +302,9 @@ def plain(r: Recording) -> Made:
     poses, times = r.of(0)
     columns = [head[0], *(name if tool == 0 else "-" for tool, name in fields)]
     place = str(order.index(0) + 1)
-    unnamed = f"unnamed {place}" if any(place in shown(label).split() for label in labels) else place
+    unnamed = f"unnamed {place}" if any(place == shown(way.format(label, "")) for label in labels) else place
     given: dict[str, dict[str, Any]] = {
-        "tool": {"tool": shown(labels[0]) or unnamed},
+        "tool": {"tool": shown(way.format(labels[0], "")) if labels[0] else unnamed},
         "columns": {"columns": " ".join(columns), "tool": None},
         "time_unit": {"time_unit": unit},
         "quaternion_order": {"quaternion_order": "wxyz"},

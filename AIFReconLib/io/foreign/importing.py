@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...arrays import Floats, Integers, Mask, Matrix
+from ...arrays import Floats, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import are_rigid, invert, why_not_an_image_pose, why_not_rigid
@@ -86,12 +86,10 @@ def import_sequence(
     if settings.rate is not None:
         images = replace(images, times=np.arange(len(images.stack)) / settings.rate)
     zero, clocks = _clocks(images, poses, offset)
-    matrices = poses.matrices
-    good = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
-    if not good.any():
-        raise SettingsError(f"The poses must hold at least one that is valid; all {len(matrices)} are missing. Export them again.")
-    rigid = _are_rigid(matrices[good], np.flatnonzero(good), name, settings)
-    matrices = in_millimeters(matrices, poses.length_unit, takes_pixels=IMAGE_FRAME in (name.source, name.target) and not rigid)
+    if not np.isfinite(poses.matrices).all(axis=(1, 2)).any():
+        raise SettingsError(f"The poses must hold at least one that is valid; all {len(poses.matrices)} are missing. Export them again.")
+    rigid = _are_rigid(poses.matrices, name)
+    matrices = in_millimeters(poses.matrices, poses.length_unit, takes_pixels=IMAGE_FRAME in (name.source, name.target) and not rigid)
     # What the tracker did not see stands somewhere, too, often at zero
     seen = np.array([sample.status is TransformStatus.OK for sample in _samples(matrices, poses)])
     doubts = _doubts(matrices, seen, poses, settings) if seen.any() else []
@@ -115,7 +113,6 @@ def import_sequence(
         f"place of the image: {how}",
         f"pairing: {pairing}",
         "times: " + ("none; frames are taken in this order" if times is None else _span(times)),
-        *_first_frames(samples, times),
         *doubts,
         *clocks,
         *_lasting(times, poses, settings),
@@ -133,10 +130,7 @@ def _of_patient(patient: PoseTable, name: TransformName, may_move: Sequence[str]
             f"The poses of {name} are those in Reference already, and there is a marker on the patient.", "Leave out {reference_tool}."
         )
     matrices = in_millimeters(patient.matrices, patient.length_unit, takes_pixels=False)
-    known = np.array(np.isfinite(matrices).all(axis=(1, 2)), dtype=bool)
-    for number, matrix in enumerate(matrices) if not are_rigid(matrices[known]) else ():
-        if known[number] and why_not_rigid(matrix):
-            raise SettingsError(f"Pose {number} of the marker must be a rotation and a translation; it is {why_not_rigid(matrix)}.")
+    _are_rigid(matrices, marker, " of the marker")
     return marker, matrices
 
 
@@ -168,10 +162,10 @@ def _first_motion(poses: PoseTable) -> float | None:
     known = np.isfinite(poses.matrices).all(axis=(1, 2))
     if poses.times is None or not known.any():
         return None
-    matrices = in_millimeters(poses.matrices[known], poses.length_unit, takes_pixels=False)
-    turned = np.linalg.norm(matrices[:, :3, :3] - matrices[0, :3, :3], axis=(1, 2))
-    gone = np.flatnonzero((np.linalg.norm(matrices[:, :3, 3] - matrices[0, :3, 3], axis=1) > BEGUN_MM) | (turned > BEGUN_TURN))
-    return float(poses.times[known][gone[0]]) if gone.size else None
+    moved = in_millimeters(poses.matrices[known], poses.length_unit, takes_pixels=False)
+    moved -= moved[0]
+    gone = (np.linalg.norm(moved[:, :3, 3], axis=1) > BEGUN_MM) | (np.linalg.norm(moved[:, :3, :3], axis=(1, 2)) > BEGUN_TURN)
+    return float(poses.times[known][np.argmax(gone)]) if gone.any() else None
 
 
 def _first_change(images: ImportedImages) -> float | None:
@@ -179,9 +173,9 @@ def _first_change(images: ImportedImages) -> float | None:
     if images.times is None:
         return None
     first = np.asarray(images.stack[0], np.float32)
-    changes = np.array([np.abs(np.asarray(images.stack[n], np.float32) - first).mean() for n in range(min(len(images.stack), LOOKED_AT))])
-    gone = np.flatnonzero(changes > np.median(changes) / 2)
-    return float(images.times[gone[0]]) if gone.size else None
+    changes = np.array([np.abs(images.stack[n] - first).mean() for n in range(min(len(images.stack), LOOKED_AT))])
+    gone = changes > np.median(changes) / 2
+    return float(images.times[np.argmax(gone)]) if gone.any() else None
 
 
 def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) -> list[str]:
@@ -195,21 +189,20 @@ def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) ->
     return [Sentence(told, "If the images paused, give {times:FILE} instead of {rate}.")]
 
 
-def _are_rigid(matrices: Matrix, numbers: Integers, name: TransformName, settings: ImportOptions) -> bool:
-    """Whether all poses are rigid; poses that are neither that nor those of an image are refused by their number."""
-    if are_rigid(matrices):
+def _are_rigid(matrices: Matrix, name: TransformName, of: str = "") -> bool:
+    """Whether all poses that there are are rigid; those that are neither that nor those of an image are refused by their number."""
+    known = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
+    if are_rigid(matrices[known]):
         return True
-    reasons = [why_not_rigid(matrix) for matrix in matrices]
-    if not any(reasons):
-        return True
-    for number, matrix, reason in zip(numbers, matrices, reasons):
-        pixels = matrix if name.source == IMAGE_FRAME else invert(matrix)
-        if reason and (IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels)):
+    reasons = {number: reason for number in known.tolist() if (reason := why_not_rigid(matrices[number]))}
+    for number, reason in reasons.items():
+        pixels = matrices[number] if name.source == IMAGE_FRAME else invert(matrices[number])
+        if IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels):
             raise SettingsError(
-                f"Pose {number} must be a rotation and a translation; it is {reason}. Check the columns.",
+                f"Pose {number}{of} must be a rotation and a translation; it is {reason}. Check the columns.",
                 "Where matrices are written column by column, give {column_major}.",
             )
-    return False
+    return not reasons
 
 
 def _placed(matrices: Matrix, rigid: bool, images: ImportedImages, settings: ImportOptions, calibration: _Calibration | None) -> _Place:
@@ -218,8 +211,6 @@ def _placed(matrices: Matrix, rigid: bool, images: ImportedImages, settings: Imp
     spacing = settings.spacing or images.spacing
     origin = settings.image_origin_px or (0.0, 0.0)
     if IMAGE_FRAME not in (name.source, name.target):
-        if settings.image_origin_px:
-            _require_known_spacing(images, spacing)
         header, how = _placed_by_probe(spacing, images, settings, calibration)
         return matrices, header, how
     if calibration:
@@ -230,19 +221,14 @@ def _placed(matrices: Matrix, rigid: bool, images: ImportedImages, settings: Imp
         first = matrices[np.isfinite(matrices).all(axis=(1, 2))][0]
         _about_image(first if name.source == IMAGE_FRAME else invert(first), images, settings)
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
-    _require_known_spacing(images, spacing)
     if spacing is None:
-        raise SettingsError(f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known.", PIXEL_SIZE)
+        why = f": {images.unknown_spacing}" if images.unknown_spacing else ""
+        raise SettingsError(f"{name} takes millimeters, being rigid, and the size of a pixel is not known{why}.", PIXEL_SIZE)
     pixel_to_image = _pixels_to_mm(spacing, origin)
     _about_image(pixel_to_image, images, settings)
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
     source = "" if settings.spacing else " (from the image files)"
     return matrices, {}, f"pixels of {spacing[0]:g} x {spacing[1]:g} mm{source}, {name} places pixel {origin[0]:g} {origin[1]:g}"
-
-
-def _require_known_spacing(images: ImportedImages, spacing: tuple[float, float] | None) -> None:
-    if spacing is None and images.unknown_spacing:
-        raise SettingsError(f"The size of a pixel is not known: {images.unknown_spacing}.", PIXEL_SIZE)
 
 
 def _placed_by_probe(
@@ -302,7 +288,7 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
     """One sample per image, times, and how that was done: by name, else by time where both have times that disagree, else in order."""
     count = len(images.stack)
     if poses.images is not None:
-        return _paired_by_name(images, poses.images, poses.times, samples)
+        return _paired_by_name(images, poses, samples)
     if images.unknown_order:
         raise SettingsError(
             f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
@@ -343,20 +329,14 @@ def _in_step(poses: Floats, images: Floats) -> bool:
     return float(np.ptp(poses - images)) <= 0.5 * float(np.median(np.abs(np.diff(images)))) + 1e-9
 
 
-def _paired_by_name(
-    images: ImportedImages,
-    names: tuple[str, ...],
-    times: Floats | None,
-    samples: list[TransformSample],
-) -> _Pairs:
+def _paired_by_name(images: ImportedImages, poses: PoseTable, samples: list[TransformSample]) -> _Pairs:
     """Poses of images by the names of their files, whatever their folder."""
     if images.names is None:
         raise SettingsError(
             "The poses name an image each, but the images are all in one file.", "Leave out that column ({columns}, with -)."
         )
     rows: dict[str, int] = {}
-    for number, text in enumerate(names):
-        name = bare_name(text)
+    for number, name in enumerate(map(bare_name, poses.images or ())):
         # A row that names no image is a pose without one
         if not has_none(name) and rows.setdefault(name, number) != number:
             raise SettingsError(f"Two poses name the image {name} (poses {rows[name]} and {number}). Remove one of them.")
@@ -366,15 +346,14 @@ def _paired_by_name(
             f"Two of the images are called {twice}, and a pose names it. Import one folder at a time, or rename the images."
         )
     known = [rows.get(name) for name in images.names]
-    found = sum(number is not None for number in known)
+    found = [number for number in known if number is not None]
     if not found:
         raise SettingsError(
-            f"No pose names one of the images: poses name {next(iter(rows))}, images are {images.names[0]}. Use the same names."
+            f"No pose names one of the images: poses name {next(iter(rows), None)}, images are {images.names[0]}. Use the same names."
         )
     paired = [MISSING if number is None else samples[number] for number in known]
-    numbers = [number for number in known if number is not None]
-    times = times[numbers] if times is not None and found == len(known) else None
-    return paired, times, f"by name: {found} of {len(known)} images have a pose, {len(rows) - found} poses have no image"
+    times = poses.times[found] if poses.times is not None and len(found) == len(known) else None
+    return paired, times, f"by name: {len(found)} of {len(known)} images have a pose, {len(rows) - len(found)} poses have no image"
 
 
 def _span(times: Floats) -> str:
@@ -416,14 +395,10 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportOpti
 
 
 def _speed(matrices: Matrix, steps: Floats) -> float:
-    """mm/s, in the median of some of the steps, of what is placed or of the tracker seen from there: the slower of both."""
-    first = np.flatnonzero(steps > 0)
-    first = first[:: max(len(first) // 20_000, 1)]
-    pairs = matrices[np.stack([first, first + 1])]
-    ways = (pairs[..., :3, 3], np.linalg.inv(pairs)[..., :3, 3])
-    return (
-        min((float(np.median(np.linalg.norm(way[1] - way[0], axis=-1) / steps[first])) for way in ways), default=0.0) if len(first) else 0.0
-    )
+    """mm/s, in the median, of what is placed or of the tracker seen from there: the slower of both."""
+    timed = np.flatnonzero(steps)
+    shifts = (np.diff(way[:, :3, 3], axis=0)[timed] for way in (matrices, np.linalg.inv(matrices)))
+    return min(float(np.median(np.linalg.norm(shift, axis=1) / np.abs(steps[timed]))) for shift in shifts)
 
 
 def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportOptions) -> None:
@@ -433,22 +408,3 @@ def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportOp
     if sentence is not None and not settings.sure:
         missing = bool(np.allclose(np.linalg.norm(image_to_mm[:3, :2], axis=0), 1.0, atol=1e-3))
         raise SettingsError(sentence, PIXEL_SIZE if missing else CALIBRATION_UNIT if settings.calibration else SURE)
-
-
-def _first_frames(samples: list[TransformSample], times: Floats | None) -> list[str]:
-    """The first three poses in words: where, turned how, how fast from the one before."""
-    told: list[str] = []
-    before: tuple[Floats, float] | None = None
-    for number, sample in enumerate(samples):
-        if sample.status is not TransformStatus.OK or len(told) == 3:
-            continue
-        place, axes = sample.matrix[:3, 3], sample.matrix[:3, :3] / np.linalg.norm(sample.matrix[:3, :3], axis=0)
-        angle = np.degrees(np.arccos(np.clip((np.trace(axes) - 1.0) / 2.0, -1.0, 1.0)))
-        line = f"frame {number}: at {place[0]:.1f} {place[1]:.1f} {place[2]:.1f} mm, turned by {angle:.1f} degrees"
-        if times is not None:
-            line += f", at {times[number]:.3f} s"
-            if before is not None and times[number] > before[1]:
-                line += f", {np.linalg.norm(place - before[0]) / (times[number] - before[1]):.1f} mm/s since the one before"
-            before = place, float(times[number])
-        told.append(line)
-    return told

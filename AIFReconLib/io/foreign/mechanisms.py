@@ -7,27 +7,28 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import scipy
 
 from ...arrays import Floats, Matrix
-from ...errors import AIFReconError, FileFormatError, GeometryError
+from ...errors import AIFReconError, FileFormatError
 from ...geometry.mechanism import FIXED, SHIFT, TURN, Axis, Mechanism
-from ...geometry.transforms import as_matrix, why_not_rigid
+from ...geometry.transforms import why_not_rigid
 from ...message import listed, said, shorten
 from ..disk.tables import JSON, TOML, read_table
 from ..sequence.metafiles import METAFILES
 from .options import ImportOptions
-from .poses.files import PoseTable, statuses_in
-from .poses.headings import ANGLES, IMAGE, LENGTHS, RECEIVED, STATUS, TIME, Column, column_of
-from .poses.sheet import Sheet, sheets_of, text_of
+from .poses.files import PoseTable, read_sheets
+from .poses.headings import ANGLES, IMAGE, LENGTHS, STATUS, TIME, Column, column_of
+from .poses.sheet import Sheet
+from .poses.statuses import statuses_in
 from .poses.times import times_of
 from .poses.tracks import Track
 
 METERS = 1000.0
 MOST_AXES = 64
-_BESIDES = (TIME, RECEIVED, IMAGE, STATUS)
 _KEYS = {
     "axis": ("name", "kind", "direction", "point", "scale", "zero"),
     "joint": ("name", "type", "axis", "xyz", "rpy", "scale", "zero"),
@@ -36,6 +37,7 @@ _KINDS = {
     "axis": {SHIFT: SHIFT, TURN: TURN},
     "joint": {"prismatic": SHIFT, "revolute": TURN, "continuous": TURN, "fixed": FIXED},
 }
+_STEPS = (("scale", 1.0), ("zero", 0.0))
 
 
 def read_mechanism(path: str | Path) -> Mechanism:
@@ -52,7 +54,10 @@ def read_mechanism(path: str | Path) -> Mechanism:
         the table reads r, it has moved by (r - zero) * scale. And ``home``, the probe's pose when all are at zero: 4 rows of 4 numbers, mm.
     """
     path = Path(path)
-    table = _table(path)
+    if path.suffix.lower() not in (JSON, TOML):
+        raise FileFormatError(f"{path}: a mechanism is described in .toml or .json. Give such a file.")
+    read = read_table(path, FileFormatError, "Correct the file.")
+    table: dict[str, Any] = read if isinstance(read, dict) else {}
     form = "axis" if "axis" in table else "joint"
     items = table.get(form)
     if set(table) - {form, "home"} or not isinstance(items, list) or not 0 < len(items) <= MOST_AXES:
@@ -61,7 +66,10 @@ def read_mechanism(path: str | Path) -> Mechanism:
             f"got {shorten(listed(table)) or 'nothing'}."
         )
     axes = [_axis(f"{path}: {form} {number}", form, item) for number, item in enumerate(items, start=1)]
-    mechanism = Mechanism(tuple(axes), _home(path, table.get("home", np.eye(4))))
+    home = _numbers(f"{path}: home must be 4 rows of 4 numbers, in mm", table.get("home", np.eye(4)), (4, 4))
+    if reason := why_not_rigid(home):
+        raise FileFormatError(f"{path}: home must be a rotation and a translation; it is {reason}. Correct the numbers.")
+    mechanism = Mechanism(tuple(axes), home)
     names = [axis.name.lower() for axis in mechanism.moving]
     if len(set(names)) < len(names) or not names:
         raise FileFormatError(f"{path}: its axes must have a name each, and one must move; got {listed(names) or 'none'}.")
@@ -84,34 +92,34 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: ImportOptions
         Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
     """
     path, form = Path(path), form or ImportOptions()
-    if path.suffix.lower() in METAFILES.suffixes:
-        return _of_fields(path, mechanism, form)
-    text = text_of(path)
     try:
-        sheet = next((sheet for sheet in sheets_of(text) if sheet.rows), None)
-        if sheet is None:
+        if path.suffix.lower() in METAFILES.suffixes:
+            return _of_fields(path, mechanism, form)
+        sheets = read_sheets(path)
+        if not sheets:
             raise FileFormatError("it holds no values of the axes. Give a table with one row per frame.")
-        return _poses(sheet, mechanism, form)
+        return _poses(sheets[0], mechanism, form)
     except AIFReconError as error:
-        raise type(error)(f"{path}: {said(error)}", error) from None
+        raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
 
 
 def _poses(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
     track = Track("", _columns(sheet, mechanism, form))
-    cells = sheet.read(len(track.described), [place for role, place in track.columns.items() if role in (IMAGE, STATUS)])
     moved, told = [], []
     for axis in mechanism.moving:
         column = track.described[place := track.columns[axis.name.lower()]]
-        unit, amount = _unit(axis, column, form)
-        moved.append((cells.numbers(place, column.heading) - axis.zero) * axis.scale * amount)
+        lengths = axis.kind == SHIFT
+        said_here = column.unit if column.unit in (LENGTHS if lengths else ANGLES) else None
+        unit = said_here or (form.units or "mm" if lengths else form.angle_unit or "deg")
+        amount = LENGTHS[unit] if lengths else math.pi / 180 if unit == "deg" else 1.0
+        moved.append((sheet.numbers(place, column.heading) - axis.zero) * axis.scale * amount)
         told.append(f"{axis.name} ({axis.kind}, {unit})")
     matrices = mechanism.poses(np.stack(moved, axis=1))
-    times = times_of(track.described, cells, form.time_unit)
-    statuses, of_status = statuses_in(track, cells, np.asarray(np.isfinite(matrices).all(axis=(1, 2))), form)
-    images = tuple(cells.words(track.columns[IMAGE])) if IMAGE in track.columns else None
-    seconds = times.seconds if times.seconds is not None and np.isfinite(times.seconds).all() else None
-    understood = (f"{len(sheet.rows)}, of a mechanism: {listed(told)}", *times.told, *of_status)
-    return PoseTable(matrices, seconds, images, statuses, understood, "mm", True)
+    times, told_times = times_of(track.described, sheet, form.time_unit)
+    statuses, of_status = statuses_in(track, sheet, np.asarray(np.isfinite(matrices).all(axis=(1, 2))), form.status_ok or ())
+    images = tuple(sheet.words(track.columns[IMAGE])) if IMAGE in track.columns else None
+    understood = (f"{len(matrices)}, of a mechanism: {listed(told)}", *told_times, *of_status)
+    return PoseTable(matrices, times, images, statuses, understood, "mm", True)
 
 
 def _of_fields(path: Path, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
@@ -122,55 +130,32 @@ def _of_fields(path: Path, mechanism: Mechanism, form: ImportOptions) -> PoseTab
     missing = next((name for name in axes if not any(name in each for each in fields)), None)
     if missing is not None:
         there = listed(dict.fromkeys(name for each in fields for name in each)) or "none"
-        raise FileFormatError(f"{path}: its frames must have a field {missing}, for the axis of this name; got {shorten(there, 200)}.")
-    rows = [" ".join(each.get(name, "nan") for name in axes) for each in fields]
-    try:
-        table = _poses(Sheet(rows, list(range(len(rows))), headings=axes, item="frame"), mechanism, form)
-    except AIFReconError as error:
-        raise type(error)(f"{path}: {said(error)}", error) from None
+        raise FileFormatError(f"its frames must have a field {missing}, for the axis of this name; got {shorten(there, 200)}.")
+    rows = [[each.get(name, "nan") for name in axes] for each in fields]
+    table = _poses(Sheet(rows, range(len(rows)), axes, item="frame"), mechanism, form)
     times = [record.timestamp for record in records]
     return replace(table, times=None if None in times else np.array(times, dtype=np.float64))
-
-
-def _unit(axis: Axis, column: Column, form: ImportOptions) -> tuple[str, float]:
-    """In which unit an axis is read, and how much 1 of it is, in mm or radians."""
-    if axis.kind == SHIFT:
-        unit = column.unit if column.unit in LENGTHS else form.units or "mm"
-        return unit, LENGTHS[unit]
-    unit = column.unit if column.unit in ANGLES else form.angle_unit or "deg"
-    return unit, math.pi / 180 if unit == "deg" else 1.0
 
 
 def _columns(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> dict[int, Column]:
     """What each column holds: an axis under its name in small letters, or time, image, status."""
     axes = [axis.name.lower() for axis in mechanism.moving]
-    width = sheet.width
-    headings = list(form.column_names) if form.column_names is not None else sheet.headings
-    if headings is None:
-        if width - len(axes) not in (0, 1):
-            raise FileFormatError(
-                f"without headings there must be {len(axes)} columns ({listed(axes)}), or the time in front; got {width}."
-            )
-        headings = [TIME, *axes][len(axes) + 1 - width :]
+    headings = list(form.column_names or sheet.headings or [TIME, *axes][len(axes) + 1 - sheet.width :])
+    if len(headings) != sheet.width:
+        raise FileFormatError(
+            f"without headings there must be {len(axes)} columns ({listed(axes)}), or the time in front; got {sheet.width}."
+        )
     columns = {}
     for place, (heading, unit) in enumerate(zip(headings, [*sheet.units, *[""] * len(headings)])):
         bare = re.sub(r"[(\[][^)\]]*[)\]]", "", heading).strip().lower()
         column = column_of(heading, (), unit)
-        columns[place] = replace(column, role=bare) if bare in axes else column if column.role in _BESIDES else replace(column, role=None)
+        role = bare if bare in axes else column.role if column.role in (TIME, IMAGE, STATUS) else None
+        columns[place] = replace(column, role=role)
     roles = [column.role for column in columns.values()]
     wrong = next((name for name in axes if roles.count(name) != 1), None)
     if wrong is not None:
         raise FileFormatError(f"it must have one column {wrong}, for the axis of this name; got {listed(headings)}. Correct the headings.")
     return columns
-
-
-def _table(path: Path) -> Mapping[str, object]:
-    if path.suffix.lower() not in (JSON, TOML):
-        raise FileFormatError(f"{path}: a mechanism is described in .toml or .json. Give such a file.")
-    table = read_table(path, FileFormatError, "Correct the file.")
-    if not isinstance(table, dict):
-        raise FileFormatError(f"{path}: a mechanism is names and values. Correct the file.")
-    return table
 
 
 def _axis(where: str, form: str, item: object) -> Axis:
@@ -188,36 +173,26 @@ def _axis(where: str, form: str, item: object) -> Axis:
     if form == "axis" and (kind == TURN) != ("point" in item):
         raise FileFormatError(f"{where} ({name}): a turn must have a point that its axis goes through, in mm; a shift must have none.")
     before = np.eye(4)
-    before[:3, 3] = METERS * _vector(where, item, "xyz", np.zeros(3))
-    before[:3, :3] = scipy.spatial.transform.Rotation.from_euler("xyz", _vector(where, item, "rpy", np.zeros(3))).as_matrix()
-    direction = _vector(where, item, known[2], None if form == "axis" else np.array([1.0, 0, 0]))
-    length = math.hypot(*direction)
-    if not 0 < length < math.inf:
+    before[:3, 3] = METERS * _vector(where, item, "xyz")
+    before[:3, :3] = scipy.spatial.transform.Rotation.from_euler("xyz", _vector(where, item, "rpy")).as_matrix()
+    direction = _vector(where, item, known[2], () if form == "axis" else (1.0, 0.0, 0.0))
+    if not direction.any():
         raise FileFormatError(f"{where}: {known[2]} must not be 0 0 0.")
-    scale, zero = item.get("scale", 1.0), item.get("zero", 0.0)
-    if not _finite(scale) or not _finite(zero) or not scale:
-        raise FileFormatError(f"{where}: scale and zero must be numbers, and scale not 0; got {shorten(repr((scale, zero)))}.")
-    return Axis(name, kind, direction / length, _vector(where, item, "point", np.zeros(3)), before, float(scale), float(zero))
+    scale, zero = (float(_numbers(f"{where}: {key} must be a number", item.get(key, value), ())) for key, value in _STEPS)
+    if not scale:
+        raise FileFormatError(f"{where}: scale must not be 0.")
+    return Axis(name, kind, direction / np.linalg.norm(direction), _vector(where, item, "point"), before, scale, zero)
 
 
-def _vector(where: str, item: Mapping[str, object], key: str, otherwise: Floats | None) -> Floats:
-    value = item.get(key, otherwise)
-    numbers = list(value) if isinstance(value, list | np.ndarray) else []
-    if len(numbers) != 3 or not all(_finite(number) for number in numbers):
-        raise FileFormatError(f"{where}: {key} must be three numbers; got {shorten(repr(value))}.")
-    return np.array(numbers, dtype=np.float64)
+def _vector(where: str, item: Mapping[str, object], key: str, otherwise: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Floats:
+    return _numbers(f"{where}: {key} must be three numbers", item.get(key, otherwise), (3,))
 
 
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
-
-
-def _home(path: Path, value: object) -> Matrix:
+def _numbers(must: str, value: object, shape: tuple[int, ...]) -> Matrix:
     try:
-        matrix = as_matrix(np.array(value, dtype=np.float64), "home")
-        reason = why_not_rigid(matrix)
-    except (GeometryError, TypeError, ValueError, OverflowError) as error:
-        raise FileFormatError(f"{path}: home must be 4 rows of 4 numbers, in mm. {shorten(str(error), 200)}") from None
-    if reason:
-        raise FileFormatError(f"{path}: home must be a rotation and a translation; it is {reason}. Correct the numbers.")
-    return matrix
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        array = np.array([np.nan])
+    if array.shape != shape or not (np.abs(array) < 1e9).all():
+        raise FileFormatError(f"{must}; got {shorten(repr(value))}.")
+    return array

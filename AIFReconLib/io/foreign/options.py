@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from dataclasses import dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ...errors import SettingsError
 from ...geometry.transform_graph import TransformName
-from ...message import said, shorten
+from ...message import said
 from ...recipe.recipe import AUTOMATIC, Branch
 from ...recipe.rules import FILE, FLAG, NUMBER, NUMBERS, TEXT, WORDS, Rule, checked, rule_of, setting
 from ..sequence.orientation import parse_orientation
 from .poses.headings import ANGLES, LENGTHS, QUATERNION_ORDERS, TIMES, VECTOR
+
+_unsaid = partial(setting, None)
+_text = partial(_unsaid, kind=TEXT)
+_pair = partial(_unsaid, kind=NUMBERS, counts=(2,))
+_file = partial(_unsaid, kind=FILE, metavar="FILE")
 
 
 @dataclass(frozen=True)
@@ -26,97 +33,70 @@ class ImportOptions(Branch):
     says.
     """
 
-    transform: str | None = setting(
-        None,
-        "what the poses are, direction included: ImageToTracker, ProbeToTracker, or an inverse such as TrackerToProbe",
-        TEXT,
-        metavar="NAME",
+    transform: str | None = _text(
+        "what the poses are, direction included: ImageToTracker, ProbeToTracker, or an inverse such as TrackerToProbe", metavar="NAME"
     )
-    columns: str | None = setting(
-        None,
+    columns: str | None = _text(
         'what they hold, in order ("time x y z qw qx qy qz", - for one that is not used), by number or heading ("time_ms=3 x=Tx"), '
         "or a preset: tum, hololens, or a .json of your own",
-        TEXT,
         metavar="WORDS",
         label="Names of the columns:",
     )
-    tool: str | None = setting(
-        None,
-        "the one whose poses are taken, where the file holds several: its name or place",
-        TEXT,
-        metavar="NAME",
-        label="Tool that holds the image:",
+    tool: str | None = _text(
+        "the one whose poses are taken, where the file holds several: its name or place", metavar="NAME", label="Tool that holds the image:"
     )
-    reference_tool: str | None = setting(
-        None,
-        "the marker on the patient, in the same file: it becomes the frame Reference",
-        TEXT,
-        metavar="NAME",
-        label="Marker on the patient:",
+    reference_tool: str | None = _text(
+        "the marker on the patient, in the same file: it becomes the frame Reference", metavar="NAME", label="Marker on the patient:"
     )
     time_offset: float | str = setting(
         0.0,
         f"how long after the poses the images began: 2 where they began 2 s later, -2 where earlier; {AUTOMATIC}: found, and applied",
-        NUMBER,
         unit="s",
         word=AUTOMATIC,
         metavar="S",
         label="Images began later by (s):",
     )
-    quaternion_order: str | None = setting(
-        None, "of a quaternion whose numbers have no names", choices=QUATERNION_ORDERS, label="Order of the quaternion:"
+    quaternion_order: str | None = _unsaid(
+        "of a quaternion whose numbers have no names", choices=QUATERNION_ORDERS, label="Order of the quaternion:"
     )
-    euler_order: str | None = setting(
-        None,
+    euler_order: str | None = _text(
         "order of the turns: xyz about fixed axes, ZYX about axes that turn along; vector: a rotation vector",
-        TEXT,
         metavar="AXES",
         label="Order of the turns:",
     )
-    angle_unit: str | None = setting(None, "of angles (default: as the file says)", choices=ANGLES, label="Unit of the angles:")
-    units: str | None = setting(
-        None, "of lengths in the poses (default: as the file says, else mm)", choices=tuple(LENGTHS), label="Unit of the lengths:"
+    angle_unit: str | None = _unsaid("of angles (default: as the file says)", choices=ANGLES, label="Unit of the angles:")
+    units: str | None = _unsaid(
+        "of lengths in the poses (default: as the file says, else mm)", choices=tuple(LENGTHS), label="Unit of the lengths:"
     )
-    time_unit: str | None = setting(
-        None, "of times in the poses (default: as the file says, or by their size)", choices=tuple(TIMES), label="Unit of the times:"
+    time_unit: str | None = _unsaid(
+        "of times in the poses (default: as the file says, or by their size)", choices=tuple(TIMES), label="Unit of the times:"
     )
-    status_ok: tuple[str, ...] | None = setting(
-        None, "words of the tracker that mean a valid pose", WORDS, metavar="WORD", label="Words for a valid pose:"
+    status_ok: tuple[str, ...] | None = _unsaid(
+        "words of the tracker that mean a valid pose", WORDS, metavar="WORD", label="Words for a valid pose:"
     )
-    column_major: bool | None = setting(None, "matrices are written column by column", FLAG, label="Matrices column by column:")
+    column_major: bool | None = _unsaid("matrices are written column by column", FLAG, label="Matrices column by column:")
     sure: bool = setting(False, "take poses as they are where no hand moves so", FLAG, label="It is right as it is:")
-    spacing: tuple[float, float] | None = setting(
-        None,
-        "size of a pixel in mm, where poses take millimeters",
-        NUMBERS,
-        counts=(2,),
-        metavar="X Y",
-        label="Size of a pixel (mm, x y):",
+    spacing: tuple[float, float] | None = _pair(
+        "size of a pixel in mm, where poses take millimeters", metavar="X Y", label="Size of a pixel (mm, x y):"
     )
-    image_origin_px: tuple[float, float] | None = setting(
-        None, "the pixel that the poses place (default: 0 0)", NUMBERS, counts=(2,), metavar="COLUMN ROW", label="Pixel that is placed:"
+    image_origin_px: tuple[float, float] | None = _pair(
+        "the pixel that the poses place (default: 0 0)", metavar="COLUMN ROW", label="Pixel that is placed:"
     )
-    calibration: str | None = setting(
-        None, "ImageToProbe: Plus configuration, Slicer transform or 16 numbers", TEXT, metavar="[NAME=]FILE", label="Calibration:"
+    calibration: str | None = _text(
+        "ImageToProbe: Plus configuration, Slicer transform or 16 numbers", metavar="[NAME=]FILE", label="Calibration:"
     )
-    calibration_unit: str | None = setting(
-        None, "of lengths in the calibration (default: mm)", choices=tuple(LENGTHS), label="Unit of the calibration:"
+    calibration_unit: str | None = _unsaid(
+        "of lengths in the calibration (default: mm)", choices=tuple(LENGTHS), label="Unit of the calibration:"
     )
     orientation: str = setting("MF", "how the pixels run: MF, MN, UF or UN", TEXT, metavar="CODE", label="Stored pixels:")
-    rate: float | None = setting(
-        None, "frames per second of the images, where no file has their times", unit="Hz", metavar="HZ", label="Images per second:"
+    rate: float | None = _unsaid(
+        "frames per second of the images, where no file has their times", unit="Hz", metavar="HZ", label="Images per second:"
     )
-    times: Path | None = setting(  # noqa: RUF009  # it is a field
-        None,
-        "when each image was taken, where its file does not tell: a table of one time an image, with or without its name",
-        FILE,
-        metavar="FILE",
+    times: Path | None = _file(  # noqa: RUF009  # it is a field
+        "when each image was taken, where its file does not tell: a table of one time an image, with or without its name"
     )
-    mechanism: Path | None = setting(  # noqa: RUF009  # it is a field
-        None,
-        "axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names",
-        FILE,
-        metavar="FILE",
+    mechanism: Path | None = _file(  # noqa: RUF009  # it is a field
+        "axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names"
     )
 
     def __post_init__(self) -> None:
@@ -151,7 +131,7 @@ RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for spec in fields(I
 
 
 @dataclass(frozen=True)
-class Question:
+class _Question:
     """What an error asks: the option that answers, what is declared of it, and the answers there are, as far as they are known."""
 
     name: str
@@ -159,7 +139,7 @@ class Question:
     choices: tuple[str, ...]
 
 
-def questions_of(asking: object) -> tuple[Question, ...]:
+def questions_of(asking: object) -> tuple[_Question, ...]:
     """What an error or a sentence asks, the likeliest first; nothing where no option would help.
 
     `choices` of its details answer what has none declared.
@@ -167,7 +147,7 @@ def questions_of(asking: object) -> tuple[Question, ...]:
     sentence = said(asking)
     known = sentence.details.get("choices")
     others = tuple(map(str, known)) if isinstance(known, tuple | list) else ()
-    return tuple(Question(name, RULES[name], _choices(RULES[name]) or others) for name in sentence.settings if name in RULES)
+    return tuple(_Question(name, RULES[name], _choices(RULES[name]) or others) for name in sentence.settings if name in RULES)
 
 
 def _choices(rule: Rule) -> tuple[str, ...]:
@@ -180,17 +160,16 @@ def answer(name: str, text: str) -> Any:
     Raises SettingsError when it is none.
     """
     rule, text = RULES[name], text.strip()
+    value: Any = text
     if not text:
         return rule["default"]
-    if rule["kind"] == WORDS:
-        return tuple(word.strip() for word in text.split(",") if word.strip())
     if rule["kind"] == FLAG:
         return text == "yes"
-    try:
+    if rule["kind"] == WORDS:
+        value = [word.strip() for word in text.split(",") if word.strip()]
+    with contextlib.suppress(ValueError):  # a text is none of these numbers, and is refused
         if rule["kind"] == NUMBERS:
-            return checked(name, [float(word) for word in text.replace(",", " ").split()], rule)
-        return checked(name, float(text) if rule["kind"] == NUMBER and text != rule["word"] else text, rule)
-    except ValueError as error:
-        if isinstance(error, SettingsError):
-            raise
-        raise SettingsError(f"{rule['label'].rstrip(':')} must be numbers; got {shorten(text)!r}.") from None
+            value = [float(word) for word in text.replace(",", " ").split()]
+        elif rule["kind"] == NUMBER:
+            value = float(text)
+    return checked(name, value, rule)

@@ -329,14 +329,6 @@ def test_who_is_sure_gets_what_he_asks_for_and_the_doubt(tmp_path, results, twel
     assert "doubt: The tool moves at 3 m/s" in capsys.readouterr().out
 
 
-def test_the_first_three_frames_are_told_as_understood(tmp_path, results, twelve, capsys):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving())
-    imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker")
-    said = capsys.readouterr().out
-    assert "frame 2: at 12.0 20.0 30.0 mm, turned by 0.0 degrees, at 0.100 s, 20.0 mm/s since the one before" in said
-    assert "frame 3: at" not in said
-
-
 def places(sequence):
     return np.array([record.transforms[TransformName("Probe", "Tracker")].matrix[0, 3] for record in sequence.records])
 

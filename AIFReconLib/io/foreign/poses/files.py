@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from ....arrays import Floats, Mask, Matrix
+from ....arrays import Floats, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
 from ....message import Sentence, listed, said
 from ....remedies import WHICH_MARKER
 from ...disk.small_files import read_bytes
 from ...disk.tables import read_table
+from ...sequence.decoded_images import library
 from ..options import ImportOptions
 from .headings import (
     ANGLES,
@@ -25,7 +26,6 @@ from .headings import (
     LENGTHS,
     MATRIX,
     OCCLUDED,
-    RECEIVED,
     STATUS,
     TABLES,
     TIME,
@@ -37,20 +37,19 @@ from .headings import (
     column_of,
     in_words_of_the_table,
     layout_of,
+    plain_word,
 )
 from .json_sheet import sheet_of_json
-from .rotations import PoseValueError, poses_of, rotation_kind
-from .sheet import MAXIMUM_BYTES, Cells, Sheet, is_number, sheets_of, text_of
-from .statuses import statuses_of
-from .times import Times, times_of
-from .tracks import Track, name_the_columns, rows_of, track_of
+from .rotations import poses_of
+from .sheet import MAXIMUM_BYTES, Sheet, is_number, sheets_of, text_of
+from .statuses import statuses_in
+from .times import times_of
+from .tracks import Track, in_blocks, name_the_columns, rows_of, track_of
 
-_WORDS = (IMAGE, STATUS, OCCLUDED, TOOL)
-"""What is read as it is written."""
+_NO_NUMBERS = (IMAGE, STATUS, OCCLUDED, TOOL, TIME)
 
 _KINDS = {"Rotation", "Position"}
 """What Motive writes above the axes of both."""
-
 
 _ALSO = {"length_unit": "units", "good_statuses": "status_ok"}
 """What files of one's own may call options."""
@@ -106,11 +105,21 @@ def read_poses(path: str | Path, form: ImportOptions | None = None) -> PoseTable
     try:
         if path.suffix.lower() == ".npy":
             return _of_array(path, form)
-        text = text_of(path)
-        sheets = [sheet_of_json(text)] if path.suffix.lower() == ".json" else sheets_of(text)
-        return _of_sheets([sheet for sheet in sheets if sheet.rows], form)
+        sheets = read_sheets(path)
+        if not sheets:
+            raise FileFormatError("it holds no poses. Give a file with one pose per frame.")
+        for sheet in sheets:
+            try:
+                table = _of_sheet(sheet, form)
+                break
+            except SettingsError as error:
+                if sheet is sheets[-1] or "known columns" not in str(error):
+                    raise
     except AIFReconError as error:
         raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
+    others = [f"left out: {len(sheets) - 1} other tables in the file"] if len(sheets) > 1 else []
+    others += [f"left out: {sheet.skipped}"] if sheet.skipped else []
+    return replace(table, understood=(*table.understood, *others))
 
 
 def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[str] | None]:
@@ -120,18 +129,23 @@ def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[
     """
     path = Path(path)
     try:
-        sheet = next((sheet for sheet in sheets_of(text_of(path)) if sheet.rows), None)
-        if sheet is None or (sheet.headings is None and sheet.width != 1):
+        sheets = read_sheets(path)
+        if not sheets or (sheets[0].headings is None and sheets[0].width != 1):
             raise FileFormatError("times of images must be a table with a column 'time', or one number a line.")
-        columns = dict(enumerate(map(column_of, sheet.headings or [TIME])))
-        named = [place for place, column in columns.items() if column.role == IMAGE]
-        cells = sheet.read(len(columns), named)
-        times = times_of(columns, cells, unit).seconds
-        if times is None or not np.isfinite(times).all():
+        columns = dict(enumerate(map(column_of, sheets[0].headings or [TIME])))
+        times, _ = times_of(columns, sheets[0], unit)
+        if times is None:
             raise FileFormatError("it must have a time in every row, in a column 'time'.")
     except AIFReconError as error:
         raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
-    return times, cells.words(named[0]) if named else None
+    named = [place for place, column in columns.items() if column.role == IMAGE]
+    return times, sheets[0].words(named[0]) if named else None
+
+
+def read_sheets(path: Path) -> list[Sheet]:
+    """The tables in a file that have rows. Raises FileFormatError where it is no text, or no JSON by its suffix."""
+    text = text_of(path)
+    return [sheet for sheet in [sheet_of_json(text)] if len(sheet)] if path.suffix.lower() == ".json" else sheets_of(text)
 
 
 def _of_array(path: Path, form: ImportOptions) -> PoseTable:
@@ -143,82 +157,49 @@ def _of_array(path: Path, form: ImportOptions) -> PoseTable:
         raise FileFormatError("it cannot be read as an array of numbers. Save it with numpy.save.") from error
     if lines.shape[1] not in (12, 16) or not len(lines):
         raise FileFormatError(f"poses must be (n, 4, 4), (n, 3, 4), (n, 16) or (n, 12); got {array.shape}.")
-    return _posed(dict(zip(MATRIX, lines.T)), form, None, None, [f"pose {number}" for number in range(len(lines))])
-
-
-def _of_sheets(sheets: Sequence[Sheet], form: ImportOptions) -> PoseTable:
-    """The poses of the first table that holds some."""
-    if not sheets:
-        raise FileFormatError("it holds no poses. Give a file with one pose per frame.")
-    for sheet in sheets:
-        try:
-            table = _of_sheet(sheet, form)
-            break
-        except SettingsError as error:
-            if len(sheets) == 1 or sheet is sheets[-1] or "known columns" not in str(error):
-                raise
-    others = [f"left out: {len(sheets) - 1} other tables in the file"] if len(sheets) > 1 else []
-    others += [f"left out: {sheet.skipped}"] if sheet.skipped else []
-    return replace(table, understood=(*table.understood, *others))
+    matrices, how = poses_of(dict(zip(MATRIX, lines.T)), form, form.units or "mm", None, "pose {}".format)
+    return PoseTable(matrices, None, None, None, (f"{len(matrices)}, {how}",), form.units or "mm", form.units is not None)
 
 
 def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
     names = form.column_names
-    layout = _layout(names) if names is not None else layout_of(sheet.headings or (), sheet.above)
-    if layout is not None:
+    layout = layout_of(sheet.headings or (), sheet.above) if names is None else _layout(names)
+    if layout:
         written = layout.get("columns", ())
         names = tuple(written.split() if isinstance(written, str) else written) or None
         unsaid = {each.name: layout[each.name] for each in fields(form) if each.name in layout and getattr(form, each.name) is None}
         form = replace(form, **unsaid)
     if names is None and sheet.headings is None and sheet.width == 4:
-        return _of_blocks(sheet, form)
-    columns = _columns(sheet, names, form, (layout or {}).get("headings", {}))
-    track, told, is_chosen = track_of(columns, sheet, form.tool, layout is not None)
-    cells = sheet.read(len(columns), [place for place, column in track.described.items() if column.role in _WORDS])
-    cells, told_rows = rows_of(track, cells, form.tool, is_chosen)
-    numeric = {role: place for role, place in track.columns.items() if role not in (*_WORDS, TIME, FRAME, RECEIVED)}
-    values = {role: cells.numbers(place, role) for role, place in numeric.items()}
+        sheet = _in_single_rows(sheet)
+    columns = _columns(sheet, names, form, layout)
+    track, told, is_chosen = track_of(columns, sheet, form.tool, bool(layout))
+    sheet, told_rows = rows_of(track, sheet, None if is_chosen else form.tool)
+    values = {role: sheet.numbers(place, role) for role, place in track.columns.items() if role not in _NO_NUMBERS}
     length = form.units or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
-    times = times_of(track.described, cells, form.time_unit)
-    if times.seconds is None and FRAME in track.columns and (rate := _rate(sheet, track)) is not None:
-        frames = cells.numbers(track.columns[FRAME], FRAME)
-        times = Times((frames - frames[0]) / rate, (f"time: frame numbers at {rate:g} frames/s, as the file says",))
-    table = _posed(values, form, length, _unit(track, ANGLES), cells)
-    moved = np.asarray(np.isfinite(table.matrices).all(axis=(1, 2)) & table.matrices[:, :3, 3].any(axis=1))
-    statuses, told_status = statuses_in(track, cells, moved, form)
-    of_patient = track_of(columns, sheet, form.reference_tool, layout is not None)[0].described if form.reference_tool else {}
+    matrices, how = poses_of(values, form, length or "mm", _unit(track, ANGLES), sheet.place)
+    times, told_times = times_of(track.described, sheet, form.time_unit)
+    if times is None and FRAME in values and (rate := _rate(sheet, track)) is not None:
+        times, told_times = (values[FRAME] - values[FRAME][0]) / rate, [f"time: frame numbers at {rate:g} frames/s, as the file says"]
+    moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
+    statuses, told_status = statuses_in(track, sheet, moved, form.status_ok or ())
+    of_patient = track_of(columns, sheet, form.reference_tool, bool(layout))[0].described if form.reference_tool else {}
     left = [column for place, column in enumerate(columns) if place not in {*track.described, *of_patient} and column.heading != "-"]
     unused = in_words_of_the_table(left)
     another = WHICH_MARKER if is_chosen and not form.reference_tool else ""
-    understood = [*table.understood, *([f"as {layout['maker']} writes"] if layout and "maker" in layout else []), *told, *told_rows]
-    understood += [*times.told, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
+    understood = [f"{len(matrices)}, {how}", *([f"as {layout['maker']} writes"] if "maker" in layout else []), *told, *told_rows]
+    understood += [*told_times, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
     understood += [Sentence(f"not used: {unused}", another)] if unused else []
     taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
     understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
-    images = tuple(cells.words(track.columns[IMAGE])) if IMAGE in track.columns else None
-    return replace(table, times=times.seconds, images=images, statuses=statuses, understood=tuple(understood))
+    images = tuple(sheet.words(track.columns[IMAGE])) if IMAGE in track.columns else None
+    return PoseTable(matrices, times, images, statuses, tuple(understood), length or "mm", length is not None)
 
 
-def _posed(
-    values: dict[str, Floats], form: ImportOptions, length: str | None, angle: str | None, where: Cells | Sequence[str]
-) -> PoseTable:
-    """The poses that fields give, alone; `where` says where each stands."""
-    kind = rotation_kind(values, form, angle)
-    length = length or form.units
-    try:
-        matrices = poses_of(values, kind)
-    except PoseValueError as error:
-        place = where.place(error.number) if isinstance(where, Cells) else where[error.number]
-        raise FileFormatError(f"{place} {said(error)}", error) from None
-    understood = (f"{len(matrices)}, {kind.told(length or 'mm')}",)
-    return PoseTable(matrices, None, None, None, understood, length or "mm", length is not None)
-
-
-def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
-    """The layout that one word names: a maker's, or a file of one's own; None where the words are columns."""
+def _layout(columns: tuple[str, ...]) -> dict[str, Any]:
+    """The layout that one word names: a maker's, or a file of one's own; empty where the words are columns."""
     word = columns[0] if len(columns) == 1 else ""
     if not word.lower().endswith(".json"):
-        return next((maker for maker in TABLES["makers"] if maker["name"] == word.lower()), None)
+        return next((maker for maker in TABLES["makers"] if maker["name"] == word.lower()), {"columns": columns})
     layout: Any = read_table(Path(word), FileFormatError, "Correct the file.")
     is_one = isinstance(layout, dict) and isinstance(layout.get("columns", ""), str | list)
     if not is_one or not isinstance(layout.get("headings", {}), dict):
@@ -226,8 +207,8 @@ def _layout(columns: tuple[str, ...]) -> dict[str, Any] | None:
     return {_ALSO.get(name, name): value for name, value in layout.items()}
 
 
-def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, own: dict[str, str]) -> list[Column]:
-    """What each column holds; `names` are those that are said, `own` a maker's headings."""
+def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, layout: dict[str, Any]) -> list[Column]:
+    """What each column holds; `names` are those that are said."""
     names = names or (_names_of_numbers(sheet, form) if sheet.headings is None else None)
     if names is not None and any("=" in word for word in names):
         return _assigned(sheet, names)
@@ -243,9 +224,9 @@ def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, own
     for heading, words, unit in zip(headings, above, [*sheet.units, *[""] * len(headings)]):
         words = tuple(word for word in words if word not in common)
         column = replace(column_of(heading, words, unit), above=words)
-        role, _, known = own.get("".join(filter(str.isalnum, heading)).lower(), "").partition(":")
+        role, _, known = layout.get("headings", {}).get(plain_word(heading), "").partition(":")
         columns.append(replace(column, role=role, unit=known or column.unit, words=(role,)) if role else column)
-    return columns
+    return in_blocks(columns, sheet, layout["starts"]) if "starts" in layout else columns
 
 
 def _assigned(sheet: Sheet, words: Sequence[str]) -> list[Column]:
@@ -281,20 +262,15 @@ def _rate(sheet: Sheet, track: Track) -> float | None:
     return rate if rate > 0.0 and TIME not in track.columns else None
 
 
-def _of_blocks(sheet: Sheet, form: ImportOptions) -> PoseTable:
-    """Matrices of three or four lines of four numbers each."""
-    cells = sheet.read(4)
-    lines = np.stack([cells.numbers(place, str(place + 1)) for place in range(4)], axis=1)
+def _in_single_rows(sheet: Sheet) -> Sheet:
+    """Matrices of three or four lines of four numbers each, in a row each."""
+    lines = np.stack([sheet.numbers(place, str(place + 1)) for place in range(4)], axis=1)
     count = len(lines)
     height = 4 if count % 4 == 0 and (count % 3 or (lines[3::4] == (0.0, 0.0, 0.0, 1.0)).all()) else 3
     if count % height:
         raise FileFormatError(f"lines of four numbers must come in fours or threes, one matrix each; got {count} lines. Export it again.")
-    where = [
-        f"lines {sheet.lines[start]} to {sheet.lines[start + height - 1]} (frame {number})"
-        for number, start in enumerate(range(0, count, height))
-    ]
-    table = _posed(dict(zip(MATRIX, lines.reshape(-1, 4 * height).T)), form, None, None, where)
-    return replace(table, understood=(*table.understood, f"{height} rows of four numbers each"))
+    frame = library("pandas", "Tables of poses").DataFrame(lines.reshape(-1, 4 * height))
+    return replace(sheet, cells=frame, lines=sheet.lines[::height])
 
 
 def _unit(track: Track, units: Sequence[str]) -> str | None:
@@ -307,18 +283,5 @@ def _unit(track: Track, units: Sequence[str]) -> str | None:
 
 def _length_above(above: Sequence[Sequence[str]]) -> str | None:
     """The unit of lengths that the lines above the headings say, as OptiTrack Motive writes it."""
-    for cells in above:
-        for name, value in pairwise(cells):
-            if name.lower() == "length units":
-                return column_of("x", (), value).unit
-    return None
-
-
-def statuses_in(track: Track, cells: Cells, has_pose: Mask, form: ImportOptions) -> tuple[tuple[str, ...] | None, list[str]]:
-    """One of Plus's statuses for each row, where a column says them, and in words how it was taken."""
-    role = next((role for role in (STATUS, OCCLUDED) if role in track.columns), None)
-    if role is None:
-        return None, []
-    place = track.columns[role]
-    statuses, told = statuses_of(cells.words(place), track.described[place].heading, role, has_pose, form.status_ok or ())
-    return statuses, [told]
+    said = [value for cells in above for name, value in pairwise(cells) if name.lower() == "length units"]
+    return column_of("x", (), said[0]).unit if said else None

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,8 +18,6 @@ from ....message import listed, shorten
 TABLES: dict[str, Any] = json.loads(Path(__file__).with_name("pose_tables.json").read_text("utf-8"))
 
 TIME, FRAME, TOOL, IMAGE, STATUS, OCCLUDED = "time", "frame", "tool", "image", "status", "occluded"
-RECEIVED = "received"
-"""When a message of ROS came in; it counts where the message itself has no time."""
 
 TRANSLATION = ("x", "y", "z")
 QUATERNION = ("qx", "qy", "qz", "qw")
@@ -60,8 +58,8 @@ _UNITS = {word: unit for unit, words in TABLES["units"].items() for word in word
 """Of the words of units; of those that say nothing of a pose, nothing."""
 
 _ROLES = {spelling: role for role, spellings in TABLES["headings"].items() for spelling in spellings.split()}
-_ALONE = frozenset(TABLES["alone"].split())
-"""Headings that mean something only where they stand alone, or beside a tool's name on one side."""
+_LONGEST = 4
+"""Words of the longest synonym."""
 
 _NUMBERED = re.compile(f"({'|'.join({name for each in TABLES['numbered'] for name in each['names'].split()})})" + r"(\d\d?)")
 
@@ -81,35 +79,32 @@ class Column:
     tool: str = ""
     above: tuple[str, ...] = ()
 
-
-def in_words_of_the_table(columns: Iterable[Column]) -> str:
-    """Columns as the table calls them, those under one title together; without numbers that identify a body."""
-    groups: dict[str, list[str]] = {}
-    for column in columns:
-        title = " ".join(word for word in column.above if not _IDENTITY.fullmatch(word))
-        groups.setdefault("" if column.role in (TIME, FRAME) else title, []).append(column.heading)
-    each = (
-        f"{title}: {listed(dict.fromkeys(filter(None, headings)))}".removeprefix(": ")
-        for title, headings in groups.items()
-        if any(headings)
-    )
-    return shorten(listed(each, "; "), 400)
+    def readings(self) -> tuple[tuple[tuple[str, str, str], str], ...]:
+        """Every way to read it: the tool's name by its place, before and behind, and what the column holds."""
+        known = readings_of(self.words) if self.words else ((("", ""), self.role),) if self.role else ()
+        return tuple(((self.tool, *name), role) for name, role in known)
 
 
-def layout_of(headings: Sequence[str], above: Sequence[Sequence[str]]) -> dict[str, Any] | None:
-    """The layout of the maker whose headings, or words above them, these are."""
-    plain = {_plain(heading) for heading in headings}
-    title = {cell for cells in above for cell in cells}
+def in_words_of_the_table(columns: Collection[Column]) -> str:
+    """Columns as the table calls them: by what stands above several, without numbers that identify a body, or by their headings."""
+    above = [" ".join(word for word in column.above if not _IDENTITY.fullmatch(word)) for column in columns]
+    titles = (title if column.role not in (TIME, FRAME) else "" for title, column in zip(above, columns))
+    return shorten(listed(dict.fromkeys(filter(None, (title or column.heading for title, column in zip(titles, columns))))), 400)
+
+
+def layout_of(headings: Sequence[str], above: Sequence[Sequence[str]]) -> dict[str, Any]:
+    """The layout of the maker whose headings, or words above them, these are; empty where it is nobody's."""
+    plain, title = set(map(plain_word, headings)), {cell for cells in above for cell in cells}
     for maker in TABLES["makers"]:
         if maker.get("above") in title or ("needs" in maker and plain.issuperset(maker["needs"].split())):
             layout: dict[str, Any] = maker
             return layout
-    return None
+    return {}
 
 
-def are_headings(cells: Sequence[str]) -> bool:
-    """Whether words tell what columns hold: three things at least."""
-    return len({field for cell in cells if cell for _, field in parts_of(column_of(cell).words)}) >= 3
+def plain_word(heading: str) -> str:
+    """A heading in small letters, without marks."""
+    return re.sub("[^a-z0-9]", "", heading.lower())
 
 
 def unit_of(word: str) -> str | None:
@@ -120,46 +115,42 @@ def unit_of(word: str) -> str | None:
 @cache
 def column_of(heading: str, above: tuple[str, ...] = (), unit: str = "") -> Column:
     """The column with this heading, below these words that several columns share, in this unit."""
-    if heading.strip().lower().startswith("%time"):
-        return Column(heading, RECEIVED)
     said, bare = unit_of(unit), heading
     for bracket in re.findall(r"[(\[][^)\]]*[)\]]", heading):
         if unit_of(bracket) is not None:
             said, bare = unit_of(bracket) or said, bare.replace(bracket, " ")
     words = [word for each in (*above, bare) for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-zµ]+|\d+", each)]
     last = _UNITS.get(words[-1] if len(words[-1]) < 3 else words[-1].lower()) if words else None  # M is a name
-    if last and len(words) > 1 and any(takes(field, last) for _, field in parts_of(tuple(words[:-1]))):
+    if last and len(words) > 1 and any(_takes(field, last) for _, field in readings_of(tuple(words[:-1]))):
         words, said = words[:-1], last
-    elif last and takes(TIME, last) and not parts_of(tuple(words)):
+    elif last and _takes(TIME, last) and not readings_of(tuple(words)):
         return Column(heading, TIME, last)  # sec, nanosec, minutes: a time by its unit
-    return Column(heading, meaning("".join(words)), said or None, tuple(words))
+    return Column(heading, _meaning("".join(words)), said or None, tuple(words))
 
 
-def takes(field: str, unit: str) -> bool:
+def _takes(field: str, unit: str) -> bool:
     """Whether a column that holds this can be in that unit."""
-    if field in (TIME, RECEIVED):
+    if field == TIME:
         return unit in TIMES or unit in LONG_TIMES
     return unit in (LENGTHS if field in TRANSLATION or field.startswith(("#t", "#pos")) else ANGLES)
 
 
-def meaning(word: str) -> str | None:
+def _meaning(word: str) -> str | None:
     """What a heading without marks and units holds; numbered ones stay as they are until `numbered` has all of them."""
     word = word.lower()
     return _ROLES.get(word) or (f"#{word}" if _NUMBERED.fullmatch(word) else None)
 
 
 @cache
-def parts_of(words: tuple[str, ...]) -> tuple[tuple[tuple[str, str], str], ...]:
+def readings_of(words: tuple[str, ...]) -> tuple[tuple[tuple[str, str], str], ...]:
     """Every way to read words as what a column holds with a tool's name before it or behind it, or none; the longest first."""
-    found = []
-    for start in range(len(words)):
-        # No spelling has more letters; a damaged heading may have thousands of words
-        for end in range(min(len(words), start + 15), start, -1):
-            word = "".join(words[start:end]).lower()
-            role = meaning(word)
-            if role is not None and (start == 0 or end == len(words) or word not in _ALONE):
-                found.append((end - start, (" ".join(words[:start]), " ".join(words[end:])), role))
-    return tuple((tool, role) for _, tool, role in sorted(found, key=lambda each: -each[0]))
+    found: dict[tuple[tuple[str, str], str], None] = {}
+    for count in range(min(len(words), _LONGEST), 0, -1):
+        before, behind = words[:-count], words[count:]
+        for name, held in ((" ".join(before), ""), words[-count:]), (("", " ".join(behind)), words[:count]):
+            if (role := _meaning("".join(held))) is not None:
+                found[name, role] = None
+    return tuple(found)
 
 
 def numbered(roles: Collection[str]) -> dict[str, str]:
@@ -184,16 +175,12 @@ def numbered(roles: Collection[str]) -> dict[str, str]:
     return names
 
 
-def is_of_pose(role: str) -> bool:
+def is_of_pose(role: str | None) -> bool:
     """Whether it is a number of a pose, by its name or by one that others of its kind tell."""
-    return role in POSE or (role.startswith(("#", "o")) and role != OCCLUDED) or role in ("pitch", "yaw")
+    return role is not None and (role in POSE or role in ("pitch", "yaw") or (role.startswith(("#", "o")) and role != OCCLUDED))
 
 
-def is_whole(roles: Collection[str]) -> bool:
+def is_whole(roles: Collection[str | None]) -> bool:
     """Whether they make a pose."""
     has_turn = any(set(way) <= set(roles) for way in WAYS)
     return set(MATRIX[:12]) <= set(roles) or (has_turn and set(TRANSLATION) <= set(roles))
-
-
-def _plain(heading: str) -> str:
-    return re.sub("[^a-z0-9]", "", heading.lower())

@@ -5,14 +5,13 @@ What a file cannot say for itself (the order of a quaternion's numbers, the axes
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import scipy
 
 from ....arrays import Floats, Mask, Matrix
-from ....errors import AIFReconError, SettingsError
+from ....errors import FileFormatError, SettingsError
 from ....message import listed
 from ....remedies import ANGLE_UNIT, NAME_THE_COLUMNS
 from ..options import ImportOptions
@@ -26,7 +25,6 @@ from .headings import (
     QUATERNION,
     ROTATION_VECTOR,
     TRANSLATION,
-    UNORDERED_QUATERNION,
     VECTOR,
     WAYS,
 )
@@ -46,62 +44,71 @@ NEEDED = (
     "The poses must be 4x4 matrices (m00 to m33), or x y z with a quaternion (qx qy qz qw), angles (rx ry rz) or a 3x3 rotation; "
     "known columns: {}."
 )
-ROWS, COLUMNS = "row by row", "column by column"
 _FULL_TURN = 2 * np.pi + 0.01
 """Angles beyond it, in rad, are none."""
 
-
-class PoseValueError(AIFReconError, ValueError):
-    """What is wrong with the first of some poses, as the predicate of its place in the file; `number` is that pose's, from 0."""
-
-    def __init__(self, wrong: Mask, predicate: str, advice: str = ""):
-        super().__init__(predicate, advice)
-        self.number = int(np.argmax(wrong))
+_Place = Callable[[int], str]
+"""Where a pose stands in its file, in words, by its number."""
 
 
-@dataclass(frozen=True)
-class RotationKind:
-    """How rotations are written: the fields that hold them, the order of the turns, and the unit of angles where there are any."""
+def poses_of(values: Mapping[str, Floats], form: ImportOptions, length: str, angle: str | None, place: _Place) -> tuple[Matrix, str]:
+    """The poses (n, 4, 4) that fields of n numbers each give, NaN where a row holds none, and every convention in words.
 
-    fields: tuple[str, ...]
-    order: str = ""
-    unit: str = ""
-
-    def told(self, length: str) -> str:
-        """In words that say every convention."""
-        if self.fields == MATRIX:
-            return f"4x4 matrices, {self.order}, in {length}"
-        if len(self.fields) == 9:
-            how = f"3x3 rotation, {self.order}"
-        elif len(self.fields) == 4:
-            how = "quaternion (x, y, z, w by name)" if self.fields == QUATERNION else f"quaternion in the order {' '.join(self.order)}"
-        elif self.order == VECTOR:
-            how = f"rotation vector in {self.unit}"
-        else:
-            about = "fixed axes" if self.order.islower() else "the axes that turn along"
-            how = f"Euler angles in {self.unit}, turns in the order {' '.join(self.order)} about {about}"
-        return f"translation in {length} and {how}"
-
-
-def rotation_kind(values: Mapping[str, Floats], form: ImportOptions, unit: str | None) -> RotationKind:
-    """How the fields of a table, numbers (n,) by name, give a rotation; `unit` is that of angles, as the table says it.
-
-    Raises SettingsError when they give none, a convention is left open, or angles are beyond two turns.
+    Raises SettingsError when the fields give no pose, or a convention is left open, and FileFormatError when the numbers of one give none.
+    Lengths stay as written; `length` and `angle` are units as the table says them.
     """
-    lines = COLUMNS if form.column_major else ROWS
     if values.keys() >= set(MATRIX[:12]):
-        return RotationKind(MATRIX, lines)
+        return _matrices(values, form, place), f"4x4 matrices, {_lines(form)}, in {length}"
     fields = next((way for way in WAYS if values.keys() >= {*TRANSLATION, *way}), None)
     if fields is None:
         raise SettingsError(NEEDED.format(listed(dict.fromkeys(filter(None, values))) or "none"), NAME_THE_COLUMNS)
+    places = np.stack([values[axis] for axis in TRANSLATION], axis=1)
+    turns = np.stack([values[name] for name in fields], axis=1)
+    good = np.asarray(np.isfinite(np.hstack([places, turns])).all(axis=1))
+    if len(fields) > 3:
+        good = good & turns.any(axis=1)  # a quaternion of zeros
+        rotations, how = (_of_nine if len(fields) == 9 else _of_quaternion)(fields, turns, good, form, place)
+    else:
+        rotations, how = _of_angles(fields, values, good, form, angle)
+    poses = np.full((len(places), 4, 4), np.nan)
+    poses[good] = np.eye(4)
+    poses[good, :3, :3], poses[good, :3, 3] = rotations, places[good]
+    return poses, f"translation in {length} and {how}"
+
+
+def _lines(form: ImportOptions) -> str:
+    return "column by column" if form.column_major else "row by row"
+
+
+def _of_nine(fields: tuple[str, ...], turns: Floats, good: Mask, form: ImportOptions, _place: _Place) -> tuple[Floats, str]:
     if fields == COUNTED_TURN and form.column_major is None:
         raise SettingsError(
             "Nine numbers of a rotation can run along its rows or its columns.", "Say whether they run column by column ({column_major})."
         )
-    if fields == UNORDERED_QUATERNION and form.quaternion_order is None:
+    rotations = turns[good].reshape(-1, 3, 3)
+    return rotations.transpose(0, 2, 1) if form.column_major else rotations, f"3x3 rotation, {_lines(form)}"
+
+
+def _of_quaternion(fields: tuple[str, ...], turns: Floats, good: Mask, form: ImportOptions, place: _Place) -> tuple[Floats, str]:
+    order = "xyzw" if fields == QUATERNION else form.quaternion_order
+    if order is None:
         raise SettingsError("The order of the quaternion's numbers is not known.", "Give {quaternion_order}: xyzw or wxyz.")
-    if len(fields) != 3:
-        return RotationKind(fields, lines if len(fields) == 9 else (form.quaternion_order or "") * (fields != QUATERNION))
+    with np.errstate(over="ignore", invalid="ignore"):  # then it is infinite, and refused
+        lengths = np.linalg.norm(turns, axis=1)
+    wrong = good & ~(np.abs(lengths - 1.0) <= QUATERNION_TOLERANCE)
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        must = f"must have a quaternion of length 1; got {lengths[first]:.4g}. Check which columns hold it."
+        raise FileFormatError(f"{place(first)} {must}")
+    rotations = scipy.spatial.transform.Rotation.from_quat(turns[good][:, [order.index(axis) for axis in "xyzw"]]).as_matrix()
+    how = "quaternion (x, y, z, w by name)" if fields == QUATERNION else f"quaternion in the order {' '.join(order)}"
+    return rotations, how
+
+
+def _of_angles(
+    fields: tuple[str, ...], values: Mapping[str, Floats], good: Mask, form: ImportOptions, unit: str | None
+) -> tuple[Floats, str]:
+    """Of three angles, or of a rotation vector."""
     order = VECTOR if fields == ROTATION_VECTOR else form.euler_order
     if fields in (KUKA, AZIMUTH):  # these makers have one convention
         order, unit = order or "ZYX", unit or "deg"
@@ -115,8 +122,9 @@ def rotation_kind(values: Mapping[str, Floats], form: ImportOptions, unit: str |
                 NAME_THE_COLUMNS,
             )
         fields = tuple(f"r{axis.lower()}" for axis in order)
+    turns = np.stack([values[name] for name in fields], axis=1)[good]
     unit = form.angle_unit or unit or ("rad" if fields == ROTATION_VECTOR else None)
-    most = max(float(np.abs(values[name]).max(initial=0.0, where=np.isfinite(values[name]))) for name in fields)
+    most = float(np.abs(turns).max(initial=0.0))
     if unit is None and most <= _FULL_TURN:
         raise SettingsError(
             "The unit of the angles is not known: all are within a full turn in radians, and can be degrees as well.", ANGLE_UNIT
@@ -124,56 +132,25 @@ def rotation_kind(values: Mapping[str, Floats], form: ImportOptions, unit: str |
     unit = unit or "deg"
     if most > (720.0 if unit == "deg" else 4 * np.pi) + 1e-6:
         raise SettingsError(f"The angles reach {most:.4g} {unit}, more than two turns: is their unit another?", ANGLE_UNIT)
-    return RotationKind(fields, order, unit)
-
-
-def poses_of(values: Mapping[str, Floats], kind: RotationKind) -> Matrix:
-    """The poses (n, 4, 4) that fields of n numbers each give, lengths as written; NaN where a row holds none, or a quaternion of zeros.
-
-    Raises PoseValueError, which names the first row whose numbers give none.
-    """
-    if kind.fields == MATRIX:
-        return _matrices(values, kind)
-    places = np.stack([values[axis] for axis in TRANSLATION], axis=1)
-    turns = np.stack([values[name] for name in kind.fields], axis=1)
-    good = np.isfinite(places).all(axis=1) & np.isfinite(turns).all(axis=1)
-    if len(kind.fields) > 3:
-        good &= turns.any(axis=1)
     rotation = scipy.spatial.transform.Rotation
-    if len(kind.fields) == 4:
-        turns = turns[:, [(kind.order or "xyzw").index(axis) for axis in "xyzw"]]
-        with np.errstate(over="ignore", invalid="ignore"):  # then it is infinite, and refused
-            lengths = np.linalg.norm(turns, axis=1)
-        wrong = good & ~(np.abs(lengths - 1.0) <= QUATERNION_TOLERANCE)
-        if wrong.any():
-            length = lengths[np.argmax(wrong)]
-            raise PoseValueError(wrong, f"must have a quaternion of length 1; got {length:.4g}. Check which columns hold it.")
-        matrices = rotation.from_quat(turns[good] / lengths[good, None]).as_matrix()
-    elif len(kind.fields) == 9:
-        matrices = turns[good].reshape(-1, 3, 3)
-        matrices = matrices.transpose(0, 2, 1) if kind.order == COLUMNS else matrices
-    elif kind.order == VECTOR:
-        matrices = rotation.from_rotvec(turns[good], degrees=kind.unit == "deg").as_matrix()
-    else:
-        matrices = rotation.from_euler(kind.order, turns[good], degrees=kind.unit == "deg").as_matrix()
-    poses = np.full((len(places), 4, 4), np.nan)
-    poses[good] = np.eye(4)
-    poses[good, :3, :3], poses[good, :3, 3] = matrices, places[good]
-    return poses
+    if order == VECTOR:
+        return rotation.from_rotvec(turns, degrees=unit == "deg").as_matrix(), f"rotation vector in {unit}"
+    about = "fixed axes" if order.islower() else "the axes that turn along"
+    how = f"Euler angles in {unit}, turns in the order {' '.join(order)} about {about}"
+    return rotation.from_euler(order, turns, degrees=unit == "deg").as_matrix(), how
 
 
-def _matrices(values: Mapping[str, Floats], kind: RotationKind) -> Matrix:
+def _matrices(values: Mapping[str, Floats], form: ImportOptions, place: _Place) -> Matrix:
     unsaid = np.zeros(len(values["m00"]))
     poses = np.stack([values.get(name, unsaid + (name == "m33")) for name in MATRIX], axis=1).reshape(-1, 4, 4)
-    poses = poses.transpose(0, 2, 1).copy() if kind.order == COLUMNS else poses
+    poses = poses.transpose(0, 2, 1).copy() if form.column_major else poses
     good = np.isfinite(poses).all(axis=(1, 2))
     wrong = np.asarray(good & ~np.isclose(poses[:, 3], (0, 0, 0, 1), atol=1e-6).all(axis=1))
     if wrong.any():
-        first = poses[np.argmax(wrong)]
-        by_column = np.allclose(first[:, 3], (0, 0, 0, 1))
-        raise PoseValueError(
-            wrong,
-            f"must have 0 0 0 1 as its last row; got {' '.join(f'{v:g}' for v in first[3])}."
+        number = int(np.argmax(wrong))
+        first, by_column = poses[number], np.allclose(poses[number][:, 3], (0, 0, 0, 1))
+        raise FileFormatError(
+            f"{place(number)} must have 0 0 0 1 as its last row; got {' '.join(f'{v:g}' for v in first[3])}."
             + " They seem to be written column by column." * by_column,
             "Where matrices are written column by column, give {column_major}." * by_column,
         )

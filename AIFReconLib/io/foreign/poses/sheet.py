@@ -1,13 +1,11 @@
-"""A table in text: which lines are its rows, which are headings and units. pandas reads the numbers and words in the rows."""
+"""A table in text: which lines are its rows, which are headings and units. pandas holds the cells and makes numbers of them."""
 
 from __future__ import annotations
 
-import io
 import re
-import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -15,26 +13,26 @@ from typing import Any
 
 import numpy as np
 
-from ....arrays import Floats, Integers
+from ....arrays import Floats
 from ....errors import FileFormatError
-from ....message import one_line, shorten
+from ....message import shorten
 from ...disk.small_files import read_bytes
 from ...sequence.decoded_images import library
-from .headings import are_headings, unit_of
+from .headings import column_of, unit_of
 
 MAXIMUM_BYTES = 2**30
 
 _MARKS = ("#", "//", "%")
-_RECEIVED = "%time"
-"""A heading of ROS, and no comment."""
+"""Of comments."""
 
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?inf", re.IGNORECASE)
-_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
 _NO_VALUE = ("", "missing", "nan", "null", "none", "n/a", "na", "-", "--")
 BAD_FLOAT = -3.697314e28
 """What NDI writes where there is no number."""
 _LOOKED_AT = 400
 """Lines by which separators are judged."""
+_KNOWN_HEADINGS = 3
+"""Headings that are known make a line of headings."""
 
 
 def text_of(path: Path) -> str:
@@ -57,12 +55,10 @@ class Sheet:
 
     Parameters
     ----------
-    rows : list of str
-        As they are written.
-    lines : list of int
-        The number of each.
-    separator : str or None
-        None: white space.
+    cells : list of list of str, or pandas' DataFrame
+        By row.
+    lines : sequence of int
+        The number of each row in its file.
     headings : list of str or None
     groups : list of list of str
         Lines above the headings that say what several columns belong to, from the top; as long as the headings.
@@ -76,9 +72,8 @@ class Sheet:
         What a row is called in messages.
     """
 
-    rows: list[str]
-    lines: list[int]
-    separator: str | None = None
+    cells: Any
+    lines: Sequence[int]
     headings: list[str] | None = None
     groups: list[list[str]] = field(default_factory=list)
     units: list[str] = field(default_factory=list)
@@ -86,107 +81,56 @@ class Sheet:
     skipped: str = ""
     item: str = "line"
 
-    @cached_property
+    @property
     def width(self) -> int:
         """Columns that it should have."""
-        return len(self.headings) if self.headings else len(cells_of(self.rows[0], self.separator))
+        return len(self.headings) if self.headings else len(self.cells[0]) if isinstance(self.cells, list) else self.cells.shape[1]
 
-    def place(self, number: int) -> str:
-        """Where a row stands, in words."""
-        return f"line {self.lines[number]} (frame {number})" if self.item == "line" else f"{self.item} {self.lines[number]}"
-
-    def read(self, width: int, words: Iterable[int] = ()) -> Cells:
-        """The cells of all rows; `words` are the columns that are no numbers.
-
-        Raises FileFormatError, which names the first row that has more or fewer columns than `width`.
-        """
-        self._check(width)
-        pandas = library("pandas", "Tables of poses")
-        comma = any(_DECIMAL_COMMA.fullmatch(cell) for row in self.rows[:_LOOKED_AT] for cell in cells_of(row, self.separator))
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # rows are judged by `_check`
-                frame = pandas.read_csv(
-                    io.StringIO("\n".join(self.rows)),
-                    sep=self.separator or r"\s+",
-                    header=None,
-                    names=range(width),
-                    index_col=False,
-                    dtype=dict.fromkeys(words, str),
-                    na_filter=False,
-                    decimal="," if comma and self.separator != "," else ".",
-                    skipinitialspace=True,
-                    skip_blank_lines=False,
-                    low_memory=False,
-                )
-        except ValueError as error:  # pandas' own are such
-            raise FileFormatError(f"it cannot be read as a table ({one_line(shorten(str(error), 200))}). Export it again.") from None
-        return Cells(self, frame, np.arange(len(frame)))
-
-    def _check(self, width: int) -> None:
-        quoted = any('"' in row for row in self.rows[:_LOOKED_AT])
-        counts = np.fromiter((row.count(self.separator) + 1 if self.separator else len(row.split()) for row in self.rows), np.intp)
-        wrong = np.flatnonzero(counts != width)
-        for number in wrong.tolist():
-            cells = cells_of(self.rows[number], self.separator)
-            if len(cells) != width and not (len(cells) == width + 1 and not cells[-1]):
-                raise FileFormatError(f"{self.place(number)} must have {width} columns; got {len(cells)}. Export it again.")
-            if not quoted and len(cells) == width:
-                return
-
-
-@dataclass(frozen=True, eq=False)
-class Cells:
-    """The cells of some rows of a table, by column from 0; `frame` is pandas' DataFrame."""
-
-    sheet: Sheet
-    frame: Any
-    rows: Integers
+    @cached_property
+    def frame(self) -> Any:
+        """The cells as pandas' DataFrame. Raises FileFormatError, which names the first row that is too long or too short."""
+        if not isinstance(self.cells, list):
+            return self.cells
+        for number, row in enumerate(self.cells):
+            if not _fits(row, self.width):
+                raise FileFormatError(f"{self._place(number)} must have {self.width} columns; got {len(row)}. Export it again.")
+        return library("pandas", "Tables of poses").DataFrame([row[: self.width] for row in self.cells], dtype=object)
 
     def __len__(self) -> int:
-        return len(self.frame)
+        return len(self.cells)
 
     def place(self, number: int) -> str:
         """Where a row stands, in words."""
-        return self.sheet.place(int(self.rows[number]))
+        return self._place(int(self.frame.index[number]))
 
-    def where(self, mask: Sequence[bool]) -> Cells:
+    def _place(self, row: int) -> str:
+        return f"line {self.lines[row]} (frame {row})" if self.item == "line" else f"{self.item} {self.lines[row]}"
+
+    def where(self, mask: Sequence[bool]) -> Sheet:
         """Some of the rows."""
-        return Cells(self.sheet, self.frame[mask], self.rows[np.asarray(mask)])
+        return replace(self, cells=self.frame[mask])
 
     def words(self, place: int) -> list[str]:
         """A column as it is written."""
-        return [word.strip().strip("\"'") for word in self.frame[place].astype(str).tolist()]
-
-    def are_numbers(self, place: int) -> bool:
-        """Whether a column holds numbers alone, or nothing."""
-        try:
-            self.numbers(place, "")
-        except FileFormatError:
-            return False
-        return True
+        return list(map(str, self.frame[place]))
 
     def numbers(self, place: int, name: str) -> Floats:
         """A column as numbers, NaN where a cell is blank or says that there is none.
 
         Raises FileFormatError, which names the row and the column.
         """
-        column = self.frame[place]
-        if column.dtype.kind in "iuf":
-            values = np.asarray(column.to_numpy(), np.float64)
-            return np.where(np.isclose(values, BAD_FLOAT, rtol=1e-4), np.nan, values)
-        plain = column.astype(str).str.strip().str.strip("\"'")
-        if self.sheet.separator != ",":
-            plain = plain.where(~plain.str.fullmatch(_DECIMAL_COMMA.pattern), plain.str.replace(",", "."))
-        numbers = library("pandas", "Tables of poses").to_numeric(plain, errors="coerce")
-        wrong = numbers.isna() & ~plain.str.lower().isin(_NO_VALUE)
+        pandas = library("pandas", "Tables of poses")
+        written = self.frame[place].reset_index(drop=True)
+        numbers = pandas.to_numeric(written, errors="coerce").astype(np.float64)
+        odd = written[numbers.isna()].astype(str)
+        numbers[odd.index] = pandas.to_numeric(odd.str.replace(",", ".", regex=False), errors="coerce")
+        wrong = numbers[odd.index].isna() & ~odd.str.lower().isin(_NO_VALUE)
         if wrong.any():
-            number = int(np.argmax(wrong.to_numpy()))
-            word = shorten(str(plain.iloc[number]))
+            row = int(wrong.idxmax())
             raise FileFormatError(
-                f"{self.place(number)}, column {name} must be a number; got {word!r}. Export it again, with decimal points."
+                f"{self.place(row)}, column {name} must be a number; got {shorten(odd[row])!r}. Export it again, with decimal points."
             )
-        return np.asarray(numbers.to_numpy(), np.float64)
+        return np.asarray(numbers.where(~np.isclose(numbers, BAD_FLOAT, rtol=1e-4)), np.float64)
 
 
 def has_none(cell: str) -> bool:
@@ -199,87 +143,61 @@ def is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell))
 
 
-def cells_of(line: str, separator: str | None) -> list[str]:
-    """The cells of a line, without quotes around them."""
-    if separator and '"' in line:
-        line = re.sub(r'"[^"]*"', lambda quoted: quoted[0].replace(separator, " "), line)
-    cells = line.split(separator) if separator else line.split()
-    return [cell.strip().strip("\"'").strip() for cell in cells]
-
-
 def sheets_of(text: str) -> list[Sheet]:
-    """The tables in a text, in their order: lines above the headings are no rows, and another line of headings begins another table."""
+    """The tables in a text that have rows, in their order: what stands above headings is no row, and other headings begin another table."""
     written = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line and not line.isspace()]
-    plain = [line for _, line in written if not _is_comment(line)]
-    middle = len(plain) // 2
-    separator = _separator(plain[max(middle - _LOOKED_AT // 2, 0) : middle + _LOOKED_AT // 2])
-    if not any(_numbers(line, separator) for line in plain):
-        return []
-    heads = [index for index, (_, line) in enumerate(written) if _may_be_headings(line) and _are_headings(_cells(line, separator))]
-    # Names of tools may be words that are known, too; they stand above fuller headings
-    full = [sum(map(bool, _cells(written[index][1], separator))) for index in heads]
-    follows = dict(zip(heads, zip([*heads[1:], -1], [*full[1:], 0])))
-    heads = [index for index, mine in zip(heads, full) if follows[index][0] != index + 1 or mine >= follows[index][1]]
+    separator = _separator([line for _, line in written if not _is_comment(line)])
+    lines = [(number, _is_comment(line), _cells(line, separator)) for number, line in written]
+    heads = [place for place, (_, _, cells) in enumerate(lines) if _are_headings(cells)]
+    # Names of tools, which may be words that are known, stand above headings
+    heads = [place for place in heads if place + 1 not in heads]
     if not heads:
-        sheet = _without_known_headings(written, separator)
-        return [sheet] if sheet.rows else []
-    starts = [heads[0], *(index for before, index in pairwise(heads) if written[index][1] != written[before][1])]
-    ends = [*starts[1:], len(written)]
-    firsts = [0, *(start + 1 for start in starts[:-1])]
-    return [_under(written, part, separator) for part in zip(firsts, starts, ends)]
+        return _without_known_headings([line for line in lines if not line[1]])
+    starts = [heads[0], *(place for before, place in pairwise(heads) if lines[place][2] != lines[before][2])]
+    ends = zip([0, *(start + 1 for start in starts)], starts, [*starts[1:], len(lines)])
+    found = (_under(lines[first:start], lines[start][2], lines[start + 1 : end], end == len(lines)) for first, start, end in ends)
+    return [sheet for sheet in found if len(sheet)]
 
 
-def _under(written: list[tuple[int, str]], part: tuple[int, int, int], separator: str | None) -> Sheet:
-    """The table below a line of headings; `part` is where the lines above begin, where the headings are, and where it ends."""
-    first, start, end = part
-    head = written[start][1]
-    headings = _cells(head, separator)
-    below = [(number, line) for number, line in written[start + 1 : end] if line != head and not _is_comment(line)]
+_Lines = list[tuple[int, bool, list[str]]]
+"""The number of each in its file, whether it is a comment, and its cells."""
+
+
+def _under(over: _Lines, headings: list[str], below: _Lines, is_last: bool) -> Sheet:
+    """The table below a line of headings, with what stands over them."""
+    rows = [(number, cells) for number, is_comment, cells in below if not is_comment and cells != headings]
     units: list[str] = []
-    if below and not _numbers(below[0][1], separator) and all(unit_of(cell) is not None for cell in _cells(below[0][1], separator) if cell):
-        units = _cells(below.pop(0)[1], separator)
-    if end < len(written):  # between two tables stand a title and the like
-        fits = [_fits(_cells(line, separator), len(headings)) for _, line in below]
-        below = below[: fits.index(False)] if False in fits else below
-    above = [_cells(line, separator) for _, line in written[first:start]]
+    if rows and all(unit_of(cell) is not None for cell in rows[0][1] if cell):
+        units = rows.pop(0)[1]
+    while rows and not is_last and not _fits(rows[-1][1], len(headings)):
+        rows.pop()  # the title of the next table
+    above = [cells for _, _, cells in over]
     groups: list[list[str]] = []
     while above and not above[-1][0] and any(above[-1]):
         groups.insert(0, _filled(above.pop(), len(headings)))
-    skipped = f"lines 1 to {written[first + len(above) - 1][0]}, which are above its headings" if above else ""
-    rows, lines = [line for _, line in below], [number for number, _ in below]
-    return Sheet(rows, lines, separator, headings, groups, units, above, skipped)
+    skipped = f"lines 1 to {over[len(above) - 1][0]}, which are above its headings" if above else ""
+    return Sheet([cells for _, cells in rows], [number for number, _ in rows], headings, groups, units, above, skipped)
 
 
-def _without_known_headings(written: list[tuple[int, str]], separator: str | None) -> Sheet:
+def _without_known_headings(lines: _Lines) -> list[Sheet]:
     """A table of numbers; a line of words directly above it are its headings."""
-    rows = [(number, line) for number, line in written if not _is_comment(line)]
-    width = Counter(len(_cells(line, separator)) for _, line in rows if _numbers(line, separator)).most_common(1)[0][0]
-
-    def is_row(line: str) -> bool:
-        cells = _cells(line, separator)
-        return _fits(cells, width) and 2 * sum(map(is_number, cells)) >= sum(map(bool, cells))
-
-    first = next((n for n, (_, line) in enumerate(rows) if is_row(line)), len(rows))
-    above = [_cells(line, separator) for _, line in rows[:first]]
-    headings = above.pop() if above and _fits(above[-1], width) and not _numbers(rows[first - 1][1], separator) else None
-    skipped = f"lines 1 to {rows[len(above) - 1][0]}, which hold no poses" if above else ""
-    below, lines = [line for _, line in rows[first:]], [number for number, _ in rows[first:]]
-    return Sheet(below, lines, separator, headings, above=above, skipped=skipped)
-
-
-def _numbers(line: str, separator: str | None) -> int:
-    return sum(map(is_number, cells_of(line, separator)))
-
-
-def _may_be_headings(line: str) -> bool:
-    """Whether a line begins with no number, and has none with a decimal mark between marks that may part cells."""
-    return line[0] not in "0123456789+-." and not re.search(r"(^|[,;\s])[+-]?\d+[.,]\d+([,;\s]|$)", line)
+    mostly = [2 * sum(map(is_number, cells)) >= sum(map(bool, cells)) > 0 for _, _, cells in lines]
+    if not any(mostly):
+        return []
+    width = Counter(len(cells) for is_row, (_, _, cells) in zip(mostly, lines) if is_row).most_common(1)[0][0]
+    first = next(place for place, (_, _, cells) in enumerate(lines) if mostly[place] and _fits(cells, width))
+    above = [cells for _, _, cells in lines[:first]]
+    headings = above.pop() if above and _fits(above[-1], width) and not any(map(is_number, above[-1])) else None
+    skipped = f"lines 1 to {lines[len(above) - 1][0]}, which hold no poses" if above else ""
+    rows = lines[first:]
+    return [Sheet([cells for _, _, cells in rows], [number for number, _, _ in rows], headings, above=above, skipped=skipped)]
 
 
 def _are_headings(cells: Sequence[str]) -> bool:
     """Whether they say what columns hold; names of tools above their columns, which may be called X, Y and Z, stand again and again."""
-    again = sum(bool(one) and one == other for one, other in pairwise(cells))
-    return 2 * again <= len(cells) and not any(map(is_number, cells)) and are_headings(cells)
+    if any(map(is_number, cells)) or 2 * sum(bool(one) and one == other for one, other in pairwise(cells)) > len(cells):
+        return False
+    return len({role for cell in cells if cell for _, role in column_of(cell).readings()}) >= _KNOWN_HEADINGS
 
 
 def _fits(cells: Sequence[str], width: int) -> bool:
@@ -296,30 +214,30 @@ def _filled(cells: list[str], width: int) -> list[str]:
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
-    """The same; a comment over a table in blanks may have its own separators."""
-    if not _is_comment(line):
-        return cells_of(line, separator)
-    words = line.lstrip().lstrip("#%/").strip()
-    return cells_of(words, separator if separator is None or separator in words else None)
+    """The cells of a line, without quotes around them; a comment over a table may have separators of its own."""
+    if _is_comment(line):
+        line = line.strip().lstrip("#%/").strip()
+        separator = separator if separator and separator in line else None
+    if separator and '"' in line:
+        line = re.sub(r'"[^"]*"', lambda quoted: quoted[0].replace(separator, " "), line)
+    return [cell.strip().strip("\"'").strip() for cell in line.split(separator)]
 
 
 def _is_comment(line: str) -> bool:
-    if line[0] in "0123456789+-.":
-        return False
-    start = line.lstrip()
-    return start.startswith(_MARKS) and not start.startswith(_RECEIVED)
+    return line.lstrip().startswith(_MARKS)
 
 
 def _separator(lines: Sequence[str]) -> str | None:
     """What separates the cells: the mark by which most of them are numbers, in lines of equal length. None: white space."""
+    middle = max(len(lines) - _LOOKED_AT, 0) // 2
 
     def worth(separator: str | None) -> tuple[float, float]:
-        rows = [cells_of(line, separator) for line in lines]
+        rows = [_cells(line, separator) for line in lines[middle : middle + _LOOKED_AT]]
         width, count = Counter(map(len, rows)).most_common(1)[0]
         cells = [cell for row in rows for cell in row if cell]
         if width < 2 or not cells:
             return 0.0, 0.0
         return round(sum(map(is_number, cells)) / len(cells), 2), count / len(rows)
 
-    marks: Callable[[str | None], tuple[float, float]] = worth
-    return max((";", "\t", ",", None), key=marks) if lines else None
+    marks: tuple[str | None, ...] = (";", "\t", ",", None)
+    return max(marks, key=worth) if lines else None

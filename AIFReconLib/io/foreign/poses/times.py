@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ....arrays import Floats
@@ -11,8 +9,8 @@ from ....errors import SettingsError
 from ....message import listed, shorten
 from ....remedies import NAME_THE_COLUMNS, TIME_UNIT
 from ...sequence.decoded_images import library
-from .headings import LONG_TIMES, RECEIVED, TIME, TIMES, Column
-from .sheet import Cells, has_none, is_number
+from .headings import LONG_TIMES, TIME, TIMES, Column
+from .sheet import Sheet, has_none, is_number
 
 _SINCE_1970 = (("ns", 6e17, 1e19), ("us", 1e14, 1e16), ("ms", 1e11, 1e13), ("s", 1e8, 1e10))
 """Times since 1970 tell their unit: those of the years 1973 to 2286, in ns since 1989 (below are the 100 ns of Windows)."""
@@ -20,84 +18,71 @@ _SINCE_1970 = (("ns", 6e17, 1e19), ("us", 1e14, 1e16), ("ms", 1e11, 1e13), ("s",
 SLOWEST, FASTEST = 2.0, 1e-4
 """s between poses that no tracker takes, in the median."""
 
-
-@dataclass(frozen=True)
-class Times:
-    """Times in s, or None where there are none; and in words what they are of."""
-
-    seconds: Floats | None
-    told: tuple[str, ...] = ()
+_HALF_A_DAY = 43200.0
 
 
-def times_of(columns: dict[int, Column], cells: Cells, unit: str | None) -> Times:
-    """The times of rows, of the columns of one tool by their place; `unit` as the user says.
+def times_of(columns: dict[int, Column], sheet: Sheet, unit: str | None) -> tuple[Floats | None, list[str]]:
+    """The times of rows in s, of the columns of one tool by their place, None where there are none; and in words what they are of.
 
-    Raises SettingsError when two columns can be the time, or the unit cannot be told.
+    `unit` is as the user says. Raises SettingsError when two columns can be the time, or the unit cannot be told.
     """
     found = {place: column for place, column in columns.items() if column.role == TIME}
-    found = found or {place: column for place, column in columns.items() if column.role == RECEIVED}
-    if not found or not len(cells):
-        return Times(None)
+    if not found or not len(sheet):
+        return None, []
     known = {**LONG_TIMES, **TIMES}
     parts = {place: column.unit for place, column in found.items()}
     if len(found) > 1 and (len(set(parts.values())) < len(found) or None in parts.values() or unit is not None):
         names = listed(f"{column.heading} (column {place + 1})" for place, column in found.items())
         raise SettingsError(f"{len(found)} columns can be the time: {names}.", NAME_THE_COLUMNS)
+    told = f"time: {' + '.join(column.heading for column in found.values())}"
+    place, column = next(iter(found.items()))
     if len(found) > 1:
-        seconds = sum(cells.numbers(place, "time") * known[part] for place, part in parts.items() if part is not None)
-        return _checked(np.asarray(seconds), f"time: {' + '.join(column.heading for column in found.values())}", unit, None)
-    ((place, column),) = found.items()
-    if not cells.are_numbers(place):
-        return _checked(_clock(cells.words(place), column), f"time: {column.heading}, by date or hour", None, None)
-    numbers = cells.numbers(place, "time")
-    unit = unit or column.unit
-    if unit is not None:
-        return _checked(numbers * known[unit], f"time: {column.heading} in {unit}", unit, None)
-    largest = float(np.nanmax(np.abs(numbers))) if np.isfinite(numbers).any() else 0.0
-    unit = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
-    told = f"time: {column.heading}" + (f" in {unit}, by its size" if unit not in (None, "s") else "")
-    return _checked(numbers * known[unit or "s"], told, unit, column.heading)
+        seconds = np.sum([sheet.numbers(place, "time") * known[str(part)] for place, part in parts.items()], axis=0)
+    elif any(not has_none(word) and not is_number(word) for word in sheet.words(place)):
+        seconds, told = _clock(sheet.words(place), column), f"{told}, by date or hour"
+    else:
+        numbers = sheet.numbers(place, "time")
+        said = unit or column.unit
+        largest = float(np.abs(numbers).max(initial=0.0, where=np.isfinite(numbers)))
+        by_size = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
+        seconds = numbers * known[said or by_size or "s"]
+        told += f" in {said}" if said else f" in {by_size}, by its size" if by_size not in (None, "s") else ""
+        if not said and not by_size:
+            _require_a_trackers_rate(seconds, column.heading)
+    missing = int((~np.isfinite(seconds)).sum())
+    return (None, [f"{told}: not used, {missing} of {len(seconds)} rows have none"]) if missing else (seconds, [told])
 
 
 def _clock(words: list[str], column: Column) -> Floats:
     """Seconds of dates, or of hours of a day."""
     pandas = library("pandas", "Tables of poses")
-    plain = [None if has_none(word) else word.replace(",", ".").replace("/", "-") for word in words]
+    plain = pandas.Series([None if has_none(word) else word.replace(",", ".").replace("/", "-") for word in words])
     try:
-        if any(word and "-" in word for word in plain):
-            since = pandas.to_datetime(pandas.Series(plain), format="ISO8601", utc=True) - pandas.Timestamp(0, tz="UTC")
+        if plain.str.contains("-").any():
+            since = pandas.to_datetime(plain, format="ISO8601", utc=True) - pandas.Timestamp(0, tz="UTC")
+        elif (plain.dropna().str.count(":") == 2).all():
+            since = pandas.to_timedelta(plain)
         else:
-            wrong = next((word for word in plain if word and word.count(":") != 2), None)
-            if wrong is not None:
-                raise ValueError
-            since = pandas.to_timedelta(pandas.Series(plain))
+            raise ValueError
     except ValueError:
-        other = next((word for word in words if not has_none(word) and not is_number(word)), words[0])
+        other = next(word for word in words if not has_none(word) and not is_number(word))
         raise SettingsError(
             f"The time (column {column.heading}) must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05; "
             f"got {shorten(other)!r}.",
             NAME_THE_COLUMNS,
         ) from None
-    found = np.asarray(since.dt.total_seconds().to_numpy(), np.float64)
+    found: Floats = since.dt.total_seconds().to_numpy(np.float64)
     known = found[np.isfinite(found)]
-    if len(known) and np.ptp(known) > 43200.0 and known.max() < 86400.0:
-        found = np.where(found < 43200.0, found + 86400.0, found)  # over midnight
+    if len(known) and np.ptp(known) > _HALF_A_DAY and known.max() < 2 * _HALF_A_DAY:
+        found = np.where(found < _HALF_A_DAY, found + 2 * _HALF_A_DAY, found)  # over midnight
     return found
 
 
-def _checked(seconds: Floats, told: str, unit: str | None, heading: str | None) -> Times:
-    """Times, unless no tracker takes poses so; `heading` where nothing says the unit."""
-    finite = np.unique(seconds[np.isfinite(seconds)])
-    if unit is None and heading is not None and len(finite) > 2:
-        step = float(np.median(np.diff(finite)))
-        if step > SLOWEST or step < FASTEST:
-            likely = next((name for name in ("ms", "us", "ns") if FASTEST <= step * TIMES[name] <= SLOWEST), "s")
-            raise SettingsError(
-                f"The unit of the times (column {heading}) is not known: in seconds, poses would be {step:g} s apart.",
-                TIME_UNIT,
-                unit=likely,
-            )
-    missing = int((~np.isfinite(seconds)).sum())
-    if missing:
-        return Times(None, (f"{told}: not used, {missing} of {len(seconds)} rows have none",))
-    return Times(seconds, (told,))
+def _require_a_trackers_rate(seconds: Floats, heading: str) -> None:
+    """Raise SettingsError where no tracker takes poses so, if times that do not say their unit are in seconds."""
+    steps = np.diff(np.unique(seconds[np.isfinite(seconds)]))
+    step = float(np.median(steps)) if len(steps) > 1 else FASTEST
+    if not FASTEST <= step <= SLOWEST:
+        likely = next((name for name in ("ms", "us", "ns") if FASTEST <= step * TIMES[name] <= SLOWEST), "s")
+        told = f"The unit of the times (column {heading}) is not known: in seconds, poses would be {step:g} s apart."
+        raise SettingsError(told, TIME_UNIT, unit=likely)
