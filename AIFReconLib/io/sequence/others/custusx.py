@@ -112,7 +112,7 @@ def _probe(path: Path) -> tuple[tuple[float, float], Matrix] | None:
     if not path.exists():
         return None
     try:
-        image = parse_xml(path, bare_doctype=True).find("configuration/image")
+        image = parse_xml(path).find("configuration/image")
         if image is None:
             return None
         spacing, origin = (parse_numbers(image.get(name, "")) for name in ("spacing", "origin_p"))
