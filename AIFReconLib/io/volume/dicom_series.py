@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
@@ -23,11 +25,20 @@ from .itk_images import array_of
 
 logger = logging.getLogger(__name__)
 
-POSITION, ORIENTATION, PIXELS, COLUMNS, ROWS = "0020|0032", "0020|0037", "0028|0030", "0028|0011", "0028|0010"
+POSITION, ORIENTATION, PIXELS = "0020|0032", "0020|0037", "0028|0030"
 MODALITY, SERIES, NUMBER, IMAGE_TYPE = "0008|0060", "0020|000e", "0020|0011", "0008|0008"
 
 UNEVEN = 0.1
 """Of the distance between slices, by which one may be off."""
+
+_COLUMNS = (
+    ("where slices lie", "", slice(0, 3)),
+    ("which way slices lie", "the direction of the slices", slice(3, 9)),
+    ("how large pixels are", "the size of the pixels", slice(9, 11)),
+    ("how large slices are", "the size of the slices", slice(11, 13)),
+)
+"""What the row of a slice says, what of it may not change, and in which places it stands. LPS, mm: the middle of its first pixel; directions
+of rows and of columns; from row to row and from column to column; columns and rows."""
 
 ALIKE = 1e-3
 """By which directions, and sizes of pixels in mm, of two slices may differ."""
@@ -42,15 +53,6 @@ REGULAR = (
     "Load it into Slicer with its DICOM module (Application settings, DICOM, acquisition geometry regularization: apply regularization "
     "transform), harden the transform, and save the volume as .nrrd."
 )
-
-
-class Slice(NamedTuple):
-    """Where a slice lies, as far as its header says: LPS, mm."""
-
-    position: list[float]  #: of the middle of its first pixel; none where it is not said
-    directions: list[float]  #: of rows and of columns, 6 numbers
-    pixel: list[float]  #: from row to row, from column to column
-    size: tuple[str, str]  #: columns, rows
 
 
 def read_ct(path: str | Path) -> Volume:
@@ -141,11 +143,9 @@ def _series(folder: Path, wanted: str | None) -> Volume:
         return read_ct(next(iter(files)))
     if len(files) < 3:
         raise VolumeFormatError(f"{folder}: its longest series has {len(files)} slices. Give the folder with the slices of the CT.")
-    slices = []
-    for header in files.values():
-        position, directions, pixel = (_numbers(_said(header, key)) for key in (POSITION, ORIENTATION, PIXELS))
-        slices.append(Slice(position, directions, pixel, (_said(header, COLUMNS), _said(header, ROWS))))
-    return _placed(folder, list(files), slices)
+    keys = (POSITION, ORIENTATION, PIXELS)
+    rows = [_row(*(_said(header, key).split("\\") for key in keys), header.GetSize()[:2]) for header in files.values()]
+    return _placed(folder, list(files), np.array(rows))
 
 
 def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
@@ -154,15 +154,20 @@ def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
     return f"{_said(header, NUMBER) or 'without number'} ({len(files)} slices, {file.name} ...)"
 
 
-def _numbers(text: str) -> list[float]:
-    try:
-        return [float(word) for word in text.split("\\")]
-    except ValueError:
-        return []
+def _row(*said: Iterable[Any]) -> list[float]:
+    """What a header says of a slice, in the order of `_COLUMNS`; NaN for what it leaves out."""
+    row: list[float] = []
+    for values, (_, _, places) in zip(said, _COLUMNS, strict=True):
+        numbers: list[float] = []
+        with contextlib.suppress(ValueError):
+            numbers = [float(value) for value in values]
+        count = places.stop - places.start
+        row += numbers if len(numbers) == count else [np.nan] * count
+    return row
 
 
-def _frames(path: Path, count: int) -> list[Slice]:
-    """The slices in a file of many frames, as its functional groups place them (PS3.3, C.7.6.16)."""
+def _frames(path: Path, count: int) -> Floats:
+    """The slices in a file of many frames, a row each, as its functional groups place them (PS3.3, C.7.6.16)."""
     try:
         pydicom = import_module("pydicom")
     except ImportError:
@@ -171,38 +176,36 @@ def _frames(path: Path, count: int) -> list[Slice]:
     shared = [*data.get("SharedFunctionalGroupsSequence", [])]
     frames = [*data.get("PerFrameFunctionalGroupsSequence", [])] or [pydicom.Dataset()] * count
 
-    def of(frame: Any, group: str, name: str) -> list[float]:
+    def of(frame: Any, group: str, name: str) -> Iterable[Any]:
         parts: list[Any] = next((one[group].value for one in (frame, *shared) if group in one), [])
-        return [float(number) for number in (parts[0].get(name) if parts else None) or []]
+        return (parts[0].get(name) if parts else None) or []
 
-    return [
-        Slice(
-            of(frame, "PlanePositionSequence", "ImagePositionPatient"),
-            of(frame, "PlaneOrientationSequence", "ImageOrientationPatient"),
-            of(frame, "PixelMeasuresSequence", "PixelSpacing"),
-            (str(data.get("Columns")), str(data.get("Rows"))),
-        )
-        for frame in frames
-    ]
+    return np.array(
+        [
+            _row(
+                of(frame, "PlanePositionSequence", "ImagePositionPatient"),
+                of(frame, "PlaneOrientationSequence", "ImageOrientationPatient"),
+                of(frame, "PixelMeasuresSequence", "PixelSpacing"),
+                (data.get("Columns", ""), data.get("Rows", "")),
+            )
+            for frame in frames
+        ]
+    )
 
 
-def _placed(path: Path, files: list[Path], slices: list[Slice]) -> Volume:
-    """The volume of slices, each a file or all in one, in the order of their places."""
-    for name, index, count in (("where slices lie", 0, 3), ("which way slices lie", 1, 6), ("how large pixels are", 2, 2)):
-        if any(len(one[index]) != count for one in slices):
-            raise VolumeFormatError(f"{path}: its headers do not all say {name}. Export the series again as the scanner made it.")
-    for name, values, most in (
-        ("the size of the slices", np.array([one.size for one in slices]).astype(float), 0.0),
-        ("the direction of the slices", np.array([one.directions for one in slices]), ALIKE),
-        ("the size of the pixels", np.array([one.pixel for one in slices]), ALIKE),
-    ):
-        if (np.abs(values - values[0]) > most).any():
-            raise VolumeFormatError(f"{path}: {name} changes within the series. Give a folder that holds one scan alone.")
-    places, directions, pixel = np.array([one.position for one in slices]), np.reshape(slices[0].directions, (2, 3)), slices[0].pixel
+def _placed(path: Path, files: list[Path], slices: Floats) -> Volume:
+    """The volume of slices, a row of each, each a file or all in one, in the order of their places."""
+    for what, same, columns in _COLUMNS:
+        said = slices[:, columns]
+        if np.isnan(said).any():
+            raise VolumeFormatError(f"{path}: its headers do not all say {what}. Export the series again as the scanner made it.")
+        if same and np.ptp(said, axis=0).max() > ALIKE:
+            raise VolumeFormatError(f"{path}: {same} changes within the series. Give a folder that holds one scan alone.")
+    places, directions, pixel = slices[:, :3], slices[0, 3:9].reshape(2, 3), slices[0, 9:11]
     normal = np.cross(*directions)
     order = np.argsort(places @ normal, kind="stable")
     step = _step(path, places[order], directions)
-    require_bytes(path, _COPIES * len(slices) * int(slices[0].size[0]) * int(slices[0].size[1]) * 4, available_memory())
+    require_bytes(path, _COPIES * len(slices) * int(slices[0, 11:].prod()) * 4, available_memory())
     array = _read(path, [files[n] for n in order] if len(files) > 1 else files)
     if len(array) != len(slices):
         raise VolumeFormatError(f"{path}: {len(slices)} slices are promised, {len(array)} are there. Export the series again.")

@@ -132,8 +132,6 @@ def _by_vtk(path: Path) -> tuple[vtkPolyData, str | None]:
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
     suffix = path.suffix.lower()
-    if suffix == ".ply":
-        _require_whole_ply(path)
     reader = {".ply": vtkPLYReader, ".obj": vtkOBJReader, ".vtp": vtkXMLPolyDataReader, ".vtk": vtkPolyDataReader}[suffix]()
     with _errors() as told:
         reader.SetFileName(str(path))
@@ -164,34 +162,6 @@ def _errors() -> Iterator[Callable[[], str]]:
     finally:
         vtkLogger.SetStderrVerbosity(shown)
         vtkOutputWindow.SetInstance(window)
-
-
-def _require_whole_ply(path: Path) -> None:
-    """Return if all is there that a PLY header promises; VTK crashes at a file that is cut short."""
-    data = read_bytes(path, None, VolumeFormatError)
-    found = re.match(rb"ply\s.*?\bend_header\r?\n?", data, re.DOTALL)
-    if found is None:
-        raise VolumeFormatError(f"{path}: it has no header of a PLY file. Export the model again.")
-    ascii_rows, promised, count = b"format ascii" in found[0], 0, 0
-    for words in map(bytes.split, found[0].splitlines()):
-        if words[:1] == [b"element"]:
-            count = int(words[2])
-            promised += count if ascii_rows else 0
-        elif words[:1] == [b"property"] and not ascii_rows:
-            # Of a list its number and three corners, which a face has at least
-            promised += count * (_width(words[2]) + 3 * _width(words[3]) if words[1] == b"list" else _width(words[1]))
-    there = len(data) - found.end()
-    if ascii_rows:
-        there = sum(1 for line in data[found.end() :].splitlines() if line.strip())
-    if there < promised:
-        raise VolumeFormatError(f"{path}: it is cut short. Copy or export the file again.")
-
-
-def _width(kind: bytes) -> int:
-    """Bytes of a number of a PLY file; 1 of a kind that is not known."""
-    widths = {b"short": 2, b"ushort": 2, b"int": 4, b"uint": 4, b"float": 4, b"double": 8}
-    bits = re.search(rb"(8|16|32|64)$", kind)
-    return int(bits[1]) // 8 if bits else widths.get(kind, 1)
 
 
 def _triangles(path: Path, surface: vtkPolyData) -> tuple[Floats, Integers]:
