@@ -18,7 +18,7 @@ from ...errors import VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ...machine.memory import available_memory, require_bytes
-from ..disk.itk import itk_path, short_cause, without_warnings
+from ..disk.itk import itk_path, itk_reads
 from ..disk.regular_files import files_in
 from .files import READABLE_SUFFIXES, read_volume, suffix_of
 from .itk_images import array_of
@@ -37,8 +37,8 @@ _COLUMNS = (
     ("how large pixels are", "the size of the pixels", slice(9, 11)),
     ("how large slices are", "the size of the slices", slice(11, 13)),
 )
-"""What the row of a slice says, what of it may not change, and in which places it stands. LPS, mm: the middle of its first pixel; directions
-of rows and of columns; from row to row and from column to column; columns and rows."""
+"""What the row of a slice says, what of it may not change, and in which places it stands: LPS, mm, of the middle of its first pixel;
+directions of rows and of columns; from row to row and from column to column; columns and rows."""
 
 ALIKE = 1e-3
 """By which directions, and sizes of pixels in mm, of two slices may differ."""
@@ -91,11 +91,11 @@ def _header(path: Path) -> sitk.ImageFileReader | None:
     """What the headers of a DICOM image say; None where it is none."""
     reader = sitk.ImageFileReader()
     reader.SetImageIO("GDCMImageIO")
-    reader.SetFileName(itk_path(path, VolumeFormatError))
     try:
-        with without_warnings():
+        with itk_reads(path, VolumeFormatError, "") as name:
+            reader.SetFileName(name)
             reader.ReadImageInformation()
-    except RuntimeError:
+    except VolumeFormatError:
         return None
     return reader
 
@@ -257,12 +257,9 @@ def _unsheared(array: Numbers, sideways: Floats) -> tuple[Numbers, Floats]:
 
 def _read(path: Path, files: list[Path]) -> Numbers:
     """The voxels [k, j, i] of files in this order."""
-    names = [itk_path(file, VolumeFormatError) for file in files]
-    try:
-        with without_warnings():
-            image = sitk.ReadImage(names if len(names) > 1 else names[0], imageIO="GDCMImageIO")
-    except RuntimeError as error:
-        raise VolumeFormatError(f"{path}: GDCM cannot read it: {short_cause(error)}. Export the series again.") from error
+    with itk_reads(files[0], VolumeFormatError, "Export the series again.") as first:
+        rest = [itk_path(file, VolumeFormatError) for file in files[1:]]
+        image = sitk.ReadImage([first, *rest] if rest else first, imageIO="GDCMImageIO")
     if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
         raise VolumeFormatError(f"{path}: it must be one gray 3D volume. Give the CT's slices.")
     return array_of(image)

@@ -123,7 +123,7 @@ def with_known_names(labels: Labels, choice: str | None = None, file: str = "") 
     """
     there = labels.numbers().tolist()
     programs = [] if labels.names else _programs_of(labels, there, file, must=choice is None)
-    readings = [program.labels for program in programs] or [labels.names]
+    readings = [program.labels for program in programs] or [dict(labels.names)]
     if choice is not None:
         return _chosen(labels, readings, ",".join(map(bone_name, choice.split(","))))
     kinds = {n: {kind_of(names.get(n, "")) for names in readings} for n in there}
@@ -191,7 +191,7 @@ def _programs_of(labels: Labels, there: Sequence[int], file: str, must: bool) ->
 def _centers(labels: Labels) -> dict[int, Floats]:
     """Where the middle of each label is, mm, seen coarsely."""
     steps = [max(n // 160, 1) for n in labels.shape]
-    coarse = labels.array[tuple(slice(None, None, step) for step in steps)]
+    coarse = labels.array[tuple(slice(None, None, step) for step in steps)].astype(np.int64)
     numbers = np.unique(coarse[coarse > 0])
     middle = np.reshape(scipy.ndimage.center_of_mass(coarse > 0, coarse, numbers), (-1, 3)) * steps
     return dict(zip(numbers.tolist(), transform_points(labels.ijk_to_reference, middle[:, ::-1]), strict=True))

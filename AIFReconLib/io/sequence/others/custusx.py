@@ -32,7 +32,6 @@ IMAGE, TOOL = TransformName("Image", "Reference"), TransformName("Tool", "Refere
 CALIBRATION = TransformName("Image", "Tool")
 NEAR = 0.1
 """s. How far from a pose of the tool CustusX may have gone on with it, where the next is farther than `LONGEST_GAP`."""
-_MOST_BYTES = 2**25
 
 
 def _read(path: Path, orientation: str | None) -> Recorded:
@@ -166,14 +165,14 @@ def _times_of_frames(path: Path) -> Path:
 
 def _numbers(path: Path) -> Floats:
     """All numbers of a small file."""
-    data = read_bytes(path, _MOST_BYTES + 1, SequenceFormatError)
+    data = read_bytes(path, None, SequenceFormatError)
     try:
-        numbers = parse_numbers(data[:_MOST_BYTES].decode("ascii", "replace"))
+        numbers = np.array(parse_numbers(data.decode("ascii", "replace")))
     except NotANumberError as error:
         raise SequenceFormatError(f"{path}: it must hold numbers alone; {error}. Copy the file again.") from error
-    if len(data) > _MOST_BYTES or not np.isfinite(numbers).all():
-        raise SequenceFormatError(f"{path}: it must hold finite numbers, in {_MOST_BYTES} bytes at most. Copy the file again.")
-    return np.array(numbers, dtype=np.float64)
+    if not np.isfinite(numbers).all():
+        raise SequenceFormatError(f"{path}: it must hold finite numbers. Copy the file again.")
+    return numbers
 
 
 def _matrices(path: Path) -> Matrix:

@@ -20,10 +20,9 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ....arrays import Matrix, Numbers
+from ....arrays import Matrix
 from ....errors import AIFReconError, SequenceFormatError, TransformError
 from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ....imaging.images import ImagesOnDemand, ImageStack
 from ....message import said
 from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
@@ -53,20 +52,8 @@ def _read(path: Path, orientation: str | None) -> Recorded:
             if str(folder) not in text:
                 raise
             raise SequenceFormatError(f"{path}: {text.replace(f'{folder}{os.sep}', '')}", error) from error
-        images = _Unpacked(recorded.images)
-        weakref.finalize(images, stack.pop_all().close)
-    return replace(recorded, images=images)
-
-
-class _Unpacked(ImagesOnDemand):
-    """Images of a file that is there as long as these are."""
-
-    def __init__(self, images: ImageStack):
-        self._images = images
-        self.shape, self.dtype = images.shape, images.dtype
-
-    def _image(self, index: int) -> Numbers:
-        return self._images[index]
+        weakref.finalize(recorded.images, stack.pop_all().close)
+    return recorded
 
 
 @dataclass(frozen=True)
