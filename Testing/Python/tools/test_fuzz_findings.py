@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 import struct
 import tracemalloc
@@ -19,7 +18,6 @@ from AIFReconLib.io.foreign.openers import natural_order, open_images
 from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.metafile.text_values import parse_number
-from AIFReconLib.io.plus.importance_mask import read_importance_mask
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.transforms import read_transform_sequence
 from AIFReconLib.io.transform.files import read_transform
@@ -67,14 +65,6 @@ def infinite_direction(path):
     path.write_bytes(re.sub(rb"directions: \(-?1.0", b"directions: (inf", path.read_bytes()))
 
 
-def huge_jpeg(path):
-    """A header that promises 3600 million pixels."""
-    image = pytest.importorskip("PIL.Image")
-    file = io.BytesIO()
-    image.fromarray(np.zeros((6, 8), np.uint8)).save(file, format="JPEG")
-    path.write_bytes(re.sub(rb"(?s)(\xff[\xc0\xc2]...)....", lambda found: found[1] + b"\xea\x60" * 2, file.getvalue()))
-
-
 def first_of(path):
     return open_images([path]).stack[0]
 
@@ -96,7 +86,6 @@ REFUSED = {
         "t.tfm",
         content(ITK_TEXT.replace(b"#Transform 0\n", b"") + b"CompositeTransform_double_3_3\n" + 2 * AFFINE),
     ),
-    "a promise of pixels was believed": (read_importance_mask, "m.jpg", huge_jpeg),
     "a type of voxels that is none made ITK complain": (read_volume, "v.nii", nifti(70, b"\x07\0")),
     "Pillow would have started Ghostscript": (
         first_of,

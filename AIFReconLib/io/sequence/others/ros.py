@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import re
 import weakref
-from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -71,12 +71,18 @@ class _Images:
 
     def __init__(self, path: Path, reader: Any, connections: list[Any]):
         self._path, self._reader, self._connections = path, reader, connections
-        self._messages: Iterator[Any] = iter(())
+        self._messages: Any = None
         self._next = -1
+
+    def close(self) -> None:
+        """End what is under way, before the bag is closed."""
+        if self._messages is not None:
+            self._messages.close()
 
     def image(self, number: int) -> Numbers:
         with decoding(f"{self._path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
             if not 0 <= self._next <= number:
+                self.close()
                 self._messages, self._next = self._reader.messages(connections=self._connections), 0
             connection, _, raw = next(islice(self._messages, number - self._next, None))
             self._next = number + 1
@@ -89,9 +95,9 @@ def _read(path: Path, orientation: str | None) -> Recorded:
     if not path.is_dir():
         require_regular_file(path, SequenceFormatError)
     types, highlevel = (library(f"rosbags.{name}", _PURPOSE) for name in ("typesys", "highlevel"))
-    with decoding(f"{path}: it cannot be read as a bag of ROS", "Record or copy it again."):
-        reader = highlevel.AnyReader([path], default_typestore=types.get_typestore(types.Stores.ROS2_HUMBLE))
-        reader.open()
+    with decoding(f"{path}: it cannot be read as a bag of ROS", "Record or copy it again."), ExitStack() as stack:
+        store = types.get_typestore(types.Stores.ROS2_HUMBLE)
+        reader = stack.enter_context(highlevel.AnyReader([path], default_typestore=store))
         topics = [connection for connection in reader.connections if connection.msgtype in (IMAGE, COMPRESSED_IMAGE)]
         names = list(dict.fromkeys(connection.topic for connection in topics))
         if len(names) != 1:
@@ -103,8 +109,10 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         found = _found(reader)
         if not found.times:
             raise SequenceFormatError(f"{path}: topic {topics[0].topic} holds no image. Record it again.")
-        images = DecodedImages(len(found.times), _Images(path, reader, topics).image, lambda n: f"{path}, image {n}")
-        weakref.finalize(images, reader.close)
+        stored = _Images(path, reader, topics)
+        stack.callback(stored.close)
+        images = DecodedImages(len(found.times), stored.image, lambda n: f"{path}, image {n}")
+        weakref.finalize(images, stack.pop_all().close)
     tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
     records = [FrameRecord(time, transforms={name: _sample(track.at(time)[0]) for name, track in tracks.items()}) for time in found.times]
     return Recorded(images, records, transforms=found.still, notes=_notes(found, reader.connections))
