@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
 from pathlib import Path
@@ -195,10 +196,9 @@ def sidecar_of(path: Path) -> Path:
 
 def _beside(path: Path) -> dict[str, str]:
     """The fields in a JSON file, where it is there and is one of ours."""
-    try:
-        found = read_table(path, VolumeFormatError) if path.is_file() else {}
-    except VolumeFormatError:
-        return {}
+    found: object = {}
+    with contextlib.suppress(VolumeFormatError):
+        found = read_table(path, VolumeFormatError)
     return {key: text for key, text in found.items() if isinstance(text, str)} if isinstance(found, dict) else {}
 
 

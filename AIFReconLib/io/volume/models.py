@@ -16,6 +16,7 @@ from ...arrays import Floats, Integers
 from ...errors import VolumeFormatError
 from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
+from .surfaces import polydata
 
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
@@ -94,7 +95,7 @@ def _stl(path: Path) -> tuple[vtkPolyData, str | None]:
     count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     if len(data) >= _HEADER + _FACET.itemsize * count and len(data) >= _HEADER:
         corners = np.frombuffer(data, _FACET, count, _HEADER)["numbers"][:, 3:]
-        return _polydata(corners.reshape(-1, 3)), _space_in(data[: _HEADER - 4].decode("latin-1"))
+        return polydata(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)), _space_in(data[: _HEADER - 4].decode("latin-1"))
     if not re.match(rb"\s*solid", data, re.IGNORECASE) or not re.search(rb"\bfacet\b", data, re.IGNORECASE):
         raise VolumeFormatError(f"{path}: it is cut short: {count} triangles are promised. Copy or export the file again.")
     words = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data, re.IGNORECASE)
@@ -105,22 +106,7 @@ def _stl(path: Path) -> tuple[vtkPolyData, str | None]:
         numbers = np.array(words).astype(np.float64)
     except ValueError as cause:
         raise _unreadable(path) from cause
-    return _polydata(numbers.reshape(-1, 3)), _space_in(data.lstrip().partition(b"\n")[0].decode("latin-1"))
-
-
-def _polydata(corners: Floats) -> vtkPolyData:
-    """Triangles of their corners (3 m, 3)."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-    from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-
-    points, cells, surface = vtkPoints(), vtkCellArray(), vtkPolyData()
-    points.SetData(numpy_to_vtk(np.ascontiguousarray(corners), deep=True))
-    places = np.arange(len(corners), dtype=np.int64)
-    cells.SetData(3, numpy_to_vtkIdTypeArray(places, deep=True))
-    surface.SetPoints(points)
-    surface.SetPolys(cells)
-    return surface
+    return polydata(numbers, np.arange(len(numbers)).reshape(-1, 3)), _space_in(data.lstrip().partition(b"\n")[0].decode("latin-1"))
 
 
 def _by_vtk(path: Path) -> tuple[vtkPolyData, str | None]:
