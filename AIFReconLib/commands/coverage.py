@@ -11,7 +11,7 @@ from ..evaluation.visibility import BEAM_THICKNESS
 from ..guidance.coverage import Coverage, coverage
 from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
 from ..io.disk.atomic import write_text
-from ..io.volume.surfaces import check_labels_surface_path, check_surface_path, write_surface
+from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
 from ..recipe.recipe import AUTOMATIC
 from ..registration.labeled_bone import LabeledBone
@@ -54,8 +54,7 @@ Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan
 def run(asked: CoverageOptions) -> None:
     """Read, follow the beams, say what was met."""
     if asked.surface:
-        check = check_labels_surface_path if asked.bone_labels or asked.ct else check_surface_path
-        check(asked.surface)
+        check_surface_path(asked.surface)
     with ProgressBar() as progress:
         labels, placed = labels_from(asked, part(progress, 0.0, 0.05)), place_from(asked)
         if labels is None and placed is not None:

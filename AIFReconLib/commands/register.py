@@ -12,7 +12,7 @@ from ..geometry.transforms import invert, transform_points
 from ..io.disk.atomic import write_text
 from ..io.transform.files import write_transform
 from ..io.volume.files import check_volume_path, write_volume
-from ..io.volume.surfaces import check_labels_surface_path, is_surface_path, write_labels_surface
+from ..io.volume.surfaces import check_surface_path, is_surface_path, write_labels_surface
 from ..progress import part
 from ..registration.registration import as_report
 from ..terminal.arguments import Names, Output, Settings
@@ -58,7 +58,7 @@ Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; th
 def run(asked: RegisterOptions) -> None:
     """Read, register, write, and say how sure it is."""
     for path in asked.labels_output:
-        (check_labels_surface_path if is_surface_path(path) else check_volume_path)(path)
+        (check_surface_path if is_surface_path(path) else check_volume_path)(path)
     if asked.preview:
         require_matplotlib()
     with ProgressBar() as progress:

@@ -23,22 +23,15 @@ _DATA_FILE = re.compile(rb"^ElementDataFile\s*=[ \t]*([^\r\n]*)[\r\n]*\Z", re.MU
 _LAST_BYTES = 2**16
 """Bytes at the end of a header, more than its last line has."""
 
+_NO_PERMISSION = "there is no permission to write there. Choose another folder, or close programs that hold the file open."
+_FULL = "the disk is full. Free some space, or choose a folder on another disk."
 _REMEDIES = {
-    "ENOENT": "its folder does not exist. Create the folder, or choose another path.",
-    "ENOTDIR": "a part of its path is a file, not a folder. Choose another path.",
-    "EACCES": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
-    "EPERM": "there is no permission to write there. Choose another folder, or close programs that hold the file open.",
-    "EROFS": "the disk is read-only. Choose another folder.",
-    "ENOSPC": "the disk is full. Free some space, or choose a folder on another disk.",
-    "EDQUOT": "the disk quota is used up. Free some space, or choose a folder on another disk.",
-    "EFBIG": "the file would be larger than the system allows. Choose a larger spacing, or another disk.",
-    "EISDIR": "it is a folder. Give the name of a file.",
-    "ENAMETOOLONG": "its name is too long. Choose a shorter one.",
-    "EMFILE": "too many files are open. Raise the limit on open files (ulimit -n).",
-    "ENFILE": "too many files are open. Close other programs.",
-    "EIO": "the disk does not answer. Choose a folder on another disk.",
-    "ESTALE": "the network disk does not answer. Connect it again, or choose a folder on another disk.",
+    errno.EACCES: _NO_PERMISSION,
+    errno.EPERM: _NO_PERMISSION,
+    errno.ENOSPC: _FULL,
+    errno.EMFILE: "too many files are open. Raise the limit on open files (ulimit -n).",
 }
+"""For others the system's words are clear, and another path helps."""
 
 
 @contextlib.contextmanager
@@ -76,38 +69,34 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
     name the data file as it is called here.
     """
     last = _target(paths[-1])
-    with output_errors(paths[-1]), workspace(last.parent) as folder:
-        beside = [last.with_name(Path(path).name) for path in paths[:-1]]
-        is_pair = last.suffix.lower() == ".mhd"
-        if is_pair:
-            beside = [data.with_name(f"{data.stem}{folder.name}{data.suffix}") if data.exists() else data for data in beside]
-        targets = [*beside, last]
-        temporaries = tuple(folder / target.name for target in targets)
-        yield temporaries
-        if not temporaries[-1].exists():
-            # A library that swallows an interrupt, or a disk that loses a file, must not look like success
-            raise OutputError(f"Cannot write {paths[-1]}: the file did not come about. Try again, or choose another folder.")
-        written = [(temporary, target) for temporary, target in zip(temporaries, targets) if temporary.exists()]
-        for temporary, target in written:
-            _flush_to_disk(temporary)
-            # The clock of files ticks every few ms, and readers tell versions apart by their times: no two may share one
-            with contextlib.suppress(OSError):
-                os.utime(temporary, ns=(time.time_ns(),) * 2)
-            if target.exists():
-                shutil.copymode(target, temporary)
-        older = named_data_file(last) if is_pair else None
-        try:
+    beside = [last.with_name(Path(path).name) for path in paths[:-1]]
+    is_pair = last.suffix.lower() == ".mhd"
+    older: str | None = None
+    renamed: list[Path] = []
+    try:
+        with output_errors(paths[-1]), workspace(last.parent) as folder:
+            if is_pair:
+                beside = [data.with_name(f"{data.stem}{folder.name}{data.suffix}") if data.exists() else data for data in beside]
+            temporaries = tuple(folder / target.name for target in (*beside, last))
+            yield temporaries
+            if not temporaries[-1].exists():
+                # A library that swallows an interrupt, or a disk that loses a file, must not look like success
+                raise OutputError(f"Cannot write {paths[-1]}: the file did not come about. Try again, or choose another folder.")
+            written = [(temporary, target) for temporary, target in zip(temporaries, (*beside, last)) if temporary.exists()]
             for temporary, target in written:
+                _flush_to_disk(temporary)
+                # The clock of files ticks every few ms, and readers tell versions apart by their times: no two may share one
+                with contextlib.suppress(OSError):
+                    os.utime(temporary, ns=(time.time_ns(),) * 2)
+                if target.exists():
+                    shutil.copymode(target, temporary)
+            older = named_data_file(last) if is_pair else None
+            for temporary, target in written:
+                renamed.append(target)
                 os.replace(temporary, target)
-        except BaseException:
-            _remove_unnamed(last, beside if is_pair else [])
-            raise
-    if is_pair:
-        gone = [path for path in last.parent.glob(f"{glob.escape(last.stem)}{PREFIX}*") if not _is_written(path, last.stem)]
-        # What a .nhdr of the same name keeps there is not ours
-        if older in (f"{last.stem}.raw", f"{last.stem}.zraw") and not last.with_suffix(".nhdr").exists():
-            gone.append(last.with_name(older))
-        _remove_unnamed(last, gone)
+    finally:
+        if is_pair:
+            _remove_unnamed(last, [*renamed, *last.parent.glob(f"{glob.escape(last.stem)}{PREFIX}*")], older)
 
 
 def named_data_file(header: Path) -> str | None:
@@ -121,17 +110,19 @@ def named_data_file(header: Path) -> str | None:
     return found[1].strip().decode("utf-8", errors="surrogateescape") if found else None
 
 
-def _is_written(data: Path, stem: str) -> bool:
-    """Whether data of a name of their own are still being written: as long as the folder of that name is there."""
-    return data.with_name(data.name.removeprefix(stem).removesuffix(data.suffix)).exists()
+def _remove_unnamed(header: Path, data: Iterable[Path], older: str | None) -> None:
+    """Remove what the header does not name: of some data files those that nobody writes, and the `older` data if they are ours.
 
-
-def _remove_unnamed(header: Path, data: Iterable[Path]) -> None:
-    """Remove those of some data files that the header does not name, and none where it cannot be read now."""
+    Nothing goes where the header cannot be read now.
+    """
     with contextlib.suppress(OSError):
         named = named_data_file(header)
+        # What a .nhdr of the same name keeps there is not ours
+        if older in (f"{header.stem}.raw", f"{header.stem}.zraw") and not header.with_suffix(".nhdr").exists():
+            data = [*data, header.with_name(older)]
         for path in data:
-            if path.name != named:
+            folder = path.stem.removeprefix(header.stem)  # that they are called after, and that is there while they are written
+            if path.name not in (named, header.name) and not (folder and header.with_name(folder).is_dir()):
                 path.unlink(missing_ok=True)
 
 
@@ -177,8 +168,7 @@ def output_errors(path: str | Path) -> Iterator[None]:
     except OutputError:
         raise
     except OSError as error:
-        other = f"{error.strerror or str(error)}. Choose another path."
-        cause = _REMEDIES.get(errno.errorcode.get(error.errno or 0, ""), other)
+        cause = _REMEDIES.get(error.errno or 0, f"{error.strerror or error}. Choose another path.")
         raise OutputError(f"Cannot write {path}: {cause}") from error
 
 

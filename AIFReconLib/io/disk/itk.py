@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +15,7 @@ import SimpleITK as sitk
 
 from ...errors import FileFormatError, OutputError
 from ...message import shorten
+from .regular_files import unchanged
 
 
 def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> str:
@@ -28,6 +31,31 @@ def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> st
     return text
 
 
+@contextlib.contextmanager
+def itk_reads(path: Path, error: type[FileFormatError], advice: str, *beside: Path) -> Iterator[str]:
+    """The name by which SimpleITK finds a file, in a block in which it reads it, and other files beside it that it names.
+
+    On Windows ITK finds no names beyond ASCII: there it gets a copy.
+
+    Raises
+    ------
+    FileFormatError
+        The given one, with the advice, when SimpleITK cannot read the file, or that changes meanwhile.
+    """
+    with unchanged(error, path, *beside), contextlib.ExitStack() as stack:
+        name = itk_path(path, error)
+        if sys.platform == "win32" and not name.isascii():
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            name = str(shutil.copyfile(path, Path(folder, "copy").with_suffix("".join(path.suffixes[-2:]).lower())))
+            for each in beside:
+                shutil.copyfile(each, folder / each.name)
+        stack.enter_context(without_warnings())
+        try:
+            yield name
+        except (RuntimeError, KeyError) as cause:  # the second where ITK reads what SimpleITK has no class for
+            raise error(f"{path}: SimpleITK cannot read it: {short_cause(cause)}. {advice}") from cause
+
+
 def short_cause(error: Exception) -> str:
     """The sentence of a SimpleITK exception that says what was wrong, without addresses, source paths and functions."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
@@ -36,7 +64,6 @@ def short_cause(error: Exception) -> str:
     text = (said or lines or [type(error).__name__])[-1]
     text = re.sub(r"^(.*?ERROR:|\[nrrd\] \w+:)\s*", "", text)
     text = re.sub(r"\(0x[0-9a-f]+\)", "", text)
-    text = re.sub(r"\S*aifrecon-\w+[/\\]copy[.\w]*", "it", text)  # of a local_copy
     return shorten(text.rstrip(" .:"), 160)
 
 

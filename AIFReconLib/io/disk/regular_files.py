@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
@@ -16,19 +18,32 @@ def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
     """
     try:
         mode = path.stat().st_mode
-    except (FileNotFoundError, NotADirectoryError, ValueError):
-        raise error(f"{path}: there is no such file. Check the path.") from None
-    except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check the path.") from cause
-    if S_ISDIR(mode):
-        raise error(f"{path}: this is a folder. Give the name of a file.")
-    if not S_ISREG(mode):
-        raise error(f"{path}: this is not a regular file. Give the name of a file.")
-    try:
+        if S_ISDIR(mode):
+            raise error(f"{path}: this is a folder. Give the name of a file.")
+        if not S_ISREG(mode):
+            raise error(f"{path}: this is not a regular file. Give the name of a file.")
         with open(path, "rb"):
             pass
+    except (FileNotFoundError, NotADirectoryError):
+        raise error(f"{path}: there is no such file. Check the path.") from None
     except OSError as cause:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+
+
+@contextlib.contextmanager
+def unchanged(error: type[FileFormatError], path: Path, *beside: Path) -> Iterator[None]:
+    """Raise `error` for every OSError of the block, and unless files are at its end what they were at its beginning.
+
+    What has no marks of its own end, as a table, would else be taken for whole while somebody writes it.
+    """
+    require_regular_file(path, error)
+    before = [file_stamp(each) for each in (path, *beside)]
+    try:
+        yield
+    except OSError as cause:
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+    if [file_stamp(each) for each in (path, *beside)] != before:
+        raise error(f"{path}: the file changed while it was read. Read it again when it is complete.")
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:

@@ -14,21 +14,15 @@ from .small_files import read_bytes
 
 JSON, TOML = ".json", ".toml"
 
-MOST_BYTES = {JSON: 2**25, TOML: 2**14}
-"""Python's reader of TOML takes time that grows with the square of a name's parts."""
-
 
 def read_table(path: Path, error: type[FileFormatError], advice: str = "Give another file.") -> object:
     """What a file of JSON holds, or by its suffix one of TOML.
 
-    Raises FileFormatError, the given one, when it cannot be read, is too long, damaged or nested too deeply, or gives a name twice.
+    Raises FileFormatError, the given one, when it cannot be read, is damaged or nested too deeply, or gives a name twice.
     """
     suffix = TOML if path.suffix.lower() == TOML else JSON
-    data = read_bytes(path, MOST_BYTES[suffix] + 1, error)
-    if len(data) > MOST_BYTES[suffix]:
-        raise error(f"{path}: it is longer than {MOST_BYTES[suffix]} bytes, which none of ours is. {advice}")
     try:
-        text = data.decode("utf-8-sig")
+        text = read_bytes(path, None, error).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise error(f"{path}: it is not text in UTF-8. {advice}") from None
     return parse_table(path, text, suffix, error, advice)

@@ -7,24 +7,17 @@ computers are not seen on every disk, so the name of a folder says whose it is, 
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import os
-import platform
-import re
 import secrets
 import shutil
 import time
+import uuid
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 from .locks import hold
 
 PREFIX = ".aifrecon-"
-_NAME = re.compile(re.escape(PREFIX) + r"(?:([0-9a-f]{8})-)?[a-z0-9_]{8}")
-"""Its computer, which older versions did not say."""
-
-_MACHINE_ID = Path("/etc/machine-id")
 
 LEFT_BEHIND = 24 * 3600.0
 """s without a change after which a folder counts as left behind where folders cannot be locked: Windows, some network disks."""
@@ -44,79 +37,43 @@ def workspace(parent: Path) -> Iterator[Path]:
 def _create(parent: Path, after: contextlib.ExitStack) -> Path:
     """A new folder that is ours: another program may take one for left behind before it is locked."""
     while True:
-        folder = parent / f"{PREFIX}{_this_computer()}-{secrets.token_hex(4)}"
+        folder = parent / f"{_prefix()}{secrets.token_hex(4)}"
         # Before it is made: a Ctrl-C that comes meanwhile leaves nothing behind
         after.callback(shutil.rmtree, folder, ignore_errors=True)
         folder.mkdir(0o700)
-        try:
-            # Let go first, because removing takes a descriptor too, and there may be no more
-            after.callback(_release, _lock(folder))
-        except (BlockingIOError, FileNotFoundError):
-            continue
-        if folder.is_dir():
-            return folder
+        # Let go first, because removing takes a descriptor too, and there may be no more
+        with contextlib.suppress(BlockingIOError, FileNotFoundError):
+            after.enter_context(_locked(folder))
+            if folder.is_dir():
+                return folder
 
 
 def remove_left_behind(parent: Path) -> None:
     """Remove the folders of this kind in `parent` that no running program uses; what cannot be removed stays."""
-    try:
-        with os.scandir(parent) as entries:
-            found = [Path(entry.path) for entry in entries if _may_be_left(entry.name) and entry.is_dir(follow_symlinks=False)]
-    except OSError:
-        return
-    for folder in found:
-        try:
-            lock = _lock(folder)
-        except OSError:  # in use, just gone, or somebody else's
-            continue
-        if lock is not None or _untouched(folder):
-            shutil.rmtree(folder, ignore_errors=True)
-        _release(lock)
+    for folder in parent.glob(f"{_prefix()}*"):
+        # In use, just gone, or somebody else's
+        with contextlib.suppress(OSError), _locked(folder) as is_ours:
+            newest = max(path.stat().st_mtime for path in [folder, *folder.iterdir()])
+            if is_ours or time.time() - newest > LEFT_BEHIND:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
-def _may_be_left(name: str) -> bool:
-    """Whether a name is of a folder of this kind that no other computer has made."""
-    found = _NAME.fullmatch(name)
-    return found is not None and found[1] in (None, _this_computer())
+def _prefix() -> str:
+    """How the folders of this computer are called, which others may see on the same disk."""
+    return f"{PREFIX}{uuid.getnode():012x}-"
 
 
-@cache
-def _this_computer() -> str:
-    """What tells this computer from others that see the same disk."""
-    try:
-        of_system = _MACHINE_ID.read_bytes()
-    except OSError:
-        of_system = b""
-    return hashlib.sha256(platform.node().encode() + of_system).hexdigest()[:8]
+@contextlib.contextmanager
+def _locked(folder: Path) -> Iterator[bool]:
+    """Whether the folder is locked now, until the block or the program ends in any way: not everywhere folders can be.
 
-
-def _lock(folder: Path) -> int | None:
-    """A descriptor that locks the folder until it is closed or the program ends in any way; None where that is not possible.
-
-    Raises BlockingIOError when the folder is in use; OSError when it cannot be opened.
+    Raises BlockingIOError when it is in use; OSError when it cannot be opened.
     """
-    if os.name == "nt":
-        return None  # where folders cannot be opened
-    descriptor = os.open(folder, os.O_RDONLY)
+    if os.name == "nt":  # where folders cannot be opened
+        yield False
+        return
+    descriptor = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW)
     try:
-        if hold(descriptor):
-            return descriptor
-    except BlockingIOError:
+        yield hold(descriptor)
+    finally:
         os.close(descriptor)
-        raise
-    os.close(descriptor)
-    return None
-
-
-def _release(lock: int | None) -> None:
-    if lock is not None:
-        os.close(lock)
-
-
-def _untouched(folder: Path) -> bool:
-    """Whether nothing in the folder has changed for long."""
-    try:
-        newest = max(path.stat().st_mtime for path in [folder, *folder.iterdir()])
-    except OSError:
-        return False
-    return time.time() - newest > LEFT_BEHIND

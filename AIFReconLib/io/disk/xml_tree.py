@@ -1,46 +1,30 @@
-"""Parsing XML that may come from anywhere: document types are refused, since entities are defined there."""
+"""Parsing XML that may come from anywhere: Python's parser fetches nothing, and bounds what entities may become."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
+from xml.etree.ElementTree import Element, ParseError, XMLParser
 
 from ...errors import ConfigurationError
 from .small_files import read_bytes
 
 
-class _NoDocumentType(TreeBuilder):
-    """Refuses a document that says more of its type than the name, if that."""
-
-    def __init__(self, path: Path, bare: bool):
-        super().__init__()
-        self._path, self._bare = path, bare
-
-    def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        """Called by the parser before anything of the document type is used."""
-        if public or system or not self._bare:
-            raise ConfigurationError(f"{self._path}: it declares a DOCTYPE, which no such file does. Give a Plus configuration file.")
-
-
-def parse_xml(path: Path, bare_doctype: bool = False) -> Element:
-    """The root element of an XML file. With `bare_doctype` it may say the name of its document type, and nothing else of it.
+def parse_xml(path: Path) -> Element:
+    """The root element of an XML file.
 
     Raises
     ------
     ConfigurationError
-        When the file cannot be read, is not well-formed, or declares a document type.
+        When the file cannot be read or is not well-formed.
     """
-    text = read_bytes(path, None, ConfigurationError)
-    parser = XMLParser(target=_NoDocumentType(path, bare_doctype))
+    parser = XMLParser()
     try:
-        parser.feed(text)
+        parser.feed(read_bytes(path, None, ConfigurationError))
         root: Element = parser.close()
     except ParseError as cause:
         raise ConfigurationError(
             f"{path}: this is not well-formed XML ({cause}). Correct it, or give a Plus configuration file."
         ) from cause
-    except (LookupError, ValueError) as cause:
-        if isinstance(cause, ConfigurationError):
-            raise
+    except LookupError as cause:
         raise ConfigurationError(f"{path}: its text encoding is not supported ({cause}). Save it as UTF-8.") from cause
     return root

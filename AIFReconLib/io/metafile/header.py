@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO
 
 from ...arrays import NumberType
 from ...errors import FileFormatError
@@ -40,13 +40,8 @@ class HeaderLines:
         return line.rstrip(b"\r\n").decode("utf-8", errors="surrogateescape") if line else None
 
 
-class StoredPixels(NamedTuple):
-    """What a header says of the pixels in the way of its format."""
-
-    dtype: NumberType
-    encoding: str
-    channels: int = 1
-    stored_length: int | None = None  #: Bytes of compressed pixels, where that is said
+Pixels = tuple[NumberType, str, int, "int | None"]
+"""What a header says of the pixels in the way of its format: type, encoding, channels, and bytes of compressed ones where it says that."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +67,7 @@ class Format:
     skip: str
     most_dimensions: int
     read: Callable[[HeaderLines], tuple[dict[str, str], dict[str, str]]]
-    pixels: Callable[[HeaderLines, dict[str, str]], StoredPixels]
+    pixels: Callable[[HeaderLines, dict[str, str]], Pixels]
 
 
 def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: int) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import OutputError
-from .header import COMPRESSED, RAW, Format, HeaderLines, StoredPixels, parse_count, require, store
+from .header import COMPRESSED, RAW, Format, HeaderLines, Pixels, parse_count, require, store
 
 ELEMENT_TYPES = {
     "MET_CHAR": "i1",
@@ -62,7 +62,7 @@ def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
     return entries, fields
 
 
-def _pixels(lines: HeaderLines, entries: dict[str, str]) -> StoredPixels:
+def _pixels(lines: HeaderLines, entries: dict[str, str]) -> Pixels:
     if entries.get("ObjectType", "Image") != "Image":
         raise lines.failure(f"ObjectType must be Image; got {entries['ObjectType']!r}. Give an image file.")
     if not _is_true(lines, entries, "BinaryData", default=True):
@@ -78,7 +78,7 @@ def _pixels(lines: HeaderLines, entries: dict[str, str]) -> StoredPixels:
     # 0 or nothing: a recorder left its place empty
     length = parse_count(lines, "CompressedDataSize", entries.get("CompressedDataSize") or "0", 0, 2**62) if compressed else 0
     channels = parse_count(lines, "ElementNumberOfChannels", entries.get("ElementNumberOfChannels", "1"), 1, 2**16)
-    return StoredPixels(np.dtype(byte_order + ELEMENT_TYPES[element_type]), COMPRESSED if compressed else RAW, channels, length or None)
+    return np.dtype(byte_order + ELEMENT_TYPES[element_type]), COMPRESSED if compressed else RAW, channels, length or None
 
 
 def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: bool = False) -> bool:

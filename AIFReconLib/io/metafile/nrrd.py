@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from .header import COMPRESSED, RAW, Format, HeaderLines, StoredPixels, parse_count, require, store
+from .header import COMPRESSED, RAW, Format, HeaderLines, Pixels, parse_count, require, store
 
 _TYPE_NAMES = {
     "i1": "int8, int8_t, signed char",
@@ -76,7 +76,7 @@ def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
     return entries, fields
 
 
-def _pixels(lines: HeaderLines, entries: dict[str, str]) -> StoredPixels:
+def _pixels(lines: HeaderLines, entries: dict[str, str]) -> Pixels:
     pixel_type = require(lines, entries, "type").lower()
     if pixel_type not in TYPES:
         raise lines.failure(f"type must be a whole-number or floating-point type; got {pixel_type!r}. Convert the file.")
@@ -89,7 +89,7 @@ def _pixels(lines: HeaderLines, entries: dict[str, str]) -> StoredPixels:
         reason = "ASCII data are not supported" if encoding in ("ascii", "txt", "text") else "no other encoding is supported"
         raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
     parse_count(lines, "line skip", entries.get("line skip", "0"), 0, 0)
-    return StoredPixels(np.dtype(("<" if endian == "little" else ">") + code), ENCODINGS[encoding])
+    return np.dtype(("<" if endian == "little" else ">") + code), ENCODINGS[encoding], 1, None
 
 
 NRRD = Format((".nrrd", ".nhdr"), "dimension", "sizes", "kinds", "data file", "byte skip", 5, _read, _pixels)

@@ -15,7 +15,7 @@ from pathlib import Path
 from ...errors import FileFormatError
 from ...message import shorten
 from ...remedies import TRANSFORM_SEQUENCES
-from ..disk.regular_files import require_regular_file, stamp
+from ..disk.regular_files import file_stamp, require_regular_file, stamp
 from .header import RAW, Format, HeaderLines, parse_count, require
 from .metafile import UNFINISHED, Metafile
 from .metaimage import METAIMAGE
@@ -23,13 +23,10 @@ from .nrrd import NRRD
 
 METAIMAGE_SUFFIXES, NRRD_SUFFIXES = METAIMAGE.suffixes, NRRD.suffixes
 
-TO_THE_END = "-1"
+_TO_THE_END = "-1"
 """How both formats say that the pixels are the last bytes of a file, whatever comes before."""
 
-LARGEST_DEFLATE_RATIO = 1032
-"""No deflate stream expands by more, so a header that promises more is wrong whatever the stream holds."""
-
-CHANNEL_KINDS = frozenset(
+_CHANNEL_KINDS = frozenset(
     ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
 )
 """Kinds that make the first axis the channels of a pixel."""
@@ -62,11 +59,9 @@ def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
     """
     path = Path(path)
     with opened_header(path, error) as lines:
-        before = os.fstat(lines.file.fileno())
         metafile = _understood(lines, format_of(path))
         # The data were looked up after the header was opened: they belong together if its name still leads to the same file
-        after = path.stat()
-        if (not os.path.samestat(before, after) or stamp(before) != stamp(after)) and UNFINISHED not in metafile.fields:
+        if stamp(os.fstat(lines.file.fileno())) != file_stamp(path) and UNFINISHED not in metafile.fields:
             raise metafile.failure("the file changed while it was read. Read it again when it is complete.")
         return metafile
 
@@ -92,7 +87,7 @@ def _understood(lines: HeaderLines, form: Format) -> Metafile:
         raise lines.failure(
             f"{form.kinds} must have {dimensions} words, one for each dimension; got {entries[form.kinds]!r}. Correct the header."
         )
-    if kinds and kinds[0] in CHANNEL_KINDS:
+    if kinds and kinds[0] in _CHANNEL_KINDS:
         channels, size, kinds = size[0], size[1:], kinds[1:]
     data_path = _data_path(lines, form.data_file, entries.get(form.data_file, "LOCAL"))
     skip, may_skip = entries.get(form.skip) or "0", data_path != lines.path and encoding == RAW
@@ -102,7 +97,7 @@ def _understood(lines: HeaderLines, form: Format) -> Metafile:
         )
     status = data_path.stat()
     offset = lines.file.tell() if data_path == lines.path else 0
-    if skip == TO_THE_END:
+    if skip == _TO_THE_END:
         offset = max(status.st_size - math.prod(size) * channels * dtype.itemsize, 0)
     elif may_skip:
         offset = parse_count(lines, form.skip, skip, 0, 2**62)
@@ -177,9 +172,4 @@ def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) 
         raise metafile.failure(
             f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy the file again, or write it "
             "again."
-        )
-    elif needed > LARGEST_DEFLATE_RATIO * there + 4096:
-        raise metafile.failure(
-            f"{size_key} {size} needs {needed} bytes, more than {there} compressed bytes can hold. Copy the file again, or correct "
-            f"{size_key}."
         )

@@ -11,7 +11,7 @@ from .metafile import Metafile, PayloadError
 _PIECE = 2**18
 """Bytes read or decoded at a time."""
 
-ZLIB_OR_GZIP = 32 + zlib.MAX_WBITS
+_ZLIB_OR_GZIP = 32 + zlib.MAX_WBITS
 
 
 class PayloadStream:
@@ -21,8 +21,7 @@ class PayloadStream:
         self._metafile = metafile
         self._next = metafile.data_offset
         self._stop = metafile.data_offset + metafile.data_length
-        self._pending = b""
-        self._decoder = None if metafile.encoding == RAW else zlib.decompressobj(ZLIB_OR_GZIP)
+        self._decoder = None if metafile.encoding == RAW else zlib.decompressobj(_ZLIB_OR_GZIP)
         self.position = 0
 
     def __reduce__(self) -> tuple[type[PayloadStream], tuple[Metafile]]:
@@ -64,33 +63,24 @@ class PayloadStream:
             raise PayloadError("go on behind the last frame or slice: the size in the header is wrong")
         if not self._decoder.eof:
             raise PayloadError("are cut short")
-        if self._pending or self._next < self._stop:
+        if self._decoder.unused_data or self._next < self._stop:
             raise PayloadError("are followed by bytes that do not belong to them")
 
     def _decode(self, file: BinaryIO, limit: int) -> bytes:
         """Up to `limit` decoded bytes; none only at the end of the stream or of the file."""
         if self._decoder is None:
             return self._stored(file, limit)
-        while True:
-            if self._decoder.eof:
-                if len(self._pending) < 2:
-                    self._pending += self._stored(file, _PIECE)
-                if not self._pending.startswith(b"\x1f\x8b"):
-                    return b""
-                # The next member of a gzip file
-                self._decoder = zlib.decompressobj(ZLIB_OR_GZIP)
+        while not self._decoder.eof:
+            # An empty input still yields what the decoder held back when the last limit was reached.
+            pending = self._decoder.unconsumed_tail
+            stored = pending or self._stored(file, _PIECE)
             try:
-                # An empty input still yields what the decoder held back when the last limit was reached.
-                piece = self._decoder.decompress(self._pending, limit)
+                piece = self._decoder.decompress(stored, limit)
             except zlib.error as error:
                 raise PayloadError(f"are corrupt ({error})") from error
-            self._pending = self._decoder.unused_data if self._decoder.eof else self._decoder.unconsumed_tail
-            if piece:
+            if piece or not stored:
                 return piece
-            if not self._decoder.eof and not self._pending:
-                self._pending = self._stored(file, _PIECE)
-                if not self._pending:
-                    return b""
+        return b""
 
     def _stored(self, file: BinaryIO, limit: int) -> bytes:
         """The next bytes as they are stored; none at the end of the payload."""

@@ -35,10 +35,9 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     root = parse_xml(path)
     if root.tag != "PlusConfiguration":
         raise ConfigurationError(f"{path}: its root element must be PlusConfiguration; got {root.tag}. Give a Plus configuration file.")
-    transforms = _read_transforms(path, root)
+    transforms, rough = _read_transforms(path, root)
     reconstruction = _find_reconstruction(root)
     configuration = NO_CONFIGURATION if reconstruction is None else read_reconstruction(path, reconstruction)
-    rough = tuple(name for name, error in _read_errors(path, root).items() if error > ROUGH)
     told = tuple(f"{name} was measured by hand: make it exact with aifrecon calibrate before you believe a volume." for name in rough)
     warnings = (*configuration.warnings, *told)
     configuration = replace(configuration, path=path, transforms=transforms, rough=rough, warnings=warnings)
@@ -50,8 +49,10 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     return configuration
 
 
-def _read_transforms(path: Path, root: Element) -> dict[TransformName, TransformSample]:
+def _read_transforms(path: Path, root: Element) -> tuple[dict[TransformName, TransformSample], tuple[TransformName, ...]]:
+    """The transforms, and which of them may be off by much."""
     transforms: dict[TransformName, TransformSample] = {}
+    rough = []
     for number, element in enumerate(root.iterfind("CoordinateDefinitions/Transform"), start=1):
         attributes = Attributes(path, element, f"CoordinateDefinitions/Transform[{number}]")
         name = capitalized(TransformName(attributes.text("From", required=True), attributes.text("To", required=True)))
@@ -70,18 +71,9 @@ def _read_transforms(path: Path, root: Element) -> dict[TransformName, Transform
         else:
             matrix = np.full((4, 4), np.nan)
         transforms[name] = TransformSample(matrix, status)
-    return transforms
-
-
-def _read_errors(path: Path, root: Element) -> dict[TransformName, float]:
-    """mm by which transforms may be off, where they say it."""
-    found = {}
-    for element in root.iterfind("CoordinateDefinitions/Transform"):
-        attributes = Attributes(path, element, "CoordinateDefinitions/Transform")
-        error = attributes.number("Error")
-        if error is not None:
-            found[capitalized(TransformName(attributes.text("From") or "", attributes.text("To") or ""))] = error
-    return found
+        if attributes.number("Error", default=0.0) > ROUGH:
+            rough.append(name)
+    return transforms, tuple(rough)
 
 
 def _find_reconstruction(root: Element) -> Element | None:

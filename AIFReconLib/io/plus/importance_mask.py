@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +10,7 @@ import SimpleITK as sitk
 from ...arrays import Numbers, Singles
 from ...errors import ConfigurationError, FileFormatError
 from ...sweep.configuration import PlusConfiguration
-from ..disk.itk import itk_path, short_cause, without_warnings
-
-MAXIMUM_PIXELS = 2**24
-"""An ultrasound image has one or two million."""
+from ..disk.itk import itk_reads
 
 _READERS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF"}
 """The kind of picture, by suffix."""
@@ -34,26 +30,11 @@ def read_importance_mask(path: str | Path) -> Singles:
         When it cannot be read, is no 8-bit gray image, or is 0 everywhere.
     """
     path = Path(path)
-    if not path.is_file():
-        raise FileFormatError(f"{path}: there is no such file. Name an 8-bit gray image as importance mask.")
     if path.suffix.lower() not in _READERS:
         raise FileFormatError(f"{path}: an importance mask must be one of {', '.join(_READERS)}. Save it as a PNG image.")
-    reader = sitk.ImageFileReader()
-    # Other readers of ITK would follow a header to another file
-    reader.SetImageIO(f"{_READERS[path.suffix.lower()]}ImageIO")
-    reader.SetFileName(itk_path(path, FileFormatError))
-    try:
-        with without_warnings():
-            reader.ReadImageInformation()
-            if math.prod(reader.GetSize()) > MAXIMUM_PIXELS:
-                size = " x ".join(map(str, reader.GetSize()))
-                raise FileFormatError(
-                    f"{path}: an importance mask must have at most {MAXIMUM_PIXELS} pixels; got {size}. Give one as large as the "
-                    "ultrasound images."
-                )
-            image = reader.Execute()
-    except RuntimeError as error:
-        raise FileFormatError(f"{path}: it cannot be read as an importance mask: {short_cause(error)}. Give a PNG image.") from error
+    with itk_reads(path, FileFormatError, "Give a PNG image as importance mask.") as name:
+        # Other readers of ITK would follow a header to another file
+        image = sitk.ReadImage(name, imageIO=f"{_READERS[path.suffix.lower()]}ImageIO")
     array: Numbers = sitk.GetArrayFromImage(image)
     if array.dtype != np.uint8 or image.GetNumberOfComponentsPerPixel() != 1 or array.squeeze().ndim != 2:
         found = f"{' x '.join(map(str, image.GetSize()))} {image.GetPixelIDTypeAsString()}"

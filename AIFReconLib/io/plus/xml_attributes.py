@@ -64,19 +64,19 @@ class Attributes:
             return None
         name = next(name for name in names if self.element.get(name, "").strip())
         finite = "a finite number" if count == 1 else f"{count} finite numbers"
-        got = f"got {shorten(text)!r}. Correct it."
         try:
             numbers = parse_numbers(text)
         except NotANumberError as error:
             raise self.failure(name, f"must be {finite}; {error}. Correct it.") from error
-        if len(numbers) != count or not all(map(math.isfinite, numbers)):
-            raise self.failure(name, f"must be {finite}; {got}")
-        if positive and min(numbers) <= 0:
-            raise self.failure(name, f"must be positive; {got}")
-        if whole and any(number != int(number) for number in numbers):
-            raise self.failure(name, f"must be whole; {got}")
-        if whole and max(map(abs, numbers)) > LARGEST_INTEGER:
-            raise self.failure(name, f"must be of 32 bits; {got}")
+        rules = {
+            finite: len(numbers) == count and all(map(math.isfinite, numbers)),
+            "positive": not positive or all(number > 0 for number in numbers),
+            "whole": not whole or all(number % 1 == 0 for number in numbers),
+            "of 32 bits": not whole or all(abs(number) <= LARGEST_INTEGER for number in numbers),
+        }
+        for rule, is_kept in rules.items():
+            if not is_kept:
+                raise self.failure(name, f"must be {rule}; got {shorten(text)!r}. Correct it.")
         return tuple(map(int, numbers) if whole else numbers)
 
     def number(self, *names: str, default: float | None = None, **rules: bool) -> Any:

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 
-from ...arrays import Matrix
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
 from ...message import shorten
@@ -24,14 +24,13 @@ from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
 from ..metafile.text_values import NotANumberError, format_number, parse_matrix, parse_number, parse_numbers
 
-FRAME_KEY = re.compile(r"Seq_Frame([0-9]+)_(.+)", re.DOTALL)
-MOST_DIGITS = 12
-"""In the number of a frame; recorders write four."""
+FRAME_KEY = re.compile(r"Seq_Frame([0-9]{1,12})_(.+)", re.DOTALL)
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
 IMAGE_STATUS, IMAGE_STATUS_IN_NRRD = "ImageStatus", "Status"
 """NRRD files may have either: older ones of this library have the first."""
 MATRIX_SUFFIX = "Transform"
 STATUS_SUFFIX = "TransformStatus"
+_Name = TypeVar("_Name", str, TransformName)
 
 
 def split_fields(
@@ -49,7 +48,7 @@ def split_fields(
         Size of a pixel that the header states, for frames that state none.
     """
     per_frame, header = by_frame(metafile, metafile.fields.items(), frames)
-    transforms, fields = _take_transforms(metafile, None, header)
+    transforms, fields = samples_in(metafile, "", header, _transform_name)
     return [_record(metafile, number, per_frame.pop(number, {}), spacing) for number in range(frames)], fields, transforms
 
 
@@ -74,11 +73,9 @@ def by_frame(
 
 def frame_number(header_of: Metafile | HeaderLines, key: str, digits: str, frames: int) -> int:
     """The number of a frame that a key names, which must be there."""
-    # More digits than any number of frames has are not even converted: Python refuses thousands of them
-    digits = digits.lstrip("0") or "0"
-    if len(digits) > MOST_DIGITS or int(digits) >= frames:
+    if int(digits) >= frames:
         raise header_of.failure(
-            f"{shorten(key)} belongs to frame {shorten(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct the size "
+            f"{shorten(key)} belongs to frame {int(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct the size "
             "in the header, or write the file again."
         )
     return int(digits)
@@ -135,13 +132,13 @@ def stated_spacing(text: str | None, unit: float = 1.0) -> tuple[float, float] |
 
 def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tuple[float, float] | None) -> FrameRecord:
     """One frame's fields, with those of known meaning parsed."""
-    transforms, others = _take_transforms(metafile, number, fields)
+    transforms, others = samples_in(metafile, f"frame {number}, ", fields, _transform_name)
     times = [parsed_time(metafile, number, name, others.pop(name, None)) for name in _TIMES]
     statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
     said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
     if len(set(said.values())) > 1:
         raise metafile.failure(
-            f"{_where(number)}{IMAGE_STATUS} is {said[IMAGE_STATUS].value} and {IMAGE_STATUS_IN_NRRD} is "
+            f"frame {number}, {IMAGE_STATUS} is {said[IMAGE_STATUS].value} and {IMAGE_STATUS_IN_NRRD} is "
             f"{said[IMAGE_STATUS_IN_NRRD].value}, which are two names of one thing. Remove one of them from the header."
         )
     status = next(iter(said.values()), TransformStatus.OK)
@@ -150,31 +147,32 @@ def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tu
     return FrameRecord(times[0], times[1], status, transforms, others, spacing)
 
 
-def _where(number: int | None) -> str:
-    return "" if number is None else f"frame {number}, "
+def samples_in(
+    header_of: Metafile | HeaderLines, where: str, fields: Mapping[str, str], name_of: Callable[[str], _Name | None]
+) -> tuple[dict[_Name, TransformSample], dict[str, str]]:
+    """The transforms among fields, by the names in their keys, and the rest. A status alone makes a transform that is NaN.
 
-
-def _take_transforms(
-    metafile: Metafile, number: int | None, fields: dict[str, str]
-) -> tuple[dict[TransformName, TransformSample], dict[str, str]]:
-    """The transforms among `fields`, and the rest. A status alone makes a transform that is NaN."""
-    matrices: dict[TransformName, Matrix] = {}
-    statuses: dict[TransformName, TransformStatus] = {}
+    Numbers may be NaN: recorders write it for poses that they do not have. `where` is the frame in words.
+    """
+    given: dict[tuple[_Name, bool], str] = {}
     others: dict[str, str] = {}
     for key, value in fields.items():
-        name = _transform_name(key)
+        name = name_of(key)
         if name is None:
             others[key] = value
-            continue
-        if name in (statuses if key.endswith(STATUS_SUFFIX) else matrices):
-            twin = next(each for each in fields if _transform_name(each) == name and each[-6:] == key[-6:])
-            raise metafile.failure(f"{_where(number)}{name} is given twice, as {twin} and as {key}. Remove one of them from the header.")
-        if key.endswith(STATUS_SUFFIX):
-            statuses[name] = TransformStatus.parse(value)
-        else:
-            matrices[name] = parsed_matrix(metafile, number, key, value)
-    missing, order = np.full((4, 4), np.nan), (name for key in fields if (name := _transform_name(key)))
-    return {name: TransformSample(matrices.get(name, missing), statuses.get(name, TransformStatus.OK)) for name in order}, others
+        elif (twin := given.setdefault((name, key.endswith(STATUS_SUFFIX)), key)) is not key:
+            raise header_of.failure(f"{where}{name} is given twice, as {twin} and as {key}. Remove one of them from the header.")
+    samples = {}
+    for name in dict.fromkeys(name for name, _ in given):
+        status, matrix_key = given.get((name, True)), given.get((name, False))
+        try:
+            matrix = np.full((4, 4), np.nan) if matrix_key is None else parse_matrix(fields[matrix_key])
+        except NotANumberError as error:
+            raise header_of.failure(
+                f"{where}{matrix_key} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
+            ) from error
+        samples[name] = TransformSample(matrix, TransformStatus.OK if status is None else TransformStatus.parse(fields[status]))
+    return samples, others
 
 
 @lru_cache(maxsize=256)  # the same few in every frame
@@ -191,16 +189,6 @@ def _transform_name(key: str) -> TransformName | None:
     return None
 
 
-def parsed_matrix(metafile: Metafile | HeaderLines, number: int | None, key: str, text: str) -> Matrix:
-    """(4, 4) float64. NaN is allowed: recorders write it for poses that they do not have."""
-    try:
-        return parse_matrix(text)
-    except NotANumberError as error:
-        raise metafile.failure(
-            f"{_where(number)}{key} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
-        ) from error
-
-
 def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: str | None) -> float | None:
     """A finite number of seconds; None where there is none."""
     if text is None:
@@ -211,7 +199,7 @@ def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: 
         time = math.nan
     if not math.isfinite(time):
         raise metafile.failure(
-            f"{_where(number)}{name} must be a number of seconds; got {shorten(text)!r}. Correct the header, or remove the entry."
+            f"frame {number}, {name} must be a number of seconds; got {shorten(text)!r}. Correct the header, or remove the entry."
         )
     return time
 

@@ -26,7 +26,7 @@ from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
 from .fields import frame_number
 
 _AXIS_KEY = re.compile(r"axis ([03]) index (type|values)")
-_ITEM_KEY = re.compile(r"axis [03] item ([0-9]+) (.+)", re.DOTALL)
+_ITEM_KEY = re.compile(r"axis [03] item ([0-9]{1,12}) (.+)", re.DOTALL)
 _SECONDS = {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "us": 1e-6}
 _TIME_KINDS = ("list", "time")
 _LPS, _RAS = ("left-posterior-superior", "lps"), ("right-anterior-superior", "ras")

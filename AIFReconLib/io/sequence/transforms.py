@@ -10,8 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...message import said
@@ -21,7 +19,7 @@ from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import SLICERS_TIME, PoseTrack
 from ..metafile.header import HeaderLines
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, format_of, opened_header
-from .fields import MATRIX_SUFFIX, STATUS_SUFFIX, by_frame, parsed_matrix, parsed_time
+from .fields import MATRIX_SUFFIX, STATUS_SUFFIX, by_frame, parsed_time, samples_in
 from .file_images import MAXIMUM_FRAMES
 
 
@@ -39,7 +37,8 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
     """
     path = Path(path)
     lines, per_frame = _frame_fields(path)
-    present = dict.fromkeys(stem for fields in per_frame.values() for key in fields if (stem := _stem(key)))
+    recorded = {number: samples_in(lines, f"frame {number}, ", fields, _stem)[0] for number, fields in per_frame.items()}
+    present = dict.fromkeys(stem for samples in recorded.values() for stem in samples)
     wanted = next((word for word in present if word.removesuffix(MATRIX_SUFFIX).lower() == name.lower()), None)
     if wanted is None and len(present) != 1:
         there = ", ".join(present) or "none"
@@ -47,11 +46,8 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
     stem = wanted or next(iter(present))
     # A file may leave out a million frames
     samples: list[tuple[float | None, TransformSample]] = [(None, MISSING)] * (max(per_frame) + 1)
-    for number, fields in sorted(per_frame.items()):
-        key, text = stem + MATRIX_SUFFIX, fields.get(stem + MATRIX_SUFFIX)
-        matrix = np.full((4, 4), np.nan) if text is None else parsed_matrix(lines, number, key, text)
-        status = TransformStatus.parse(fields.get(stem + STATUS_SUFFIX, "MISSING" if text is None else "OK"))
-        samples[number] = parsed_time(lines, number, "Timestamp", fields.get("Timestamp")), TransformSample(matrix, status)
+    for number, fields in per_frame.items():
+        samples[number] = parsed_time(lines, number, "Timestamp", fields.get("Timestamp")), recorded[number].get(stem, MISSING)
     return samples
 
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
+from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy
@@ -16,18 +18,27 @@ from ...errors import VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...geometry.volume import Volume
 from ...machine.memory import available_memory, require_bytes
-from ..disk.itk import itk_path, short_cause, without_warnings
+from ..disk.itk import itk_path, itk_reads
 from ..disk.regular_files import files_in
 from .files import READABLE_SUFFIXES, read_volume, suffix_of
 from .itk_images import array_of
 
 logger = logging.getLogger(__name__)
 
-POSITION, ORIENTATION, PIXELS, COLUMNS, ROWS = "0020|0032", "0020|0037", "0028|0030", "0028|0011", "0028|0010"
+POSITION, ORIENTATION, PIXELS = "0020|0032", "0020|0037", "0028|0030"
 MODALITY, SERIES, NUMBER, IMAGE_TYPE = "0008|0060", "0020|000e", "0020|0011", "0008|0008"
 
 UNEVEN = 0.1
 """Of the distance between slices, by which one may be off."""
+
+_COLUMNS = (
+    ("where slices lie", "", slice(0, 3)),
+    ("which way slices lie", "the direction of the slices", slice(3, 9)),
+    ("how large pixels are", "the size of the pixels", slice(9, 11)),
+    ("how large slices are", "the size of the slices", slice(11, 13)),
+)
+"""What the row of a slice says, what of it may not change, and in which places it stands: LPS, mm, of the middle of its first pixel;
+directions of rows and of columns; from row to row and from column to column; columns and rows."""
 
 ALIKE = 1e-3
 """By which directions, and sizes of pixels in mm, of two slices may differ."""
@@ -42,15 +53,6 @@ REGULAR = (
     "Load it into Slicer with its DICOM module (Application settings, DICOM, acquisition geometry regularization: apply regularization "
     "transform), harden the transform, and save the volume as .nrrd."
 )
-
-
-class Slice(NamedTuple):
-    """Where a slice lies, as far as its header says: LPS, mm."""
-
-    position: list[float]  #: of the middle of its first pixel; none where it is not said
-    directions: list[float]  #: of rows and of columns, 6 numbers
-    pixel: list[float]  #: from row to row, from column to column
-    size: tuple[str, str]  #: columns, rows
 
 
 def read_ct(path: str | Path) -> Volume:
@@ -89,11 +91,11 @@ def _header(path: Path) -> sitk.ImageFileReader | None:
     """What the headers of a DICOM image say; None where it is none."""
     reader = sitk.ImageFileReader()
     reader.SetImageIO("GDCMImageIO")
-    reader.SetFileName(itk_path(path, VolumeFormatError))
     try:
-        with without_warnings():
+        with itk_reads(path, VolumeFormatError, "") as name:
+            reader.SetFileName(name)
             reader.ReadImageInformation()
-    except RuntimeError:
+    except VolumeFormatError:
         return None
     return reader
 
@@ -141,11 +143,9 @@ def _series(folder: Path, wanted: str | None) -> Volume:
         return read_ct(next(iter(files)))
     if len(files) < 3:
         raise VolumeFormatError(f"{folder}: its longest series has {len(files)} slices. Give the folder with the slices of the CT.")
-    slices = []
-    for header in files.values():
-        position, directions, pixel = (_numbers(_said(header, key)) for key in (POSITION, ORIENTATION, PIXELS))
-        slices.append(Slice(position, directions, pixel, (_said(header, COLUMNS), _said(header, ROWS))))
-    return _placed(folder, list(files), slices)
+    keys = (POSITION, ORIENTATION, PIXELS)
+    rows = [_row(*(_said(header, key).split("\\") for key in keys), header.GetSize()[:2]) for header in files.values()]
+    return _placed(folder, list(files), np.array(rows))
 
 
 def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
@@ -154,15 +154,20 @@ def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
     return f"{_said(header, NUMBER) or 'without number'} ({len(files)} slices, {file.name} ...)"
 
 
-def _numbers(text: str) -> list[float]:
-    try:
-        return [float(word) for word in text.split("\\")]
-    except ValueError:
-        return []
+def _row(*said: Iterable[Any]) -> list[float]:
+    """What a header says of a slice, in the order of `_COLUMNS`; NaN for what it leaves out."""
+    row: list[float] = []
+    for values, (_, _, places) in zip(said, _COLUMNS, strict=True):
+        numbers: list[float] = []
+        with contextlib.suppress(ValueError):
+            numbers = [float(value) for value in values]
+        count = places.stop - places.start
+        row += numbers if len(numbers) == count else [np.nan] * count
+    return row
 
 
-def _frames(path: Path, count: int) -> list[Slice]:
-    """The slices in a file of many frames, as its functional groups place them (PS3.3, C.7.6.16)."""
+def _frames(path: Path, count: int) -> Floats:
+    """The slices in a file of many frames, a row each, as its functional groups place them (PS3.3, C.7.6.16)."""
     try:
         pydicom = import_module("pydicom")
     except ImportError:
@@ -171,38 +176,36 @@ def _frames(path: Path, count: int) -> list[Slice]:
     shared = [*data.get("SharedFunctionalGroupsSequence", [])]
     frames = [*data.get("PerFrameFunctionalGroupsSequence", [])] or [pydicom.Dataset()] * count
 
-    def of(frame: Any, group: str, name: str) -> list[float]:
+    def of(frame: Any, group: str, name: str) -> Iterable[Any]:
         parts: list[Any] = next((one[group].value for one in (frame, *shared) if group in one), [])
-        return [float(number) for number in (parts[0].get(name) if parts else None) or []]
+        return (parts[0].get(name) if parts else None) or []
 
-    return [
-        Slice(
-            of(frame, "PlanePositionSequence", "ImagePositionPatient"),
-            of(frame, "PlaneOrientationSequence", "ImageOrientationPatient"),
-            of(frame, "PixelMeasuresSequence", "PixelSpacing"),
-            (str(data.get("Columns")), str(data.get("Rows"))),
-        )
-        for frame in frames
-    ]
+    return np.array(
+        [
+            _row(
+                of(frame, "PlanePositionSequence", "ImagePositionPatient"),
+                of(frame, "PlaneOrientationSequence", "ImageOrientationPatient"),
+                of(frame, "PixelMeasuresSequence", "PixelSpacing"),
+                (data.get("Columns", ""), data.get("Rows", "")),
+            )
+            for frame in frames
+        ]
+    )
 
 
-def _placed(path: Path, files: list[Path], slices: list[Slice]) -> Volume:
-    """The volume of slices, each a file or all in one, in the order of their places."""
-    for name, index, count in (("where slices lie", 0, 3), ("which way slices lie", 1, 6), ("how large pixels are", 2, 2)):
-        if any(len(one[index]) != count for one in slices):
-            raise VolumeFormatError(f"{path}: its headers do not all say {name}. Export the series again as the scanner made it.")
-    for name, values, most in (
-        ("the size of the slices", np.array([one.size for one in slices]).astype(float), 0.0),
-        ("the direction of the slices", np.array([one.directions for one in slices]), ALIKE),
-        ("the size of the pixels", np.array([one.pixel for one in slices]), ALIKE),
-    ):
-        if (np.abs(values - values[0]) > most).any():
-            raise VolumeFormatError(f"{path}: {name} changes within the series. Give a folder that holds one scan alone.")
-    places, directions, pixel = np.array([one.position for one in slices]), np.reshape(slices[0].directions, (2, 3)), slices[0].pixel
+def _placed(path: Path, files: list[Path], slices: Floats) -> Volume:
+    """The volume of slices, a row of each, each a file or all in one, in the order of their places."""
+    for what, same, columns in _COLUMNS:
+        said = slices[:, columns]
+        if np.isnan(said).any():
+            raise VolumeFormatError(f"{path}: its headers do not all say {what}. Export the series again as the scanner made it.")
+        if same and np.ptp(said, axis=0).max() > ALIKE:
+            raise VolumeFormatError(f"{path}: {same} changes within the series. Give a folder that holds one scan alone.")
+    places, directions, pixel = slices[:, :3], slices[0, 3:9].reshape(2, 3), slices[0, 9:11]
     normal = np.cross(*directions)
     order = np.argsort(places @ normal, kind="stable")
     step = _step(path, places[order], directions)
-    require_bytes(path, _COPIES * len(slices) * int(slices[0].size[0]) * int(slices[0].size[1]) * 4, available_memory())
+    require_bytes(path, _COPIES * len(slices) * int(slices[0, 11:].prod()) * 4, available_memory())
     array = _read(path, [files[n] for n in order] if len(files) > 1 else files)
     if len(array) != len(slices):
         raise VolumeFormatError(f"{path}: {len(slices)} slices are promised, {len(array)} are there. Export the series again.")
@@ -254,12 +257,9 @@ def _unsheared(array: Numbers, sideways: Floats) -> tuple[Numbers, Floats]:
 
 def _read(path: Path, files: list[Path]) -> Numbers:
     """The voxels [k, j, i] of files in this order."""
-    names = [itk_path(file, VolumeFormatError) for file in files]
-    try:
-        with without_warnings():
-            image = sitk.ReadImage(names if len(names) > 1 else names[0], imageIO="GDCMImageIO")
-    except RuntimeError as error:
-        raise VolumeFormatError(f"{path}: GDCM cannot read it: {short_cause(error)}. Export the series again.") from error
+    with itk_reads(files[0], VolumeFormatError, "Export the series again.") as first:
+        rest = [itk_path(file, VolumeFormatError) for file in files[1:]]
+        image = sitk.ReadImage([first, *rest] if rest else first, imageIO="GDCMImageIO")
     if image.GetDimension() != 3 or image.GetNumberOfComponentsPerPixel() != 1:
         raise VolumeFormatError(f"{path}: it must be one gray 3D volume. Give the CT's slices.")
     return array_of(image)

@@ -113,24 +113,20 @@ def _described(volume: Volume, array: np.ndarray[Any, Any], study: Dataset | Non
 def _place(data: Dataset, ijk_to_lps: np.ndarray[Any, Any], frames: int) -> None:
     """Where the frames lie, one for each k: their orientation and pixel size for all, their positions one by one (PS3.3, C.7.6.16)."""
     from pydicom.dataset import Dataset
+    from pydicom.valuerep import format_number_as_ds as decimal
 
     spacing = np.linalg.norm(ijk_to_lps[:3, :3], axis=0)
     shared, orientation, measures = Dataset(), Dataset(), Dataset()
-    orientation.ImageOrientationPatient = [_decimal(v) for v in (ijk_to_lps[:3, :2] / spacing[:2]).T.ravel()]
-    measures.PixelSpacing = [_decimal(spacing[1]), _decimal(spacing[0])]
-    measures.SliceThickness = measures.SpacingBetweenSlices = _decimal(spacing[2])
+    orientation.ImageOrientationPatient = [decimal(v) for v in (ijk_to_lps[:3, :2] / spacing[:2]).T.ravel()]
+    measures.PixelSpacing = [decimal(spacing[1]), decimal(spacing[0])]
+    measures.SliceThickness = measures.SpacingBetweenSlices = decimal(spacing[2])
     shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [orientation], [measures]
     data.SharedFunctionalGroupsSequence = [shared]
     each = []
     for k in range(frames):
         frame, position, content = Dataset(), Dataset(), Dataset()
-        position.ImagePositionPatient = [_decimal(v) for v in ijk_to_lps[:3, 3] + k * ijk_to_lps[:3, 2]]
+        position.ImagePositionPatient = [decimal(v) for v in ijk_to_lps[:3, 3] + k * ijk_to_lps[:3, 2]]
         content.StackID, content.InStackPositionNumber = "1", k + 1
         frame.PlanePositionSequence, frame.FrameContentSequence = [position], [content]
         each.append(frame)
     data.PerFrameFunctionalGroupsSequence = each
-
-
-def _decimal(number: float) -> str:
-    """A number in the 16 characters that DICOM has for it."""
-    return next(text for digits in range(15, 0, -1) if len(text := f"{number:.{digits}g}") <= 16)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
 from pathlib import Path
@@ -24,8 +25,7 @@ from ..transform.files import read_transform, write_transform
 from .dicom_writer import SUFFIX as DICOM_SUFFIX
 from .dicom_writer import check_dicom, write_dicom
 from .itk_images import to_sitk
-from .itk_reading import StoredVolume, read_metafile_volume, read_nifti
-from .nifti_payload import check_nifti
+from .itk_reading import StoredVolume, nifti_header, read_metafile_volume, read_nifti
 
 __all__ = [
     "check_volume_path",
@@ -126,7 +126,7 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
                 beside[0].write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
             if suffix in NIFTI_SUFFIXES:
-                check_nifti(temporary, VolumeFormatError)
+                nifti_header(temporary, VolumeFormatError)
             else:
                 check_payload(read_metafile(temporary, VolumeFormatError))
         except FileFormatError as error:
@@ -196,10 +196,9 @@ def sidecar_of(path: Path) -> Path:
 
 def _beside(path: Path) -> dict[str, str]:
     """The fields in a JSON file, where it is there and is one of ours."""
-    try:
-        found = read_table(path, VolumeFormatError) if path.is_file() else {}
-    except VolumeFormatError:
-        return {}
+    found: object = {}
+    with contextlib.suppress(VolumeFormatError):
+        found = read_table(path, VolumeFormatError)
     return {key: text for key, text in found.items() if isinstance(text, str)} if isinstance(found, dict) else {}
 
 

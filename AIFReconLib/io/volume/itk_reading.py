@@ -3,38 +3,46 @@
 from __future__ import annotations
 
 import contextlib
+import gzip
 import itertools
 import logging
+import math
 import re
-import sys
+import zlib
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 import SimpleITK as sitk
 
-from ...arrays import Floats, Matrix, Numbers
-from ...errors import VolumeFormatError
+from ...arrays import Matrix, Numbers
+from ...errors import FileFormatError, VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...machine.memory import available_memory, require_bytes
 from ...message import shorten
-from ..disk.itk import itk_path, short_cause, without_warnings
-from ..disk.regular_files import file_stamp
-from ..disk.small_files import changed, local_copy
+from ..disk.itk import itk_reads
 from ..metafile.header import RAW
 from ..metafile.metafile import Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
 from ..metafile.text_values import parse_numbers
 from .itk_images import array_of, ijk_to_lps
-from .nifti_payload import check_nifti, nifti_forms
 
 logger = logging.getLogger(__name__)
 
 FORMS_APART = 0.5
 """mm between the places of a voxel by qform and sform that are worth a note; both are rounded."""
 
-_IN_SPACE = ("domain", "space")
+_NIFTI_COPIES = 2
+"""What SimpleITK reads from the file, and the image that it makes of it."""
+
+_PIECE = 2**20
+"""Bytes that are decoded at a time."""
+
+_UNIT_MM = {1: 1e3, 3: 1e-3}
+"""By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
+
 _METAIMAGE_NUMBERS = {
     **dict.fromkeys(("ElementSpacing", "ElementSize", "Offset", "Position", "Origin"), 3),
     **dict.fromkeys(("TransformMatrix", "Rotation", "Orientation"), 9),
@@ -58,11 +66,41 @@ def read_nifti(path: Path) -> StoredVolume:
 
     Raises VolumeFormatError when it is damaged, or no 3D volume of real numbers; InsufficientMemoryError.
     """
-    header = check_nifti(path, VolumeFormatError)
+    header = nifti_header(path, VolumeFormatError)
     image = _read(path, "NiftiImageIO")
-    stored = StoredVolume(array_of(image), ijk_to_lps(image), {})
-    _note_contradiction(path, nifti_forms(header), LPS_FROM_RAS @ stored.ijk_to_lps, stored.array.shape[::-1])
-    return stored
+    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(image), image.GetSize())
+    return StoredVolume(array_of(image), ijk_to_lps(image), {})
+
+
+def nifti_header(path: Path, error: type[FileFormatError]) -> dict[str, str]:
+    """What the header says, by SimpleITK's names, if the file is complete: SimpleITK takes what is missing for zeros.
+
+    Raises
+    ------
+    FileFormatError
+        Of the class given.
+    """
+    reader = sitk.ImageFileReader()
+    reader.SetImageIO("NiftiImageIO")
+    with itk_reads(path, error, "Export the volume again, as NIfTI-1 or .nrrd.") as name:
+        reader.SetFileName(name)
+        reader.ReadImageInformation()
+    header = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
+    sizes = [int(header[f"dim[{n}]"]) for n in range(1, int(header["dim[0]"]) + 1)]
+    promised = int(float(header["vox_offset"])) + (math.prod(sizes) * int(header["bitpix"]) + 7) // 8
+    require_bytes(path, _NIFTI_COPIES * promised, available_memory())
+    there = path.stat().st_size
+    if path.suffix.lower() == ".gz":
+        try:
+            with gzip.open(path) as file:
+                there = sum(map(len, iter(lambda: file.read(_PIECE), b"")))
+        except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
+            raise error(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
+    if there < promised:
+        raise error(
+            f"{path}: the voxels are cut short: the header promises {promised} bytes, there are {there}. Copy or export the file again."
+        )
+    return header
 
 
 def read_metafile_volume(path: Path) -> StoredVolume:
@@ -73,42 +111,28 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     metafile = read_metafile(path, VolumeFormatError)
     is_metaimage = path.suffix.lower() in METAIMAGE_SUFFIXES
     kinds = metafile.kinds or ("domain",) * len(metafile.size)
-    if sum(kind in _IN_SPACE for kind in kinds) != 3 or "time" in kinds or len(kinds) > 4:
+    if sum(kind in ("domain", "space") for kind in kinds) != 3 or "time" in kinds or len(kinds) > 4:
         raise metafile.failure(
             f"it must be one 3D volume; got axes of the kinds {' '.join(kinds)}. If it is a sequence of frames, give it as a sequence."
         )
     require_bytes(path, metafile.pixel_bytes, available_memory())
     if is_metaimage:
         _check_metaimage(metafile)
-    directions = None if is_metaimage else _directions(metafile)
+    else:
+        _check_nrrd(metafile)
     check_payload(metafile)
-    image = _read(path, "MetaImageIO" if is_metaimage else "NrrdImageIO", metafile.data_path if metafile.data_path != path else None)
-    array, place = array_of(image), ijk_to_lps(image)
+    image = _read(path, "MetaImageIO" if is_metaimage else "NrrdImageIO", *{metafile.data_path} - {path})
+    array = array_of(image)
     if array.nbytes != metafile.pixel_bytes:
         raise metafile.failure("SimpleITK takes it for another size. Save the volume from Slicer again.")
-    if directions is not None:
-        # ITK takes these apart and multiplies them again, which rounds their last digit
-        place[:3, :3] = np.copysign(directions.T, place[:3, :3])
-    return StoredVolume(array, place, metafile.fields)
+    return StoredVolume(array, ijk_to_lps(image), metafile.fields)
 
 
-def _read(path: Path, reader: str, data: Path | None = None) -> sitk.Image:
+def _read(path: Path, reader: str, *beside: Path) -> sitk.Image:
     """The image in a file, whose voxels may be in another one beside it."""
-    files = [path] if data is None else [path, data]
-    seen = [file_stamp(file) for file in files]
-    with contextlib.ExitStack() as stack:
-        name = path
-        if sys.platform == "win32" and not str(path).isascii():
-            # There ITK's readers find no names beyond ASCII
-            name = stack.enter_context(local_copy(path, VolumeFormatError, seen[0], data))
-        stack.enter_context(without_warnings())
-        try:
-            # Left to look for a reader itself, it asks others too
-            image = sitk.ReadImage(itk_path(name, VolumeFormatError), imageIO=reader)
-        except RuntimeError as error:
-            raise VolumeFormatError(f"{path}: SimpleITK cannot read it: {short_cause(error)}. Export the volume again.") from error
-    if [file_stamp(file) for file in files] != seen:
-        raise changed(path, VolumeFormatError)
+    with itk_reads(path, VolumeFormatError, "Export the volume again.", *beside) as name:
+        # Left to look for a reader itself, it asks others too
+        image = sitk.ReadImage(name, imageIO=reader)
     if image.GetDimension() != 3:
         raise VolumeFormatError(f"{path}: it must be a 3D volume; got {image.GetDimension()} dimensions. Export one 3D volume.")
     if "complex" in image.GetPixelIDTypeAsString():
@@ -120,47 +144,31 @@ def _check_metaimage(metafile: Metafile) -> None:
     """Return if ITK finds all that it needs."""
     if metafile.encoding != RAW and not int(metafile.entries.get("CompressedDataSize") or 0):
         raise metafile.failure("CompressedDataSize is missing, without which ITK reads other voxels. Save the volume from Slicer again.")
-    for key, count in _METAIMAGE_NUMBERS.items():
-        numbers = _finite(metafile, key, metafile.entries[key], count) if key in metafile.entries else np.ones(1)
-        if key in ("ElementSpacing", "ElementSize") and numbers.min() <= 0:
-            raise metafile.failure(f"{key} must be positive; got {numbers.tolist()}. Correct the header.")
+    for key in _METAIMAGE_NUMBERS.keys() & metafile.entries.keys():
+        text, count = metafile.entries[key], _METAIMAGE_NUMBERS[key]
+        numbers: list[float] = []
+        with contextlib.suppress(ValueError):
+            numbers = parse_numbers(text)
+        if len(numbers) != count or not np.isfinite(numbers).all():
+            raise metafile.failure(f"{key} must be {count} finite numbers; got {shorten(text)!r}. Correct the header.")
+        if key in ("ElementSpacing", "ElementSize") and min(numbers) <= 0:
+            raise metafile.failure(f"{key} must be positive; got {numbers}. Correct the header.")
 
 
-def _finite(metafile: Metafile, key: str, text: str, count: int) -> Floats:
-    """The finite numbers of an entry; NaN stands for an axis that is none of space."""
-    try:
-        numbers = np.array(parse_numbers(text.strip("() ").replace(",", " ")))
-    except ValueError:
-        numbers = np.array([])
-    numbers = numbers[~np.isnan(numbers)] if key == "spacings" else numbers
-    if len(numbers) != count or not np.isfinite(numbers).all():
-        raise metafile.failure(f"{key} must be {count} finite numbers; got {shorten(text)!r}. Correct the header.")
-    return numbers
-
-
-def _directions(metafile: Metafile) -> Floats | None:
-    """The vectors of an NRRD header, (3, 3), one a row, as they are written; None where it has none, and no place."""
-    text, origin, spacings, space = (metafile.entries.get(key) for key in ("space directions", "space origin", "spacings", "space"))
-    if origin is not None:
-        _finite(metafile, "space origin", origin, 3)
-    if text is None:
-        if {"space origin", "axis mins", "axis maxs"} & set(metafile.entries):
-            raise metafile.failure(
-                "it has a place but no space directions, so which way it lies is not known. Save the volume from Slicer again."
-            )
-        if spacings is not None:
-            _finite(metafile, "spacings", spacings, 3)
+def _check_nrrd(metafile: Metafile) -> None:
+    """Return if the header says which way the volume lies, where it says a place; a note tells of a frame that is not named."""
+    directions, space = metafile.entries.get("space directions"), metafile.entries.get("space")
+    if directions is None and {"space origin", "axis mins", "axis maxs"} & metafile.entries.keys():
+        raise metafile.failure(
+            "it has a place but no space directions, so which way it lies is not known. Save the volume from Slicer again."
+        )
+    if directions is not None and directions.count("(") != 3:
+        raise metafile.failure(
+            f"space directions must be a vector for each axis in space, none for others; got {shorten(directions)!r}. Save the volume "
+            "from Slicer again."
+        )
     if not _SPACE.fullmatch(space or ""):
         _note_no_frame(metafile.path, f"says {shorten(space)!r}" if space else "does not say which", "LPS, as ITK does")
-    if text is None:
-        return None
-    vectors = re.findall(r"\([^()]*\)", text)
-    if len(vectors) != 3:
-        raise metafile.failure(
-            f"space directions must be a vector for each axis in space, none for others; got {shorten(text)!r}. Save the volume from "
-            "Slicer again."
-        )
-    return np.array([_finite(metafile, "space directions", vector, 3) for vector in vectors])
 
 
 def _note_no_frame(path: Path, said: str, taken: str) -> None:
@@ -172,13 +180,14 @@ def _note_no_frame(path: Path, said: str, taken: str) -> None:
     )
 
 
-def _note_contradiction(path: Path, forms: dict[str, Matrix], ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:
+def _note_contradiction(path: Path, header: dict[str, str], ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:
     """Note a NIfTI header without a place, or whose two forms do not place the voxels alike, and which of them ITK took, (4, 4)."""
+    forms = _nifti_forms(header)
     if not forms:
         _note_no_frame(path, "says nothing (both form codes are 0)", "LPS with voxel (0, 0, 0) at the origin, as ITK does")
-    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0, count - 1) for count in size[-3:]))]).T
+    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0, count - 1) for count in size))]).T
     with np.errstate(all="ignore"):
-        off = {name: float(np.linalg.norm((form - ijk_to_ras) @ corners, axis=0).max()) for name, form in forms.items()}
+        off = {name: float(np.linalg.norm((form - ijk_to_ras[:3]) @ corners, axis=0).max()) for name, form in forms.items()}
     if len(off) == 2 and max(off.values()) > FORMS_APART:
         logger.warning(
             "%s: its qform and sform place voxels up to %.3g mm apart. The %s is taken, as ITK does; if it lies wrong, export it again",
@@ -186,3 +195,23 @@ def _note_contradiction(path: Path, forms: dict[str, Matrix], ijk_to_ras: Matrix
             max(off.values()),
             min(off, key=lambda name: off[name]),
         )
+
+
+def _nifti_forms(header: dict[str, str]) -> dict[str, Matrix]:
+    """Voxel (i, j, k) to RAS, (3, 4) in mm, by the forms that a header has: ``qform``, a rotation, and ``sform``, any matrix."""
+
+    def numbers(*keys: str) -> list[float]:
+        return [float(word) for key in keys for word in header[key].split()]
+
+    forms: dict[str, Matrix] = {}
+    if int(header["qform_code"]) > 0:
+        handed, *sizes = numbers(*(f"pixdim[{n}]" for n in range(4)))
+        b, c, d = numbers("quatern_b", "quatern_c", "quatern_d")
+        sizes[2] *= -1 if handed < 0 else 1
+        with contextlib.suppress(ValueError):  # no numbers
+            rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
+            forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, numbers("qoffset_x", "qoffset_y", "qoffset_z")])
+    if int(header["sform_code"]) > 0:
+        forms["sform"] = np.reshape(numbers("srow_x", "srow_y", "srow_z"), (3, 4))
+    scale = _UNIT_MM.get(int(header["xyzt_units"]) & 7, 1.0)
+    return {name: scale * form for name, form in forms.items()}

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gzip
+import itertools
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -75,11 +77,8 @@ def read_labels(
     files = [file for one in given for file in (_within(one) if one.is_dir() else [one])]
     if not files:
         raise VolumeFormatError("No file of labels was given. Name one, several or a folder.")
-    single = len(files) == 1 and len(given) == 1 and not given[0].is_dir() and suffix_of(files[0]) not in MODEL_SUFFIXES
-    if single:
-        volume = label_volume(files[0])
-        found = Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(files[0]))
-        found = _known(files[0], found, labels)
+    if files == given and len(files) == 1 and suffix_of(files[0]) not in MODEL_SUFFIXES:
+        found = _known(files[0], _labels_in(files[0]), labels)
     else:
         found = _masks(files, labels, space, unit)
     if not labels and not found.array.any():
@@ -108,15 +107,15 @@ def read_label_names(path: str | Path) -> dict[int, str]:
     if suffix_of(path) not in NRRD_SUFFIXES:
         return {}
     fields = read_metafile(path, VolumeFormatError).fields
-    if any(re.fullmatch(r"Segment\d+_Layer", key) and text.strip() != "0" for key, text in fields.items()):
+    segments = [key.removesuffix("_Name") for key in fields if re.fullmatch(r"Segment\d+_Name", key)]
+    if any(fields.get(f"{segment}_Layer", "0").strip() != "0" for segment in segments):
         return {}  # of several layers `read_labels` keeps no numbers
-    found = {}
-    for key in fields:
-        number = fields.get(key.replace("_Name", "_LabelValue"), "").strip()
-        # No voxel can hold a longer one
-        if re.fullmatch(r"Segment\d+_Name", key) and re.fullmatch("[0-9]{1,20}", number):
-            found[int(number)] = name_by_code(fields[key], fields.get(key.replace("_Name", "_Tags"), ""))
-    return found
+    numbers = {segment: fields.get(f"{segment}_LabelValue", "").strip() for segment in segments}
+    return {
+        int(number): name_by_code(fields[f"{segment}_Name"], fields.get(f"{segment}_Tags", ""))
+        for segment, number in numbers.items()
+        if re.fullmatch("[0-9]{1,20}", number)  # no voxel can hold a longer one
+    }
 
 
 def _nifti_names(path: Path) -> dict[int, str]:
@@ -162,13 +161,19 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
     for file in (file for file in files if file not in no_bone):
         name = bone_name(names[file])
         if suffix_of(file) in MODEL_SUFFIXES:
-            single[file], said = _of_model(file, name, space, unit)
-            guessed |= not said
+            single[file], is_known = _of_model(file, name, space, unit)
+            guessed |= not is_known
             continue
-        labels = _labels_in(file, notes)
-        if labels is not None and len(labels.boxes) > 1:
+        try:
+            labels = _labels_in(file)
+        except VolumeFormatError as error:
+            if said(error).advice != TAKE_AS_CT:
+                raise
+            notes.append(f"{file.name} is no mask and left out: it holds negative values, as a CT does.")
+            continue
+        if len(labels.boxes) > 1:
             many.append((file, labels))
-        elif labels is not None and labels.boxes:
+        elif labels.boxes:
             single[file] = _of_mask(labels, name, next(iter(labels.boxes)))
     unknown = [] if choice else mixed(names[file] for file in single)
     if unknown:
@@ -187,39 +192,30 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
     grid = _common_grid([bone for _, bone in bones])
     array = np.zeros(grid.shape, np.uint8 if len(bones) < 256 else np.uint16)
     called: dict[int, str] = {}
-    twice: dict[Path, int] = {}
+    twice: Counter[str] = Counter()
     for file, bone in bones:
         mask = bone.on(grid)
         if np.count_nonzero(array[mask]) * 2 > np.count_nonzero(mask):
-            twice[file] = twice.get(file, 0) + 1
+            twice[file.name] += 1
             continue
         called[len(called) + 1] = bone.name
         array[mask & (array == 0)] = len(called)
-    notes += [f"{count} bones of {file.name} lie where other files have theirs, and are left out." for file, count in twice.items()]
+    notes += [f"{count} bones of {name} lie where other files have theirs, and are left out." for name, count in twice.items()]
     if guessed:
         notes.append(f"{SPACE_UNKNOWN}LPS, as Slicer takes it.")
     found = Labels(array, grid.ijk_to_reference, {}, called, tuple(notes), guessed)
     return with_known_names(found, choice) if choice else found
 
 
-def _labels_in(file: Path, notes: list[str]) -> Labels | None:
-    """The labels in one file of several, with their names as far as it says them; None where it is the CT itself."""
-    try:
-        volume = label_volume(file)
-    except VolumeFormatError as error:
-        if said(error).advice != TAKE_AS_CT:
-            raise
-        notes.append(f"{file.name} is no mask and left out: it holds negative values, as a CT does.")
-        return None
+def _labels_in(file: Path) -> Labels:
+    """The labels in one file, with their names as far as it says them."""
+    volume = label_volume(file)
     return Labels(volume.array, volume.ijk_to_reference, volume.fields, read_label_names(file))
 
 
 def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
     """One label of a file."""
-    box = labels.boxes[number]
-    lows, highs = (np.array([getattr(s, end) for s in box[::-1]], np.float64) for end in ("start", "stop"))
-    ends = np.stack([lows, highs - 1])
-    corners = np.array([[ends[a, 0], ends[b, 1], ends[c, 2]] for a in (0, 1) for b in (0, 1) for c in (0, 1)])
+    corners = np.array([*itertools.product(*((part.start, part.stop - 1.0) for part in labels.boxes[number][::-1]))])
 
     def on(grid: VoxelGrid) -> Mask:
         mask: Mask = labels.array == number

@@ -6,15 +6,17 @@ The programs' own class maps, the codes of Slicer's terminology and the words of
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 
 from ...arrays import Floats
 from ...errors import GeometryError
@@ -49,45 +51,36 @@ def _tables() -> dict[str, Any]:
     return tables
 
 
-@dataclass(frozen=True)
-class _Program:
-    """The numbers that a program gives: what each is called, and at which place from the head vertebrae are."""
+class _Program(NamedTuple):
+    """The numbers that a program gives, and what each is called."""
 
     name: str
-    labels: Mapping[int, str]
-    files: Sequence[str]  #: What is in the names of its files
-    marks: Sequence[int]  #: Numbers that are in all of its files
-
-    @property
-    def bones(self) -> dict[int, str]:
-        """The short names of its bones."""
-        return {number: bone_name(name) for number, name in self.labels.items() if kind_of(name) == BONE}
-
-    @property
-    def levels(self) -> dict[int, int]:
-        """Places of its vertebrae in the order from the head."""
-        return {number: _LEVELS.index(name) for number, name in self.bones.items() if name in _LEVELS}
-
-    def fit(self, centers: Mapping[int, Floats], up: int) -> tuple[int, float]:
-        """How many neighbors lie to each other as their names say, others counted twice against them; and how far (natural logarithm)
-        their steps are from the typical ones. `up` is 1, or -1 for a body that lies upside down."""
-        known = sorted((place, number) for number, place in self.levels.items() if number in centers)
-        links, off = 0, []
-        for (upper, first), (lower, second) in pairwise(known):
-            step, apart = centers[first] - centers[second], lower - upper
-            near = step[2] * up > LEAST_STEP * apart and np.linalg.norm(step) < LARGEST_STEP * apart
-            links += 1 if near else -2
-            typical = float(np.interp(np.arange(upper, lower), *TYPICAL_STEPS).sum())
-            off.append(abs(float(np.log(max(float(np.linalg.norm(step)), 1e-3) / typical))))
-        return links, float(np.mean(off)) if off else 0.0
+    labels: dict[int, str]
+    files: list[str]  #: What is in the names of its files
+    marks: list[int]  #: Numbers that are in all of its files
 
 
 @cache
 def _programs() -> tuple[_Program, ...]:
-    return tuple(
-        _Program(each["name"], {int(n): name for n, name in each["labels"].items()}, each["files"], each["marks"])
-        for each in _tables()["programs"]
-    )
+    return tuple(_Program(**{**each, "labels": {int(n): name for n, name in each["labels"].items()}}) for each in _tables()["programs"])
+
+
+def _levels(names: Mapping[int, str]) -> dict[int, int]:
+    """Places of vertebrae in the order from the head."""
+    return {number: _LEVELS.index(short) for number, name in names.items() if (short := bone_name(name)) in _LEVELS}
+
+
+def _fit(names: Mapping[int, str], centers: Mapping[int, Floats], up: int) -> tuple[int, float]:
+    """How many neighbors lie to each other as their names say, others counted twice against them; and how far (natural logarithm)
+    their steps are from the typical ones. `up` is 1, or -1 for a body that lies upside down."""
+    known = sorted((place, number) for number, place in _levels(names).items() if number in centers)
+    links, off = 0, [0.0] if len(known) < 2 else []
+    for (upper, first), (lower, second) in pairwise(known):
+        step, apart = centers[first] - centers[second], lower - upper
+        length = float(np.linalg.norm(step))
+        links += 1 if step[2] * up > LEAST_STEP * apart and length < LARGEST_STEP * apart else -2
+        off.append(abs(math.log(max(length, 1e-3) / float(np.interp(np.arange(upper, lower), *TYPICAL_STEPS).sum()))))
+    return links, float(np.mean(off))
 
 
 def bone_name(name: str) -> str:
@@ -129,32 +122,30 @@ def with_known_names(labels: Labels, choice: str | None = None, file: str = "") 
     Raises GeometryError, which asks which labels are bone where that cannot be told, or when the choice names none of them.
     """
     there = labels.numbers().tolist()
-    if labels.names:
-        readings = [({n: bone_name(labels.names[n]) for n in there if n in labels.names}, "their names")]
-        bones = {n for n in there if kind_of(labels.names.get(n, "")) == BONE}
-        soft = {n for n in there if kind_of(labels.names.get(n, "")) == SOFT}
-        unknown = [n for n in there if n not in bones | soft] if bones else []
-    else:
-        programs = _programs_of(labels, there, file, must=choice is None)
-        readings = [(program.bones, f"the numbers of {program.name}") for program in programs]
-        agreed = [{n for n in there if n in program.bones} for program in programs]
-        unknown = [] if all(each == agreed[0] for each in agreed) else [n for n in there if any(n not in each for each in agreed)]
-        soft = set(there) - agreed[0] if agreed else set()
+    programs = [] if labels.names else _programs_of(labels, there, file, must=choice is None)
+    readings = [program.labels for program in programs] or [dict(labels.names)]
     if choice is not None:
-        return _chosen(labels, [names for names, _ in readings], ",".join(map(bone_name, choice.split(","))))
+        return _chosen(labels, readings, ",".join(map(bone_name, choice.split(","))))
+    kinds = {n: {kind_of(names.get(n, "")) for names in readings} for n in there}
+    bones = [n for n in there if kinds[n] == {BONE}]
+    soft = [n for n in there if SOFT in kinds[n] and BONE not in kinds[n]]
+    unknown = [n for n in there if n not in (*bones, *soft)] if bones or programs else []
     if unknown:
-        called = listed([labels.names.get(n, str(n)) for n in unknown[:6]]) + (", ..." if len(unknown) > 6 else "")
-        raise ask_for_bones(f"Labels {called} may be bone or not: neither their names nor their numbers tell.")
-    names = {n: name for n, name in readings[0][0].items() if all(each.get(n) == name for each, _ in readings)} if readings else {}
-    named = replace(labels, names={n: names[n] for n in there if n in names and n not in soft})
+        raise ask_for_bones(f"Labels {_told(labels, unknown)} may be bone or not: neither their names nor their numbers tell.")
+    called = {n: {bone_name(names.get(n, "")) for names in readings} for n in there if n not in soft}
+    named = replace(labels, names={n: next(iter(names)) for n, names in called.items() if len(names) == 1 and "" not in names})
     if not soft:
         return named
-    left = sorted(soft)
-    told = listed(labels.names.get(n, str(n)) for n in left[:6]) + (", ..." if len(left) > 6 else "")
-    if len(left) == len(there):
-        raise ask_for_bones(f"None of its labels is bone by {readings[0][1]}: {told}.")
-    some = f"{len(left)} labels are" if len(left) > 1 else "1 label is"
-    return named.only(set(there) - soft, f"{some} no bone by {readings[0][1]} and left out: {told}.")
+    by = f"the numbers of {programs[0].name}" if programs else "their names"
+    if len(soft) == len(there):
+        raise ask_for_bones(f"None of its labels is bone by {by}: {_told(labels, soft)}.")
+    some = f"{len(soft)} labels are" if len(soft) > 1 else "1 label is"
+    return named.only(called.keys(), f"{some} no bone by {by} and left out: {_told(labels, soft)}.")
+
+
+def _told(labels: Labels, numbers: Sequence[int]) -> str:
+    """Some labels in words."""
+    return listed([labels.names.get(n, str(n)) for n in numbers[:6]]) + (", ..." if len(numbers) > 6 else "")
 
 
 def _chosen(labels: Labels, readings: Sequence[Mapping[int, str]], choice: str) -> Labels:
@@ -162,7 +153,7 @@ def _chosen(labels: Labels, readings: Sequence[Mapping[int, str]], choice: str) 
     found, first = [], None
     for names in [*readings, {}]:
         try:
-            found.append(replace(labels, names=dict(names)).chosen(choice))
+            found.append(replace(labels, names={n: bone_name(name) for n, name in names.items()}).chosen(choice))
         except GeometryError as error:
             first = first or error
     if not found and first is not None:
@@ -184,14 +175,13 @@ def _programs_of(labels: Labels, there: Sequence[int], file: str, must: bool) ->
         return []
     centers = _centers(labels)
     for up in (1, -1):
-        fits = {program.name: program.fit(centers, up) for program in known}
-        most = max((links for links, _ in fits.values()), default=0)
-        best = [program for program in by_file or known if fits[program.name][0] == most and most > 0]
-        if best:
-            nearest = min(fits[program.name][1] for program in best)
-            return [program for program in best if fits[program.name][1] <= nearest + CLEARLY]
-    marked = [program for program in known if program.marks and not program.levels]
-    alone = [program for program in known if len(program.levels.keys() & set(there)) == 1]
+        fits = [(program, *_fit(program.labels, centers, up)) for program in by_file or known]
+        most = max((links for _, links, _ in fits), default=0)
+        if most > 0:
+            nearest = min(off for _, links, off in fits if links == most)
+            return [program for program, links, off in fits if links == most and off <= nearest + CLEARLY]
+    marked = [program for program in known if program.marks and not _levels(program.labels)]
+    alone = [program for program in known if len(_levels(program.labels).keys() & set(there)) == 1]
     if must and not (marked or by_file or alone) and len(there) > 1:
         numbers = listed(map(str, there[:8])) + (", ..." if len(there) > 8 else "")
         raise ask_for_bones(f"What its labels {numbers} are is not said, and they are not numbered as a known program does.")
@@ -201,18 +191,16 @@ def _programs_of(labels: Labels, there: Sequence[int], file: str, must: bool) ->
 def _centers(labels: Labels) -> dict[int, Floats]:
     """Where the middle of each label is, mm, seen coarsely."""
     steps = [max(n // 160, 1) for n in labels.shape]
-    coarse = labels.array[tuple(slice(None, None, step) for step in steps)]
-    kji = np.nonzero(coarse > 0)
-    numbers, which, counts = np.unique(coarse[kji].astype(np.int64), return_inverse=True, return_counts=True)
-    middle = np.stack([np.bincount(which, along) / counts * step for along, step in zip(kji, steps, strict=True)], axis=-1)
-    places = transform_points(labels.ijk_to_reference, middle[:, ::-1])
-    return dict(zip(numbers.tolist(), places, strict=True))
+    coarse = labels.array[tuple(slice(None, None, step) for step in steps)].astype(np.int64)
+    numbers = np.unique(coarse[coarse > 0])
+    middle = np.reshape(scipy.ndimage.center_of_mass(coarse > 0, coarse, numbers), (-1, 3)) * steps
+    return dict(zip(numbers.tolist(), transform_points(labels.ijk_to_reference, middle[:, ::-1]), strict=True))
 
 
 def out_of_order(labels: Labels) -> str | None:
     """A doubt where vertebrae do not lie in the order of their names, along the labels' axis toward the head."""
     centers = _centers(labels)
-    known = sorted((_LEVELS.index(labels.names[n]), n) for n in centers if labels.names.get(n) in _LEVELS)
+    known = sorted((place, n) for n, place in _levels(labels.names).items() if n in centers)
     for (_, upper), (_, lower) in pairwise(known):
         if centers[lower][2] > centers[upper][2] + LEAST_STEP:
             return f"{labels.called(lower)} lies above {labels.called(upper)}: the names, or the axes of the labels, may be wrong."

@@ -16,6 +16,7 @@ from ...arrays import Floats, Integers
 from ...errors import VolumeFormatError
 from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
+from .surfaces import polydata
 
 if TYPE_CHECKING:
     from vtkmodules.vtkCommonDataModel import vtkPolyData
@@ -94,7 +95,7 @@ def _stl(path: Path) -> tuple[vtkPolyData, str | None]:
     count = int.from_bytes(data[_HEADER - 4 : _HEADER], "little")
     if len(data) >= _HEADER + _FACET.itemsize * count and len(data) >= _HEADER:
         corners = np.frombuffer(data, _FACET, count, _HEADER)["numbers"][:, 3:]
-        return _polydata(corners.reshape(-1, 3)), _space_in(data[: _HEADER - 4].decode("latin-1"))
+        return polydata(corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)), _space_in(data[: _HEADER - 4].decode("latin-1"))
     if not re.match(rb"\s*solid", data, re.IGNORECASE) or not re.search(rb"\bfacet\b", data, re.IGNORECASE):
         raise VolumeFormatError(f"{path}: it is cut short: {count} triangles are promised. Copy or export the file again.")
     words = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data, re.IGNORECASE)
@@ -105,22 +106,7 @@ def _stl(path: Path) -> tuple[vtkPolyData, str | None]:
         numbers = np.array(words).astype(np.float64)
     except ValueError as cause:
         raise _unreadable(path) from cause
-    return _polydata(numbers.reshape(-1, 3)), _space_in(data.lstrip().partition(b"\n")[0].decode("latin-1"))
-
-
-def _polydata(corners: Floats) -> vtkPolyData:
-    """Triangles of their corners (3 m, 3)."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
-    from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
-
-    points, cells, surface = vtkPoints(), vtkCellArray(), vtkPolyData()
-    points.SetData(numpy_to_vtk(np.ascontiguousarray(corners), deep=True))
-    places = np.arange(len(corners), dtype=np.int64)
-    cells.SetData(3, numpy_to_vtkIdTypeArray(places, deep=True))
-    surface.SetPoints(points)
-    surface.SetPolys(cells)
-    return surface
+    return polydata(numbers, np.arange(len(numbers)).reshape(-1, 3)), _space_in(data.lstrip().partition(b"\n")[0].decode("latin-1"))
 
 
 def _by_vtk(path: Path) -> tuple[vtkPolyData, str | None]:
@@ -132,8 +118,6 @@ def _by_vtk(path: Path) -> tuple[vtkPolyData, str | None]:
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
     suffix = path.suffix.lower()
-    if suffix == ".ply":
-        _require_whole_ply(path)
     reader = {".ply": vtkPLYReader, ".obj": vtkOBJReader, ".vtp": vtkXMLPolyDataReader, ".vtk": vtkPolyDataReader}[suffix]()
     with _errors() as told:
         reader.SetFileName(str(path))
@@ -164,34 +148,6 @@ def _errors() -> Iterator[Callable[[], str]]:
     finally:
         vtkLogger.SetStderrVerbosity(shown)
         vtkOutputWindow.SetInstance(window)
-
-
-def _require_whole_ply(path: Path) -> None:
-    """Return if all is there that a PLY header promises; VTK crashes at a file that is cut short."""
-    data = read_bytes(path, None, VolumeFormatError)
-    found = re.match(rb"ply\s.*?\bend_header\r?\n?", data, re.DOTALL)
-    if found is None:
-        raise VolumeFormatError(f"{path}: it has no header of a PLY file. Export the model again.")
-    ascii_rows, promised, count = b"format ascii" in found[0], 0, 0
-    for words in map(bytes.split, found[0].splitlines()):
-        if words[:1] == [b"element"]:
-            count = int(words[2])
-            promised += count if ascii_rows else 0
-        elif words[:1] == [b"property"] and not ascii_rows:
-            # Of a list its number and three corners, which a face has at least
-            promised += count * (_width(words[2]) + 3 * _width(words[3]) if words[1] == b"list" else _width(words[1]))
-    there = len(data) - found.end()
-    if ascii_rows:
-        there = sum(1 for line in data[found.end() :].splitlines() if line.strip())
-    if there < promised:
-        raise VolumeFormatError(f"{path}: it is cut short. Copy or export the file again.")
-
-
-def _width(kind: bytes) -> int:
-    """Bytes of a number of a PLY file; 1 of a kind that is not known."""
-    widths = {b"short": 2, b"ushort": 2, b"int": 4, b"uint": 4, b"float": 4, b"double": 8}
-    bits = re.search(rb"(8|16|32|64)$", kind)
-    return int(bits[1]) // 8 if bits else widths.get(kind, 1)
 
 
 def _triangles(path: Path, surface: vtkPolyData) -> tuple[Floats, Integers]:

@@ -1,11 +1,10 @@
-"""Surfaces written as VTK's XML files (.vtp), which Slicer loads as models; writing them needs no VTK, making those of labels does."""
+"""Surfaces written by VTK as its XML files (.vtp), which Slicer loads as models."""
 
 from __future__ import annotations
 
-import base64
-import struct
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +14,9 @@ from ...errors import OutputError
 from ...geometry.transforms import transform_points
 from ...geometry.volume import Volume
 from ..disk.atomic import atomic_output, check_writable
+
+if TYPE_CHECKING:
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
 
 SUFFIX = ".vtp"
 
@@ -36,21 +38,13 @@ def is_surface_path(path: str | Path) -> bool:
 def check_surface_path(path: str | Path) -> None:
     """Return if a surface can be written to `path`; to be asked before a long computation.
 
-    Raises OutputError when the suffix is another than .vtp, or no file can be created there.
+    Raises OutputError when the suffix is another than .vtp, no file can be created there, or VTK is not installed.
     """
     if not is_surface_path(path):
         raise OutputError(f"Cannot write {path}: the suffix of a surface must be {SUFFIX}. Choose another name.")
     check_writable(path)
-
-
-def check_labels_surface_path(path: str | Path) -> None:
-    """Return if the closed surface of labels can be written to `path`; to be asked before a long computation.
-
-    Raises OutputError as of `check_surface_path`, and when VTK is not installed.
-    """
-    check_surface_path(path)
     if find_spec("vtkmodules") is None:
-        raise OutputError(f"Cannot write {path}: the surface of labels needs VTK. Install it with: pip install vtk")
+        raise OutputError(f"Cannot write {path}: surfaces need VTK. Install it with: pip install vtk")
 
 
 def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = (), **point_data: ArrayLike) -> None:
@@ -70,39 +64,50 @@ def write_surface(path: str | Path, points: ArrayLike, triangles: ArrayLike = ()
         By name.
     """
     check_surface_path(path)
-    places = np.ascontiguousarray(points, np.float32).reshape(-1, 3)
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonCore import vtkStringArray
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    places = np.array(points, np.float32).reshape(-1, 3)
     corners = np.array(triangles, np.int64).reshape(-1, 3)
-    members = corners if len(corners) else np.arange(len(places), dtype=np.int64)[:, None]
-    ends = np.arange(1, len(members) + 1, dtype=np.int64) * members.shape[1]
-    cells = _array("connectivity", members.reshape(-1)) + _array("offsets", ends)
-    verts, polys = ("", cells) if len(corners) else (cells, "")
-    data = "".join(_array(name, np.asarray(values)) for name, values in point_data.items())
-    letters = " ".join(str(ord(letter)) for letter in "RAS") + " 0"
-    text = (
-        '<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n<PolyData>\n'
-        f'<FieldData><Array type="String" Name="{SPACE}" NumberOfTuples="1" format="ascii">{letters}</Array></FieldData>\n'
-        f'<Piece NumberOfPoints="{len(places)}" NumberOfVerts="{len(members) if verts else 0}" NumberOfLines="0" NumberOfStrips="0" '
-        f'NumberOfPolys="{len(members) if polys else 0}">\n'
-        f"<PointData>\n{data}</PointData>\n<Points>\n{_array('Points', places)}</Points>\n"
-        f"<Verts>\n{verts}</Verts>\n<Polys>\n{polys}</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n"
-    )
+    surface = polydata(places, corners if len(corners) else np.arange(len(places))[:, None])
+    for name, values in point_data.items():
+        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+        array.SetName(name)
+        surface.GetPointData().AddArray(array)
+    space = vtkStringArray()
+    space.SetName(SPACE)
+    space.InsertNextValue("RAS")
+    surface.GetFieldData().AddArray(space)
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(surface)
     with atomic_output(path) as temporary:
-        temporary.write_text(text, "ascii")
+        writer.SetFileName(str(temporary))
+        if not writer.Write():
+            raise OutputError(f"Cannot write {path}: the file came out incomplete. Check that the disk is not full.")
 
 
-def _array(name: str, values: Numbers) -> str:
-    """An array as VTK's XML has it: its length in bytes, then its numbers, in base64."""
-    kind = {"f": "Float", "i": "Int", "u": "UInt", "b": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
-    content = np.ascontiguousarray(values).astype(values.dtype.newbyteorder("<")).tobytes()
-    shown = base64.b64encode(struct.pack("<Q", len(content)) + content).decode("ascii")
-    parts = values.shape[1] if values.ndim == 2 else 1
-    return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{parts}" format="binary">{shown}</DataArray>\n'
+def polydata(points: Numbers, cells: Numbers) -> vtkPolyData:
+    """A surface of VTK of points (n, 3) and of triangles (m, 3) between them, or of points that are seen as they are, (m, 1)."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+    places, members, surface = vtkPoints(), vtkCellArray(), vtkPolyData()
+    places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
+    members.SetData(cells.shape[1], numpy_to_vtkIdTypeArray(cells.astype(np.int64).ravel(), deep=True))
+    surface.SetPoints(places)
+    if cells.shape[1] == 3:
+        surface.SetPolys(members)
+    else:
+        surface.SetVerts(members)
+    return surface
 
 
 def write_labels_surface(labels: Volume, path: str | Path) -> None:
     """Write the closed surface of labels, each label's own, with the point data ``label``.
 
-    Raises OutputError as of `check_labels_surface_path`; nothing is left then.
+    Raises OutputError as of `check_surface_path`; nothing is left then.
 
     Parameters
     ----------
@@ -116,7 +121,7 @@ def write_labels_surface(labels: Volume, path: str | Path) -> None:
     Surfaces of neighbors meet without a gap (VTK's surface nets: Frisken SF (2022), SurfaceNets for multi-label segmentations with
     preservation of sharp boundaries, Journal of Computer Graphics Techniques 11(1)) and are smoothed by at most half a voxel.
     """
-    check_labels_surface_path(path)
+    check_surface_path(path)
     points, triangles, label = _surface_nets(labels)
     write_surface(path, points, triangles, label=label)
 

@@ -128,7 +128,7 @@ def test_placed_labels_lie_where_the_transform_puts_them(patient, done):
 def test_a_surface_without_vtk_is_refused_before_any_work(patient, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("AIFReconLib.io.volume.surfaces.find_spec", lambda name: None)
     assert command(patient, tmp_path / "found.tfm", "--labels-output", tmp_path / "placed.vtp") == 2
-    assert capsys.readouterr().err.endswith("placed.vtp: the surface of labels needs VTK. Install it with: pip install vtk\n")
+    assert capsys.readouterr().err.endswith("placed.vtp: surfaces need VTK. Install it with: pip install vtk\n")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -58,9 +58,9 @@ def test_any_exception_leaves_the_older_file_and_nothing_else(tmp_path, exceptio
 def test_files_that_belong_together_appear_together(tmp_path):
     with atomic_outputs(tmp_path / "a.raw", tmp_path / "a.mhd") as (data, header):
         data.write_text("data", encoding="utf-8")
-        header.write_text("header", encoding="utf-8")
+        header.write_text("ElementDataFile = a.raw\n", encoding="utf-8")
         assert data.parent == header.parent
-    assert content_of(tmp_path) == {"a.raw": "data", "a.mhd": "header"}
+    assert content_of(tmp_path) == {"a.raw": "data", "a.mhd": "ElementDataFile = a.raw\n"}
 
 
 def test_the_header_is_renamed_last(tmp_path, monkeypatch):
@@ -92,8 +92,8 @@ def test_a_file_that_did_not_come_about_is_no_success(tmp_path):
     [
         (errno.ENOSPC, "the disk is full. Free some space"),
         (errno.EACCES, "no permission"),
-        (errno.EROFS, "read-only"),
-        (errno.EIO, "the disk does not answer"),
+        (errno.EROFS, "Read-only file system"),
+        (errno.EIO, "Input/output error. Choose another path"),
         (errno.EMFILE, "too many files are open"),
         (errno.EBUSY, "Choose another path"),
     ],
@@ -122,7 +122,7 @@ def test_a_disk_that_is_full_at_the_end_leaves_the_older_file(tmp_path, monkeypa
 @pytest.mark.parametrize("write", [check_writable, lambda path: write_text(path, "x")])
 class TestBothBeforeAndWhenWriting:
     def test_a_name_that_is_too_long_is_refused(self, tmp_path, write):
-        with pytest.raises(OutputError, match="too long"):
+        with pytest.raises(OutputError, match="File name too long"):
             write(tmp_path / ("a" * 300))
 
     @pytest.mark.skipif(not os.path.exists("/dev/null"), reason="devices are POSIX")

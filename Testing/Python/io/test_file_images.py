@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import gzip
-
 import numpy as np
 import pytest
-from sequence_samples import metaimage, nrrd, ramp
+from sequence_samples import metaimage, ramp
 
 from AIFReconLib.io.sequence.files import read_sequence
 
@@ -35,12 +33,6 @@ def test_a_frame_beyond_the_end_is_an_index_error(tmp_path):
     images = read_sequence(metaimage(tmp_path / "sweep.mha", ramp())).images
     with pytest.raises(IndexError):
         images[2]
-
-
-def test_a_gzip_of_several_members_is_read_through(tmp_path):
-    halves = gzip.compress(ramp()[0].tobytes()) + gzip.compress(ramp()[1].tobytes())
-    path = nrrd(tmp_path / "sweep.nrrd", ramp(), compressed=True, data=halves)
-    np.testing.assert_array_equal(np.asarray(read_sequence(path).images), ramp())
 
 
 def test_images_in_a_file_cannot_be_an_array_without_a_copy(tmp_path):

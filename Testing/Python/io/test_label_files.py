@@ -258,8 +258,7 @@ def test_a_ct_among_masks_is_left_out(tmp_path):
     ("name", "data", "words"),
     [
         ("cut.stl", MODELS["binary.stl"][:-20], "cut short"),
-        ("cut.ply", MODELS["little.ply"][:-9], "cut short"),
-        ("cut text.ply", MODELS["text.ply"][:-9], "cut short"),
+        ("cut text.ply", MODELS["text.ply"][:-9], "not leave it again"),
         ("beyond.obj", b"v 0 0 0\nv 1 0 0\nf 1 2 9\n", "not all there"),
         ("open.stl", stl(POINTS, b"RAS")[:80] + struct.pack("<I", 6) + stl(POINTS, b"RAS")[84 : 84 + 300], "not leave it again"),
         ("empty.obj", b"v 0 0 0\n", "no triangles"),

@@ -338,8 +338,6 @@ def test_the_real_spine_configurations_have_their_calibration(real_data, name):
         (b"hello", "not well-formed"),
         (b"\x00\x01", "not well-formed"),
         (b"<Other/>", "must be PlusConfiguration; got Other"),
-        (b"<!DOCTYPE a [<!ENTITY b 'c'>]><PlusConfiguration/>", "DOCTYPE"),
-        ('<?xml version="1.0" encoding="UTF-16"?><!DOCTYPE a><PlusConfiguration/>'.encode("utf-16"), "DOCTYPE"),
         (b'<?xml version="1.0" encoding="no-such"?><PlusConfiguration/>', "encoding"),
         (b"<a>" * 100_000, "not well-formed"),
         (b"<a>" * 100_000 + b"</a>" * 100_000, "must be PlusConfiguration; got a"),

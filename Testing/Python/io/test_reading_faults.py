@@ -15,7 +15,7 @@ from live_messages import tracked as tracked_messages
 
 from AIFReconLib.errors import FileFormatError, OutputError, SequenceFormatError, VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.disk import small_files
+from AIFReconLib.io.disk import regular_files
 from AIFReconLib.io.disk.small_files import read_bytes
 from AIFReconLib.io.foreign.openers import open_images
 from AIFReconLib.io.foreign.options import ImportOptions
@@ -150,10 +150,10 @@ def test_a_volume_that_is_written_to_while_it_is_read_is_refused(tmp_path, monke
         read_volume(path)
 
 
-def test_a_table_that_ends_before_its_length_is_not_taken_for_a_shorter_one(tmp_path, monkeypatch):
+def test_a_table_that_is_written_to_while_it_is_read_is_refused(tmp_path, monkeypatch):
     (tmp_path / "p.csv").write_text("x,y,z,qw,qx,qy,qz\n" + "1,2,3,1,0,0,0\n" * 9, encoding="utf-8")
-    status = os.stat_result([*os.stat(tmp_path / "p.csv")[:6], 10_000, 0, 0, 0])
-    monkeypatch.setattr(small_files.os, "fstat", lambda _: status)
+    stamps = iter(range(99))
+    monkeypatch.setattr(regular_files, "stamp", lambda _: next(stamps))
     with pytest.raises(FileFormatError, match="changed while it was read"):
         read_poses(tmp_path / "p.csv", ImportOptions())
 

@@ -147,12 +147,12 @@ def edited(path: Path, name: str, edit) -> None:
         ({"images": IMAGES, "image_to_reference": POSES[:3]}, r"must have shape \(6, 4, 4\)"),
         ({"images": IMAGES, "image_to_reference": POSES}, "must take pixels to mm"),
         ({"images": IMAGES[0], "image_to_reference": POSES}, r"images must have shape \(frames, rows, columns\)"),
-        ({"images": np.array([Path("x")], object), "image_to_reference": POSES}, r"images must have shape .*; got \(1,\)"),
+        ({"images": np.array([Path("x")], object), "image_to_reference": POSES}, "cannot be read as an archive of arrays"),
     ],
 )
 def test_an_archive_that_is_no_recording_says_why(tmp_path, arrays, message):
     np.savez(tmp_path / "a.npz", **arrays)
-    with pytest.raises(SequenceFormatError, match=message):
+    with pytest.raises(FileFormatError, match=message):
         read_sequence(tmp_path / "a.npz")
 
 
@@ -161,7 +161,7 @@ def test_an_array_that_promises_more_than_the_archive_holds_is_refused(tmp_path)
     edited(
         tmp_path / "a.npz", "images.npy", lambda data: data.replace(b"(6, 12, 17)", b"(99999999, 12, 17)").replace(b" " * 7 + b"\n", b"\n")
     )
-    with pytest.raises(SequenceFormatError, match=r"images\.npy must have 20399999796 bytes of numbers"):
+    with pytest.raises(FileFormatError, match="cannot be read as an archive of arrays"):
         read_sequence(tmp_path / "a.npz")
 
 

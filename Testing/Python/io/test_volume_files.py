@@ -246,7 +246,7 @@ def test_a_nifti_without_a_sensible_header_is_refused(tmp_path, suffix, content)
 
 def test_a_nifti_2_file_is_refused_with_what_to_do(tmp_path):
     (tmp_path / "volume.nii").write_bytes(struct.pack("<i4s", 540, b"n+2\0") + bytes(600))
-    assert "NIfTI-2" in refusal(tmp_path / "volume.nii")
+    assert "as NIfTI-1" in refusal(tmp_path / "volume.nii")
 
 
 def test_a_volume_that_does_not_exist_is_named(tmp_path):

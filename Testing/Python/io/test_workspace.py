@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import time
+import uuid
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from AIFReconLib.io.disk import workspace as module
 from AIFReconLib.io.disk.atomic import check_writable, write_text
 from AIFReconLib.io.disk.workspace import LEFT_BEHIND, PREFIX, remove_left_behind, workspace
 
-LEFT = PREFIX + "abcdef_1"
+LEFT = f"{PREFIX}{uuid.getnode():012x}-abcdef12"
 needs_locks = pytest.mark.skipif(find_spec("fcntl") is None, reason="folders cannot be locked here")
 
 
@@ -34,7 +35,7 @@ def test_what_a_killed_program_left_is_gone_after_the_next_write(tmp_path, write
     assert not (tmp_path / LEFT).exists()
 
 
-@pytest.mark.parametrize("name", [".aifrecon-notes", ".aifrecon-abcdef_12", "aifrecon-abcdef_1", ".aifrecon-ABCDEF_1"])
+@pytest.mark.parametrize("name", [".aifrecon-notes", ".aifrecon-0123456789ab-abcdef12", LEFT[1:]])
 def test_a_folder_of_another_name_is_not_ours(tmp_path, name):
     left_behind(tmp_path, name)
     remove_left_behind(tmp_path)
@@ -74,10 +75,10 @@ def test_a_folder_in_use_by_another_program_stays_until_that_is_killed(tmp_path)
     assert not folder.exists()
 
 
-OTHER = """import platform, sys, time
+OTHER = """import sys, time, uuid
 from pathlib import Path
 from AIFReconLib.io.disk import workspace as module
-platform.node = lambda: sys.argv[2]
+uuid.getnode = lambda: 7
 with module.workspace(Path(sys.argv[1])) as folder:
     print(folder, flush=True); time.sleep(60)
 """
@@ -87,7 +88,7 @@ with module.workspace(Path(sys.argv[1])) as folder:
 def test_a_folder_in_use_on_another_computer_whose_lock_is_not_seen_stays(tmp_path, monkeypatch):
     # As on a network disk: whoever asks gets the lock
     monkeypatch.setattr(module, "hold", lambda _: True)
-    other = subprocess.Popen([sys.executable, "-c", OTHER, str(tmp_path), "elsewhere"], stdout=subprocess.PIPE, text=True)
+    other = subprocess.Popen([sys.executable, "-c", OTHER, str(tmp_path)], stdout=subprocess.PIPE, text=True)
     with other:
         folder = tmp_path / other.stdout.readline().strip().rpartition(os.sep)[2]
         for path in (folder, *folder.iterdir()):
@@ -109,7 +110,7 @@ def test_where_folders_cannot_be_locked_their_age_tells(tmp_path, monkeypatch, a
 
 @needs_locks
 def test_a_new_folder_that_another_program_clears_away_is_made_again(tmp_path, monkeypatch):
-    lock, seen = module._lock, []
+    lock, seen = module._locked, []
 
     def cleared_once(folder):
         seen.append(folder)
@@ -117,7 +118,7 @@ def test_a_new_folder_that_another_program_clears_away_is_made_again(tmp_path, m
             folder.rmdir()
         return lock(folder)
 
-    monkeypatch.setattr(module, "_lock", cleared_once)
+    monkeypatch.setattr(module, "_locked", cleared_once)
     with workspace(tmp_path) as folder:
         assert folder.is_dir()
     assert len(seen) == 2

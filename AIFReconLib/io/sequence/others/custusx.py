@@ -32,7 +32,6 @@ IMAGE, TOOL = TransformName("Image", "Reference"), TransformName("Tool", "Refere
 CALIBRATION = TransformName("Image", "Tool")
 NEAR = 0.1
 """s. How far from a pose of the tool CustusX may have gone on with it, where the next is farther than `LONGEST_GAP`."""
-_MOST_BYTES = 2**25
 
 
 def _read(path: Path, orientation: str | None) -> Recorded:
@@ -71,16 +70,18 @@ def _poses(base: str, times: Floats, spacing: tuple[float, float], image_to_tool
         matrices = _matrices(of_frames) @ to_mm
         _same(of_frames, "a pose for each frame", len(matrices), len(times), "frames")
         seen = np.ones(len(times), bool) if clock is None else _tracked(times, clock)
+        samples = [
+            TransformSample(matrix) if ok else TransformSample(matrix, TransformStatus.MISSING) for matrix, ok in zip(matrices, seen)
+        ]
         lost = np.count_nonzero(~seen)
-        note = f"CustusX went on with the last pose in {lost} frames that the tracker did not see; they are left out." if lost else ""
-        samples = [TransformSample(m, TransformStatus.OK if ok else TransformStatus.MISSING) for m, ok in zip(matrices, seen)]
-        return IMAGE, samples, {}, (note,) if note else ()
+        note = f"CustusX went on with the last pose in {lost} frames that the tracker did not see; they are left out."
+        return IMAGE, samples, {}, (note,) * bool(lost)
     if not of_tool.exists() or clock is None:
         raise SequenceFormatError(f"{base}.fp: neither this file nor .tp and .tts of the same name are there. Copy the whole folder.")
     matrices = _matrices(of_tool)
     _same(of_tool, "a time for each pose", len(clock), len(matrices), "poses")
     track = PoseTrack(zip(clock.tolist(), map(TransformSample, matrices)))
-    found = [track.at(float(time))[0] for time in times]
+    found = (track.at(float(time))[0] for time in times)
     samples = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
     if image_to_tool is None:
         return TOOL, samples, {}, ("The acquisition does not say where the image lies in the probe (.probedata.xml).",)
@@ -94,8 +95,6 @@ def _same(path: Path, what: str, got: int, count: int, of: str) -> None:
 
 def _tracked(times: Floats, clock: Floats) -> Mask:
     """Which frames were taken while the tracker saw the tool: CustusX also gives poses to the others."""
-    if not len(clock):
-        return np.zeros(len(times), bool)
     clock = np.concatenate([[-np.inf], np.sort(clock), [np.inf]])
     after = np.searchsorted(clock, times).clip(1, len(clock) - 1)
     before, behind = clock[after - 1], clock[after]
@@ -112,7 +111,7 @@ def _probe(path: Path) -> tuple[tuple[float, float], Matrix] | None:
     if not path.exists():
         return None
     try:
-        image = parse_xml(path, bare_doctype=True).find("configuration/image")
+        image = parse_xml(path).find("configuration/image")
         if image is None:
             return None
         spacing, origin = (parse_numbers(image.get(name, "")) for name in ("spacing", "origin_p"))
@@ -166,14 +165,14 @@ def _times_of_frames(path: Path) -> Path:
 
 def _numbers(path: Path) -> Floats:
     """All numbers of a small file."""
-    data = read_bytes(path, _MOST_BYTES + 1, SequenceFormatError)
+    data = read_bytes(path, None, SequenceFormatError)
     try:
-        numbers = parse_numbers(data[:_MOST_BYTES].decode("ascii", "replace"))
+        numbers = np.array(parse_numbers(data.decode("ascii", "replace")))
     except NotANumberError as error:
         raise SequenceFormatError(f"{path}: it must hold numbers alone; {error}. Copy the file again.") from error
-    if len(data) > _MOST_BYTES or not np.isfinite(numbers).all():
-        raise SequenceFormatError(f"{path}: it must hold finite numbers, in {_MOST_BYTES} bytes at most. Copy the file again.")
-    return np.array(numbers, dtype=np.float64)
+    if not np.isfinite(numbers).all():
+        raise SequenceFormatError(f"{path}: it must hold finite numbers. Copy the file again.")
+    return numbers
 
 
 def _matrices(path: Path) -> Matrix:
@@ -186,14 +185,10 @@ def _matrices(path: Path) -> Matrix:
     return matrices
 
 
-def _is_folder(path: Path) -> bool:
-    return bool(files_in(path, "*.fts"))
-
-
 def _files(path: Path) -> list[Path]:
     """All files of the acquisition; the data of its frames are called as these."""
     of_it = re.compile(re.escape(path.stem) + r"(_[0-9]{1,9})?[.].+", re.IGNORECASE)
     return [file for file in files_in(path.parent) if of_it.fullmatch(file.name)]
 
 
-CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=_is_folder, files=_files)
+CUSTUSX = RecordingKind("an acquisition of CustusX", (".fts",), _read, is_folder=lambda path: bool(files_in(path, "*.fts")), files=_files)

@@ -1,19 +1,21 @@
 """Bags of ROS 1 (.bag) and 2 (a folder, .mcap, .db3): images with the poses and the tree of transforms that were recorded beside them.
 
-The package rosbags reads the containers; messages are taken by the definitions of ROS itself, not by those that a bag brings along.
-Lengths are meters there (REP 103). A transform of tf takes points of its child frame to its header's frame, and so does a pose, whose own
-frame is called as its topic. Frames of ROS are words of small letters: ``us_probe`` becomes ``UsProbe``.
+The package rosbags reads them. Lengths are meters there (REP 103). A transform of tf takes points of its child frame to its header's frame,
+and so does a pose, whose own frame is called as its topic. Frames of ROS are words of small letters: ``us_probe`` becomes ``UsProbe``.
 """
 
 from __future__ import annotations
 
+import io
 import re
 import weakref
-from collections.abc import Generator, Iterator, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ....arrays import Matrix, Numbers
 from ....errors import SequenceFormatError
@@ -23,15 +25,12 @@ from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
 from ...disk.regular_files import files_in, require_regular_file
 from ..decoded_images import DecodedImages, decoding, library
-from ..file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 from ..kinds import Recorded, RecordingKind
-from .ros_messages import compressed_image, image_of, matrix_of
 
-IMAGES = {"sensor_msgs/msg/Image": image_of, "sensor_msgs/msg/CompressedImage": compressed_image}
+IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 POSE, TRANSFORM = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped"
-POSE_WITH_COVARIANCE, ODOMETRY = "geometry_msgs/msg/PoseWithCovarianceStamped", "nav_msgs/msg/Odometry"
+POSES = (POSE, "geometry_msgs/msg/PoseWithCovarianceStamped", "nav_msgs/msg/Odometry")
 TREES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
-POSES = (POSE, POSE_WITH_COVARIANCE, ODOMETRY)
 STILL = "tf_static"
 MOST_TOLD = 8
 """Topics that are not read, of which a note tells."""
@@ -40,57 +39,54 @@ _MAY_PLACE = re.compile("Pose|Transform|Odometry|Path|Joint|Twist|tf")
 """Types of messages that may say where something is."""
 
 _PURPOSE = "Bags of ROS"
+MILLIMETERS = 1000.0
+QUATERNION_TOLERANCE = 0.02
+_ENCODINGS = {
+    **dict.fromkeys(("mono8", "8UC1"), ("u1", 1, ())),
+    **dict.fromkeys(("mono16", "16UC1"), ("u2", 1, ())),
+    "16SC1": ("i2", 1, ()),
+    "32SC1": ("i4", 1, ()),
+    "32FC1": ("f4", 1, ()),
+    "64FC1": ("f8", 1, ()),
+    "rgb8": ("u1", 3, (0, 1, 2)),
+    **dict.fromkeys(("bgr8", "8UC3"), ("u1", 3, (2, 1, 0))),
+    "rgba8": ("u1", 4, (0, 1, 2)),
+    **dict.fromkeys(("bgra8", "8UC4"), ("u1", 4, (2, 1, 0))),
+}
+"""Type and number of a pixel's channels, and which are red, green and blue. 8UC3 is OpenCV's, which is blue first."""
 
 
 @dataclass
 class _Found:
     """What the messages of a bag say, each with its time in s."""
 
-    times: list[float] = field(default_factory=list)
-    """Of the images."""
+    times: list[float] = field(default_factory=list)  #: Of the images
     frame: str = ""
     tracks: dict[TransformName, list[tuple[float, TransformSample]]] = field(default_factory=dict)
     still: dict[TransformName, TransformSample] = field(default_factory=dict)
 
 
-class _Bag:
-    """A bag, its messages in order, and its images one at a time; open as long as it is used."""
+class _Images:
+    """The images of a bag one at a time. They are read on from the one before; going back starts over."""
 
-    def __init__(self, path: Path):
-        first = path.suffix.lower() == ".bag"
-        self.path = path
-        types = library("rosbags.typesys", _PURPOSE)
-        store = types.get_typestore(types.Stores.ROS1_NOETIC if first else types.Stores.ROS2_HUMBLE)
-        if TREES[0] not in store.types:
-            store.register(types.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", TREES[0]))
-        self._decode = store.deserialize_ros1 if first else store.deserialize_cdr
-        self._reader = library("rosbags.rosbag1" if first else "rosbags.rosbag2", _PURPOSE).Reader(path)
-        self._reader.open()
-        self._images: list[Generator[Any, None, None]] = []
-        weakref.finalize(self, _close, self._reader, self._images)
-        self.by_type: dict[str, list[Any]] = {}
-        for connection in self._reader.connections:
-            self.by_type.setdefault(connection.msgtype, []).append(connection)
-        self._next = 0
+    def __init__(self, path: Path, reader: Any, connections: list[Any]):
+        self._path, self._reader, self._connections = path, reader, connections
+        self._messages: Any = None
+        self._next = -1
 
-    def messages(self, connections: list[Any]) -> Iterator[tuple[Any, int, Any]]:
-        """Connection, when it was written (ns), and message, from the first on."""
-        for connection, written, raw in self._reader.messages(connections=connections):
-            yield connection, written, self._decode(raw, TREES[0] if connection.msgtype in TREES else connection.msgtype)
+    def close(self) -> None:
+        """End what is under way, before the bag is closed."""
+        if self._messages is not None:
+            self._messages.close()
 
-    def image(self, connections: list[Any], number: int) -> Any:
-        """The message of one image. They are read on from the one before; going back starts over."""
-        if number < self._next or not self._images:
-            self._images[:], self._next = [self._reader.messages(connections=connections)], 0
-        connection, _, raw = next(islice(self._images[0], number - self._next, None))
-        self._next = number + 1
-        return self._decode(raw, connection.msgtype)
-
-
-def _close(reader: Any, under_way: list[Generator[Any, None, None]]) -> None:
-    while under_way:
-        under_way.pop().close()
-    reader.close()
+    def image(self, number: int) -> Numbers:
+        with decoding(f"{self._path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
+            if not 0 <= self._next <= number:
+                self.close()
+                self._messages, self._next = self._reader.messages(connections=self._connections), 0
+            connection, _, raw = next(islice(self._messages, number - self._next, None))
+            self._next = number + 1
+            return _image_of(self._reader.deserialize(raw, connection.msgtype))
 
 
 def _read(path: Path, orientation: str | None) -> Recorded:
@@ -98,10 +94,11 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         raise SequenceFormatError(f"{path}: images of a bag are taken as MF, the marked side on the right, the transducer at the top.")
     if not path.is_dir():
         require_regular_file(path, SequenceFormatError)
-    readable = f"{path}: it cannot be read as a bag of ROS"
-    with decoding(readable, "Record or copy it again."):
-        bag = _Bag(path)
-        topics = [connection for kind in IMAGES for connection in bag.by_type.get(kind, ())]
+    types, highlevel = (library(f"rosbags.{name}", _PURPOSE) for name in ("typesys", "highlevel"))
+    with decoding(f"{path}: it cannot be read as a bag of ROS", "Record or copy it again."), ExitStack() as stack:
+        store = types.get_typestore(types.Stores.ROS2_HUMBLE)
+        reader = stack.enter_context(highlevel.AnyReader([path], default_typestore=store))
+        topics = [connection for connection in reader.connections if connection.msgtype in (IMAGE, COMPRESSED_IMAGE)]
         names = list(dict.fromkeys(connection.topic for connection in topics))
         if len(names) != 1:
             others = " ".join(names[1:])
@@ -109,65 +106,52 @@ def _read(path: Path, orientation: str | None) -> Recorded:
                 f"Leave out the others: rosbags-convert --src {path.name} --dst one --exclude-topic {others}." if names else "Record them."
             )
             raise SequenceFormatError(f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. {remedy}")
-        decode = IMAGES[topics[0].msgtype]
-        found = _found(bag, topics)
-
-        def image(number: int) -> Numbers:
-            with decoding(f"{path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
-                pixels: Numbers = decode(bag.image(topics, number), MAXIMUM_FRAME_BYTES)
-                return pixels
-
-        images = DecodedImages(len(found.times), image, lambda n: f"{path}, image {n}")
+        found = _found(reader)
+        if not found.times:
+            raise SequenceFormatError(f"{path}: topic {topics[0].topic} holds no image. Record it again.")
+        stored = _Images(path, reader, topics)
+        stack.callback(stored.close)
+        images = DecodedImages(len(found.times), stored.image, lambda n: f"{path}, image {n}")
+        weakref.finalize(images, stack.pop_all().close)
     tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
-    records = [FrameRecord(time, transforms=_at(tracks, time)) for time in found.times]
-    return Recorded(images, records, transforms=found.still, notes=_notes(found, bag))
+    records = [FrameRecord(time, transforms={name: _sample(track.at(time)[0]) for name, track in tracks.items()}) for time in found.times]
+    return Recorded(images, records, transforms=found.still, notes=_notes(found, reader.connections))
 
 
-def _found(bag: _Bag, topics: list[Any]) -> _Found:
+def _found(reader: Any) -> _Found:
     """What all messages say, in one pass."""
     found = _Found()
-    poses = [connection for kind in (*POSES, TRANSFORM, *TREES) for connection in bag.by_type.get(kind, ())]
-    for connection, written, message in bag.messages([*topics, *poses]):
-        if connection.msgtype in IMAGES:
+    read = [connection for connection in reader.connections if connection.msgtype in (IMAGE, COMPRESSED_IMAGE, *POSES, TRANSFORM, *TREES)]
+    for connection, written, raw in reader.messages(connections=read):
+        message = reader.deserialize(raw, connection.msgtype)
+        if connection.msgtype in (IMAGE, COMPRESSED_IMAGE):
             found.times.append(_time(message.header, written))
             found.frame = found.frame or message.header.frame_id
-            if len(found.times) > MAXIMUM_FRAMES:
-                raise SequenceFormatError(f"{bag.path}: it holds more than {MAXIMUM_FRAMES} images. Split the recording.")
         elif connection.msgtype in POSES:
             of_topic = re.sub("_?(pose|odom(etry)?|stamped|with_?covariance)", "", connection.topic.rstrip("/").lower())
             name = _name(getattr(message, "child_frame_id", "") or of_topic, message.header.frame_id)
             pose = message.pose if connection.msgtype == POSE else message.pose.pose
-            _add(found.tracks, name, _time(message.header, written), matrix_of(pose.position, pose.orientation))
+            sample = _sample(_matrix_of(pose.position, pose.orientation))
+            found.tracks.setdefault(name, []).append((_time(message.header, written), sample))
         else:
             for item in [message] if connection.msgtype == TRANSFORM else message.transforms:
                 name = _name(item.child_frame_id, item.header.frame_id)
-                matrix = matrix_of(item.transform.translation, item.transform.rotation)
+                sample = _sample(_matrix_of(item.transform.translation, item.transform.rotation))
                 if connection.topic.strip("/").endswith(STILL):
-                    found.still[name] = _sample(matrix)
+                    found.still[name] = sample
                 else:
-                    _add(found.tracks, name, _time(item.header, written), matrix)
-    if not found.times:
-        raise SequenceFormatError(f"{bag.path}: topic {topics[0].topic} holds no image. Record it again.")
+                    found.tracks.setdefault(name, []).append((_time(item.header, written), sample))
     return found
-
-
-def _add(tracks: dict[TransformName, list[tuple[float, TransformSample]]], name: TransformName, time: float, matrix: Matrix | None) -> None:
-    tracks.setdefault(name, []).append((time, _sample(matrix)))
 
 
 def _sample(matrix: Matrix | None) -> TransformSample:
     return MISSING if matrix is None else TransformSample(matrix)
 
 
-def _at(tracks: Mapping[TransformName, PoseTrack], time: float) -> dict[TransformName, TransformSample]:
-    return {name: _sample(track.at(time)[0]) for name, track in tracks.items()}
-
-
-def _notes(found: _Found, bag: _Bag) -> tuple[str, ...]:
-    frame = frame_word(found.frame)
+def _notes(found: _Found, connections: list[Any]) -> tuple[str, ...]:
+    frame = _frame_word(found.frame)
     notes = [f"Images of this bag are of frame {frame}: a calibration ImageTo{frame} places them."] if frame else []
-    read = (*IMAGES, *POSES, TRANSFORM, *TREES)
-    others = [each for kind, of_kind in bag.by_type.items() if kind not in read for each in of_kind]
+    others = [each for each in connections if each.msgtype not in (IMAGE, COMPRESSED_IMAGE, *POSES, TRANSFORM, *TREES)]
     if found.tracks or found.still:
         others = [each for each in others if _MAY_PLACE.search(each.msgtype)]
     if others:
@@ -186,12 +170,44 @@ def _time(header: Any, written: int) -> float:
 
 
 def _name(child: str, parent: str) -> TransformName:
-    return TransformName(frame_word(child) or "Child", frame_word(parent) or "World")
+    return TransformName(_frame_word(child) or "Child", _frame_word(parent) or "World")
 
 
-def frame_word(frame: str) -> str:
+def _frame_word(frame: str) -> str:
     """``/us_probe`` as `UsProbe`."""
     return "".join(word[:1].upper() + word[1:] for word in re.findall("[A-Za-z0-9]+", frame))
+
+
+def _image_of(message: Any) -> Numbers:
+    """Pixels of a sensor_msgs/Image or CompressedImage, (rows, columns), or with three colors."""
+    if not hasattr(message, "encoding"):
+        picture = library("PIL.Image", "Compressed images of ROS").open(io.BytesIO(bytes(message.data)), formats=("PNG", "JPEG"))
+        return np.asarray(picture if picture.mode in ("L", "I;16", "I", "RGB") else picture.convert("RGB"))
+    known = _ENCODINGS.get(message.encoding)
+    if known is None:
+        raise SequenceFormatError(f"images of the encoding {message.encoding!r} are not read. Record them as mono8, mono16 or rgb8.")
+    kind, channels, colors = known
+    dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
+    data = np.frombuffer(message.data, np.uint8, message.height * message.step).reshape(message.height, message.step)
+    pixels = np.ascontiguousarray(data[:, : message.width * channels * dtype.itemsize]).view(dtype)
+    return pixels.reshape(message.height, message.width, channels)[..., list(colors)] if colors else pixels
+
+
+def _matrix_of(translation: Any, rotation: Any) -> Matrix | None:
+    """Translation (m) and quaternion as (4, 4) in mm; None where they are no pose."""
+    quaternion = np.array([rotation.x, rotation.y, rotation.z, rotation.w], dtype=np.float64)
+    moved = np.array([translation.x, translation.y, translation.z], dtype=np.float64)
+    with np.errstate(over="ignore", invalid="ignore"):
+        length = float(np.linalg.norm(quaternion))
+    if not np.isfinite([*quaternion, *moved]).all() or not abs(length - 1.0) <= QUATERNION_TOLERANCE:
+        return None
+    # By hand: what Slicer's own process imports loads no SciPy
+    (*vector, w), matrix = quaternion / length, np.eye(4)
+    x, y, z = vector
+    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    matrix[:3, :3] += 2 * (w * across + across @ across)
+    matrix[:3, 3] = MILLIMETERS * moved
+    return matrix
 
 
 def _is_folder(path: Path) -> bool:

@@ -8,22 +8,22 @@ scene.
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 import weakref
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ....arrays import Matrix, Numbers
+from ....arrays import Matrix
 from ....errors import AIFReconError, SequenceFormatError, TransformError
 from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ....imaging.images import ImagesOnDemand, ImageStack
 from ....message import said
 from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
@@ -36,7 +36,6 @@ from ..metafiles import METAFILES
 from ..transforms import pair_transforms
 
 IMAGE = TransformName("Image", "Reference")
-MOST_PARENTS = 100
 NO_STATUS = "Slicer's bundles say of every pose that it is valid: frames in which the tracker was lost may have the last one before."
 _PICTURES, _MOVES = "VolumeSequenceStorage", "LinearTransformSequenceStorage"
 
@@ -47,44 +46,26 @@ def _read(path: Path, orientation: str | None) -> Recorded:
     with readable, zipfile.ZipFile(path) as archive, ExitStack() as stack:
         folder = stack.enter_context(workspace(Path(tempfile.gettempdir())))
         try:
-            recorded = _recorded(_Scene.of(path, archive, folder), orientation)
+            recorded = _recorded(_Scene(path, archive, folder), orientation)
         except AIFReconError as error:
             text = str(said(error))
             if str(folder) not in text:
                 raise
             raise SequenceFormatError(f"{path}: {text.replace(f'{folder}{os.sep}', '')}", error) from error
-        images = _Unpacked(recorded.images)
-        weakref.finalize(images, stack.pop_all().close)
-    return replace(recorded, images=images)
+        weakref.finalize(recorded.images, stack.pop_all().close)
+    return recorded
 
 
-class _Unpacked(ImagesOnDemand):
-    """Images of a file that is there as long as these are."""
-
-    def __init__(self, images: ImageStack):
-        self._images = images
-        self.shape, self.dtype = images.shape, images.dtype
-
-    def _image(self, index: int) -> Numbers:
-        return self._images[index]
-
-
-@dataclass(frozen=True)
 class _Scene:
-    path: Path
-    archive: zipfile.ZipFile
-    folder: Path
-    nodes: Mapping[str, Element]
-    base: str
+    """The nodes of a scene, by their ids, and the files that they name."""
 
-    @classmethod
-    def of(cls, path: Path, archive: zipfile.ZipFile, folder: Path) -> _Scene:
+    def __init__(self, path: Path, archive: zipfile.ZipFile, folder: Path):
+        self.path, self._archive, self._folder = path, archive, folder
         names = [name for name in archive.namelist() if name.lower().endswith(".mrml")]
         if len(names) != 1:
             raise SequenceFormatError(f"{path}: it must hold one scene (.mrml); got {len(names)}. Save it from Slicer again.")
-        root = parse_xml(Path(archive.extract(names[0], folder)))
-        nodes = {node.get("id", ""): node for node in root.iter() if node.get("id")}
-        return cls(path, archive, folder, nodes, str(PurePosixPath(names[0]).parent))
+        self._base = PurePosixPath(names[0]).parent
+        self.nodes = {node.get("id", ""): node for node in parse_xml(Path(archive.extract(names[0], folder))).iter()}
 
     def references(self, node: Element) -> dict[str, str]:
         """Ids of the first node in each role."""
@@ -95,71 +76,54 @@ class _Scene:
         """The transform that a node is under."""
         return self.nodes.get(self.references(node).get("transform", node.get("transformNodeRef", "")))
 
-    def storage(self, node: Element) -> Element | None:
-        return self.nodes.get(self.references(node).get("storage", node.get("storageNodeRef", "")))
+    def storage(self, node: Element) -> Element:
+        """What says where the file of a node is; an element without a word where nothing does."""
+        return self.nodes.get(self.references(node).get("storage", node.get("storageNodeRef", "")), Element(""))
 
     def stored(self, node: Element) -> Path:
         """The file of a node."""
-        storage = self.storage(node)
-        name = "" if storage is None else storage.get("fileName", "")
-        for spelled in (name, unquote(name)):
-            member = str(PurePosixPath(self.base, spelled))
-            if spelled and member in self.archive.NameToInfo:
-                return Path(self.archive.extract(member, self.folder))
+        name = self.storage(node).get("fileName", "")
+        for member in (str(self._base / spelled) for spelled in (name, unquote(name))):
+            if member in self._archive.NameToInfo:
+                return Path(self._archive.extract(member, self._folder))
         raise SequenceFormatError(
             f"{self.path}: the file of {node.get('name')} ({name or 'none'}) is not in it. Save it from Slicer again."
         )
 
+    def replayed(self, browser: Element) -> list[tuple[Element, Element | None]]:
+        """Sequences of a browser, each with the node that it is replayed into."""
+        roles = self.references(browser)
+        numbered = ((re.fullmatch("(sequenceNodeRef|rootNodeRef)(.*)", role), self.nodes.get(found)) for role, found in roles.items())
+        return [(node, self.nodes.get(roles.get(f"dataNodeRef{of[2]}", ""))) for of, node in numbered if of and node is not None]
+
 
 def _recorded(scene: _Scene, orientation: str | None) -> Recorded:
-    browsers = [node for node in scene.nodes.values() if node.tag == "SequenceBrowser"]
-    found = [
-        (browser, sequence) for browser in browsers for sequence, _ in _replayed(scene, browser) if _kind(scene, sequence) == _PICTURES
-    ]
+    browsers = [scene.replayed(node) for node in scene.nodes.values() if node.tag == "SequenceBrowser"]
+    found = [(each, *pair) for each in browsers for pair in each if scene.storage(pair[0]).tag == _PICTURES]
     if len(found) != 1:
-        names = ", ".join(str(sequence.get("name")) for _, sequence in found)
+        names = ", ".join(str(sequence.get("name")) for _, sequence, _ in found)
         raise SequenceFormatError(
             f"{scene.path}: it must hold one recording of images; got {len(found)}{names and f' ({names})'}. Save a scene with one of them."
         )
-    browser, pictures = found[0]
-    replayed = _replayed(scene, browser)
+    replayed, pictures, proxy = found[0]
     recorded = METAFILES.read(scene.stored(pictures), orientation)
-    sequence_of = {proxy.get("id"): sequence for sequence, proxy in replayed if proxy is not None}
-    proxy = next(node for sequence, node in replayed if sequence is pictures)
-    chain = [] if proxy is None else _above(scene, proxy)
+    sequence_of = {into.get("id"): sequence for sequence, into in replayed if into is not None}
+    chain = _above(scene, proxy)
     if any(link.get("id") in sequence_of for link in chain):
         records: Sequence[FrameRecord] = _placed(scene, recorded.records, [(link, sequence_of.get(link.get("id"))) for link in chain])
     else:
-        records = _beside(scene, recorded.records, [sequence for sequence, _ in replayed if _kind(scene, sequence) == _MOVES])
+        moves = [sequence for sequence, _ in replayed if scene.storage(sequence).tag == _MOVES]
+        records = _beside(scene, recorded.records, moves)
     return replace(recorded, records=records, notes=(*recorded.notes, NO_STATUS))
 
 
-def _replayed(scene: _Scene, browser: Element) -> list[tuple[Element, Element | None]]:
-    """Sequences of a browser, each with the node that it is replayed into."""
-    roles = scene.references(browser)
-    pairs = []
-    for role, identifier in roles.items():
-        for prefix in ("sequenceNodeRef", "rootNodeRef"):
-            sequence = scene.nodes.get(identifier)
-            if role.startswith(prefix) and sequence is not None:
-                pairs.append((sequence, scene.nodes.get(roles.get(f"dataNodeRef{role.removeprefix(prefix)}", ""))))
-    return pairs
-
-
-def _kind(scene: _Scene, sequence: Element) -> str | None:
-    storage = scene.storage(sequence)
-    return None if storage is None else storage.tag
-
-
-def _above(scene: _Scene, node: Element) -> list[Element]:
+def _above(scene: _Scene, node: Element | None) -> list[Element]:
     """The transforms above a node, nearest first."""
     chain: list[Element] = []
-    parent = scene.parent(node)
-    while parent is not None:
-        chain.append(parent)
-        if len(chain) > MOST_PARENTS:
+    while node is not None and (node := scene.parent(node)) is not None:
+        if node in chain:
             raise SequenceFormatError(f"{scene.path}: the transforms above the images lead in a circle. Save it from Slicer again.")
-        parent = scene.parent(parent)
+        chain.append(node)
     return chain
 
 
@@ -168,8 +132,7 @@ def _placed(scene: _Scene, records: Sequence[FrameRecord], chain: list[tuple[Ele
     product = [TransformSample(np.eye(4))] * len(records)
     for link, sequence in chain:
         if sequence is None:
-            still = TransformSample(_still(scene, link))
-            samples = [still] * len(records)
+            samples = [TransformSample(_still(scene, link))] * len(records)
         else:
             name = TransformName("Below", "Above")
             paired, _ = pair_transforms(records, {str(name): scene.stored(sequence)})
