@@ -25,6 +25,9 @@ REQUIREMENTS = pathlib.Path(__file__).resolve().parent.parent / "Resources" / "r
 MODEL = "onnxruntime>=1.18"
 """What runs a network in a file; the same as the extra `ai` of the library, which a test compares."""
 
+PAGE = "jinja2>=3"
+"""What writes pages; the same as a dependency of the library, which a test compares."""
+
 FAST = "numba>=0.60"
 """What makes reconstruction faster; the same as the extra `fast` of the library, which a test compares."""
 
@@ -70,6 +73,12 @@ def ensureModelPackages() -> None:
     """Make sure that onnxruntime is there, asking the user first; errors as for `ensureLivePackages`."""
     question = _("An AI model in a file needs the Python package onnxruntime, a download from the internet. Install it now?")
     _ensure(lambda: [] if isInstalled(MODEL) else [MODEL], question, "an AI model in a file needs it")
+
+
+def ensurePagePackages() -> None:
+    """Make sure that jinja2 is there, asking the user first; errors as for `ensureLivePackages`."""
+    question = _("A page needs the Python package jinja2, a small download from the internet. Install it now?")
+    _ensure(lambda: [] if isInstalled(PAGE) else [PAGE], question, "a page needs it")
 
 
 def _ensure(missing, question: str, need: str) -> None:

@@ -6,26 +6,25 @@ import contextlib
 import importlib.util
 import io
 import textwrap
-from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Floats
+from ..arrays import Floats, Mask
 from ..errors import OutputError, require_kind
 from ..geometry.volume import Volume, VoxelGrid
 from ..io.disk.atomic import atomic_output
 from ..message import shorten
-from .slices import cut, planes, whole_cut
+from .slices import Plane, cut, planes, whole_cut
 from .surface import BoneSurface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from matplotlib.text import Text
 
 CT_WINDOW = (-200.0, 700.0)
 """Hounsfield units shown from black to white: soft tissue and bone."""
@@ -36,14 +35,15 @@ PAPER, INK_ON_PAPER = "#ffffff", "#111111"
 NOT_SCANNED = "#1b2740"
 BONE_COLOR = "#ffb000"
 
-PANEL, GAP, LEFT, TOP, TOP_UNTITLED = 2.4, 0.08, 0.35, 0.72, 0.35
-"""Inches: width of a panel, between panels, and what the names of planes and volumes and the title take."""
+PANEL, GAP, LEFT, TOP, ABOVE = 2.4, 0.08, 0.35, 0.55, 0.2
+"""Inches: width of a panel that is compared, between panels, and what is left for names of planes, for title and note, and for a name."""
 
 DPI, PRINT_DPI = 130, 300
-PITCH = 0.25
-"""mm of a pixel."""
+PIXELS = 600
+"""Along the longest side of a cut."""
 
-LONGEST_NAME, LETTERS_PER_INCH = 30, 10
+LONGEST_NAME, LETTERS_PER_INCH, NARROWEST = 30, 10, 6.0
+"""Letters of a name, letters of a title to the inch, and inches of a figure at least."""
 
 LOOKS = {
     "figure.facecolor": BACKGROUND,
@@ -112,6 +112,90 @@ def png_of(figure: Figure) -> bytes:
     png = io.BytesIO()
     figure.savefig(png, format="png")
     return png.getvalue()
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One picture of a figure: gray levels (NaN where there are none), its size in mm, and what is drawn in it and written beside it."""
+
+    name: str
+    picture: Floats
+    size: tuple[float, float]
+    edges: tuple[str, str, str, str]
+    window: tuple[float, float]
+    outline: Mask | None = None
+    side: str = ""
+
+
+def cut_panel(
+    name: str,
+    volume: Volume,
+    plane: Plane,
+    place: tuple[Floats, tuple[float, float]],
+    window: tuple[float, float],
+    seen: Volume | None = None,
+    labels: Volume | None = None,
+) -> Panel:
+    """A volume cut at a place, as `whole_cut` tells it; nothing where `seen` is 0, and the outline of what is labeled."""
+    middle, size = place
+    pitch = max(size) / PIXELS
+    picture = cut(volume, plane, middle, *size, pitch)
+    if seen is not None:
+        picture[~(cut(seen, plane, middle, *size, pitch, order=0) > 0)] = np.nan
+    outline = None if labels is None else cut(labels, plane, middle, *size, pitch, order=0) > 0
+    return Panel(name, picture, size, plane.edges, window, outline)
+
+
+def draw_panels(rows: Sequence[Sequence[Panel]], scale: float, title: str, note: str, white: bool = False) -> Figure:
+    """Rows of panels under a title and a note; all have one scale, in inches per mm, and so one scale bar."""
+    background, ink, tint = (PAPER, INK_ON_PAPER, NOT_SCANNED) if white else (BACKGROUND, INK, "#9fb3dd")
+    widths = [scale * max(row[n].size[0] for row in rows if n < len(row)) for n in range(len(rows[0]))]
+    heights = [scale * max(panel.size[1] for panel in row) for row in rows]
+    width = max(LEFT + sum(widths) + len(widths) * GAP, NARROWEST)
+    height = TOP + sum(heights) + len(rows) * (GAP + ABOVE)
+    figure = new_figure(width, height, facecolor=background)
+    bottom = height - TOP
+    for row, tall in zip(rows, heights, strict=True):
+        bottom -= ABOVE + tall
+        left = LEFT
+        for panel, wide in zip(row, widths, strict=False):
+            w, h = (scale * side for side in panel.size)
+            x, y = left + (wide - w) / 2, bottom + (tall - h) / 2
+            ax = figure.add_axes((x / width, y / height, w / width, h / height))
+            _show(ax, panel, ink)
+            left += wide + GAP
+        bottom -= GAP
+    _scale_bar(ax, row[-1].size)
+    title = "\n".join(textwrap.wrap(title, int(LETTERS_PER_INCH * width)))
+    figure.text(LEFT / width, 1 - 0.1 / height, title, color=ink, fontsize=11, ha="left", va="top")
+    figure.text(1 - GAP / width, 1 - 0.35 / height, note, color=tint, fontsize=9, ha="right", va="top")
+    return figure
+
+
+def _show(ax: Axes, panel: Panel, ink: str) -> None:
+    from matplotlib.patheffects import withStroke
+
+    extent = (0.0, panel.size[0], panel.size[1], 0.0)
+    ax.imshow(panel.picture, cmap="gray", vmin=panel.window[0], vmax=panel.window[1], extent=extent, aspect="auto")
+    if panel.outline is not None and panel.outline.any() and not panel.outline.all():
+        ax.contour(panel.outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.6, alpha=0.8, extent=extent, origin="upper")
+    ax.set(xlim=extent[:2], ylim=extent[2:], xticks=[], yticks=[], facecolor=NOT_SCANNED)
+    ax.spines[:].set_visible(False)
+    ax.set_title(_shortened(panel.name), color=ink, fontsize=10, pad=3)
+    ax.set_ylabel(panel.side, color=ink, fontsize=9)
+    places = ((0.02, 0.5, "left", "center"), (0.98, 0.5, "right", "center"), (0.5, 0.98, "center", "top"), (0.5, 0.02, "center", "bottom"))
+    around = [withStroke(linewidth=2, foreground=BACKGROUND)]
+    for letter, (x, y, across, up) in zip(panel.edges, places, strict=True):
+        ax.text(x, y, letter, fontsize=8, ha=across, va=up, transform=ax.transAxes, path_effects=around)
+
+
+def _scale_bar(ax: Axes, size: tuple[float, float]) -> None:
+    """A bar of a round length at the lower right of a panel."""
+    width, height = size
+    length = max(mm for mm in (1, 2, 5, 10, 20, 50, 100) if mm == 1 or mm <= width / 3)
+    x, y = width - length - 0.04 * width, 0.93 * height
+    ax.plot([x, x + length], [y, y], color=INK, linewidth=1.5, solid_capstyle="butt")
+    ax.text(x + length / 2, y - 0.02 * height, f"{length:g} mm", fontsize=7, ha="center", va="bottom")
 
 
 @dataclass(frozen=True)
@@ -188,50 +272,21 @@ def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
 
 def _draw(shown: ComparisonFigure) -> Figure:
     ways = planes(shown.ct is not None or shown.bone is not None)
-    mask, window = shown.mask, shown.gray_window
-    background, ink = (PAPER, INK_ON_PAPER) if shown.white else (BACKGROUND, INK)
-    grid = next(iter(shown.volumes.values())).grid
-    names = list(shown.volumes) if shown.ct is None else ["CT and its bone" if shown.bone is not None else "CT", *shown.volumes]
-    # All panels have one width and one scale, so that one scale bar holds for all
-    wholes = [whole_cut(grid, plane, shown.center_ras) for plane in ways]
+    wholes = [whole_cut(next(iter(shown.volumes.values())).grid, plane, shown.center_ras) for plane in ways]
     width = max(size[0] for _, size in wholes)
-    sizes = [(width, size[1]) for _, size in wholes]
-    heights = [PANEL * height / width for _, height in sizes]
-    figure_width = LEFT + len(names) * (PANEL + GAP)
-    above = TOP if shown.title or mask is not None else TOP_UNTITLED
-    figure_height = above + sum(heights) + len(ways) * GAP
-    figure = new_figure(figure_width, figure_height, facecolor=background)
-    top = figure_height - above
-    for plane, (middle, (_, height)), panel_height in zip(ways, wholes, heights, strict=True):
-        extent = (0.0, width, height, 0.0)
-        places = [(LEFT + column * (PANEL + GAP), top - panel_height, PANEL, panel_height) for column in range(len(names))]
-        axes = [figure.add_axes((x / figure_width, y / figure_height, w / figure_width, h / figure_height)) for x, y, w, h in places]
-        pictures = [np.nan_to_num(cut(volume, plane, middle, width, height, PITCH)) for volume in shown.volumes.values()]
-        if mask is not None:
-            scanned = np.nan_to_num(cut(mask, plane, middle, width, height, PITCH, order=0)) > 0
-            # Not typed in every numpy
-            pictures = [cast("Any", np.ma).masked_array(picture, mask=~scanned) for picture in pictures]
-        windows = [window] * len(pictures)
-        if shown.ct is not None:
-            pictures, windows = [cut(shown.ct, plane, middle, width, height, PITCH), *pictures], [CT_WINDOW, *windows]
-        outline = None if shown.bone is None else np.nan_to_num(cut(shown.bone, plane, middle, width, height, PITCH, order=0)) > 0
-        for column, (ax, picture, (black, white)) in enumerate(zip(axes, pictures, windows, strict=True)):
-            ax.imshow(picture, cmap="gray", vmin=black, vmax=white, extent=extent)
-            if outline is not None and (column == 0 or shown.ct is None) and outline.any() and not outline.all():
-                ax.contour(outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.5, extent=extent, origin="upper")
-            edge_letters(ax, plane.edges, 0.02, 7, alpha=0.7)
-            if plane is ways[0]:
-                ax.set_title(_shortened(names[column]), color=ink, fontsize=10)
-        axes[0].set_ylabel(plane.name, color=ink, fontsize=9)
-        top -= panel_height + GAP
-    _scale_bar(axes[-1], sizes[-1])
-    title_y = 1 - 0.12 / figure_height
-    if mask is not None:
-        words = figure.text(1 - GAP / figure_width, title_y, "blue: not scanned", fontsize=9, ha="right", va="top")
-        words.set_color(NOT_SCANNED if shown.white else "#7f9ad0")
-    title = "\n".join(textwrap.wrap(shown.title, int(LETTERS_PER_INCH * figure_width)))
-    figure.suptitle(title, color=ink, fontsize=11, x=LEFT / figure_width, ha="left", y=title_y)
-    return figure
+    rows = []
+    for plane, (middle, (_, height)) in zip(ways, wholes, strict=True):
+        place, bone = (middle, (width, height)), shown.bone
+        row = (
+            []
+            if shown.ct is None
+            else [cut_panel("CT" if bone is None else "CT and its bone", shown.ct, plane, place, CT_WINDOW, None, bone)]
+        )
+        outlined = bone if shown.ct is None else None
+        row += [cut_panel(name, volume, plane, place, shown.gray_window, shown.mask, outlined) for name, volume in shown.volumes.items()]
+        named = row if plane is ways[0] else [replace(panel, name="") for panel in row]
+        rows.append([replace(named[0], side=plane.name), *named[1:]])
+    return draw_panels(rows, PANEL / width, shown.title, "" if shown.mask is None else "blue: not scanned", shown.white)
 
 
 def _brightest(volumes: Collection[Volume]) -> float:
@@ -243,26 +298,3 @@ def _brightest(volumes: Collection[Volume]) -> float:
 def _shortened(name: str) -> str:
     """The end of a name, for that is where methods tend to stand, as far as it fits over a panel."""
     return name if len(name) <= LONGEST_NAME else "\N{HORIZONTAL ELLIPSIS}" + name[1 - LONGEST_NAME :]
-
-
-def edge_letters(ax: Axes, plane_edges: tuple[str, str, str, str], inset: float, size: float, **looks: Any) -> list[Text]:
-    """Write which way is which at the left, right, top and bottom edge of a picture without ticks and frame."""
-    ax.set(xticks=[], yticks=[], facecolor=NOT_SCANNED)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
-    from matplotlib.patheffects import withStroke
-
-    far = 1 - inset
-    looks = {"path_effects": [withStroke(linewidth=1.5, foreground=BACKGROUND)], **looks}
-    places = ((inset, 0.5, "left", "center"), (far, 0.5, "right", "center"), (0.5, far, "center", "top"), (0.5, inset, "center", "bottom"))
-    return [
-        ax.text(x, y, letter, fontsize=size, ha=across, va=up, transform=ax.transAxes, **looks)
-        for letter, (x, y, across, up) in zip(plane_edges, places, strict=True)
-    ]
-
-
-def _scale_bar(ax: Axes, size: tuple[float, float], length: float = 20.0) -> None:
-    width, height = size
-    x, y = width - length - 0.04 * width, 0.93 * height
-    ax.plot([x, x + length], [y, y], color=INK, linewidth=1.5, solid_capstyle="butt")
-    ax.text(x + length / 2, y - 0.02 * height, f"{length:g} mm", fontsize=7, ha="center", va="bottom")

@@ -10,15 +10,14 @@ import numpy as np
 
 from ..arrays import Floats, Mask, Numbers
 from ..geometry.transforms import transform_points
-from ..geometry.volume import Volume, VoxelGrid
+from ..geometry.volume import Volume
 from ..imaging.gray_window import gray_window
 from ..io.disk.atomic import atomic_output
-from .figures import BACKGROUND, BONE_COLOR, CT_WINDOW, INK, edge_letters, new_figure, own_looks, png_of
-from .slices import Plane, axis_ends, cut, planes, whole_cut
+from .figures import CT_WINDOW, Panel, cut_panel, draw_panels, own_looks, png_of
+from .slices import axis_ends, planes, whole_cut
 from .surface import median
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 BRIGHTEST = 0.998
@@ -31,12 +30,8 @@ BEHIND, BONE, DIMMED, STEEP = 8.0, 0.6, 0.6, 0.8
 """mm over which bone has a shadow; part of the strongest from which on it is bone; part by which the farthest is dimmed; part of a beam
 along z from which on y is up."""
 
-WIDTH, LONGEST_HEIGHT = 10.0, 9.0
-"""Inches."""
-
-GAP, TOP, BOTTOM, LONGEST_BAR = 0.1, 0.55, 0.1, 1.2
-PITCHES = 600
-"""Pixels along the longest side of a cut."""
+WIDTH, LONGEST_HEIGHT = 9.5, 8.0
+"""Inches that panels take together, at most; beside a CT half as much again across."""
 
 
 @dataclass(frozen=True)
@@ -55,18 +50,6 @@ class PreviewImage:
         """Write the PNG file, or no part of it; an OutputError where it cannot be written."""
         with atomic_output(path) as temporary:
             Path(temporary).write_bytes(self.png)
-
-
-@dataclass(frozen=True)
-class _Panel:
-    """One picture of the figure: gray levels (NaN where there are none), its size in mm, and what is drawn in it."""
-
-    name: str
-    picture: Floats
-    size: tuple[float, float]
-    edges: tuple[str, str, str, str]
-    window: tuple[float, float]
-    outline: Mask | None = None
 
 
 @own_looks()
@@ -110,16 +93,25 @@ def preview(
     window = gray_window(volume.array, seen.array)
     patient = labels is not None or ct is not None if patient is None else patient
     ways = planes(patient)
-    panels = [_cut_panel(volume, plane, center, window, seen, labels) for plane in ways]
+    places = [whole_cut(volume.grid, plane, center) for plane in ways]
+    panels = [cut_panel(plane.name, volume, plane, place, window, seen, labels) for plane, place in zip(ways, places, strict=True)]
     panels.append(_projection(volume, scanned, window, patient, beam, score))
-    columns = 2
     if ct is not None:
-        panels += [_cut_panel(ct, plane, center, CT_WINDOW, None, labels, volume.grid, "CT, ") for plane in ways]
-        columns = 4
+        beside = zip(ways, places, strict=True)
+        panels += [cut_panel(f"CT, {plane.name}", ct, plane, place, CT_WINDOW, None, labels) for plane, place in beside]
     notes = ["blue: not scanned" if mask is not None else "blue: 0, not scanned or black"]
     if labels is not None:
         notes.append("orange: bone of the CT")
-    return PreviewImage(png_of(_draw(panels, columns, title, ", ".join(notes))))
+    return PreviewImage(png_of(_draw(panels, title, ", ".join(notes))))
+
+
+def _draw(panels: list[Panel], title: str, note: str) -> Figure:
+    """Two columns, or four with a CT."""
+    columns = 2 if len(panels) == 4 else 4
+    rows = [panels[:columns], panels[columns:]]
+    wide = sum(max(panel.size[0] for panel in panels[n::columns]) for n in range(columns))
+    tall = sum(max(panel.size[1] for panel in row) for row in rows)
+    return draw_panels(rows, min(WIDTH * (1.0 if columns == 2 else 1.5) / wide, LONGEST_HEIGHT / tall), title, note)
 
 
 def middle_of_bone(volume: Volume, scanned: Mask, labels: Volume | None) -> Floats:
@@ -144,29 +136,9 @@ def middle_of_bone(volume: Volume, scanned: Mask, labels: Volume | None) -> Floa
     return center
 
 
-def _cut_panel(
-    volume: Volume,
-    plane: Plane,
-    center: Floats,
-    window: tuple[float, float],
-    seen: Volume | None,
-    labels: Volume | None,
-    grid: VoxelGrid | None = None,
-    name: str = "",
-) -> _Panel:
-    """The cut through `center`, over all of `grid` (by default the volume's own)."""
-    middle, size = whole_cut(grid or volume.grid, plane, center)
-    pitch = max(size) / PITCHES
-    picture = cut(volume, plane, middle, *size, pitch)
-    if seen is not None:
-        picture[~(cut(seen, plane, middle, *size, pitch, order=0) > 0)] = np.nan
-    outline = None if labels is None else cut(labels, plane, middle, *size, pitch, order=0) > 0
-    return _Panel(name + plane.name, picture, size, plane.edges, window, outline)
-
-
 def _projection(
     volume: Volume, scanned: Mask, window: tuple[float, float], patient: bool, beam: Floats | None, score: Volume | None = None
-) -> _Panel:
+) -> Panel:
     """Bone as the probe sees it, along the axis of the grid that runs nearest to its beams: the nearer, the brighter.
 
     Where nothing tells how they run, what is brightest along y.
@@ -192,7 +164,7 @@ def _projection(
     side = (volume.grid.size[across] * float(volume.grid.spacing[across]), volume.grid.size[down] * float(volume.grid.spacing[down]))
     edges = ("L", "R", "S", "I") if from_behind else (*axis_ends(right), *axis_ends(-up))
     if beam is None and not patient:
-        return _Panel("brightest along y", _brightest(turned(volume.array), met), side, edges, window)
+        return Panel("brightest along y", _brightest(turned(volume.array), met), side, edges, window)
     trusted = np.ones(met.shape, bool) if score is None else turned(score.array) >= _better_half(score)
     behind = max(round(BEHIND / float(volume.grid.spacing[through])), 1)
     rows = [_bone_along(*row, behind) for row in zip(turned(volume.array), met, trusted, strict=True)]
@@ -203,7 +175,7 @@ def _projection(
         first, last = np.quantile(depths[bone], (0.02, 0.98))
         rises *= 1 - DIMMED * np.clip((depths - first) / max(last - first, 1.0), 0, 1)
     name = "bone, from behind" if from_behind else f"bone, seen along {axis_ends(ahead)[1]}"
-    return _Panel(name, rises, side, edges, (0.0, top or 1.0))
+    return Panel(name, rises, side, edges, (0.0, top or 1.0))
 
 
 def _brightest(levels: Numbers, met: Mask) -> Floats:
@@ -234,53 +206,3 @@ def _bone_along(levels: Numbers, met: Mask, trusted: Mask, behind: int) -> tuple
     highest: Floats = rises.max(axis=1, initial=0.0)
     highest[~met.any(axis=1)] = np.nan
     return highest, rises.argmax(axis=1).astype(np.float64)
-
-
-def _draw(panels: list[_Panel], columns: int, title: str, note: str) -> Figure:
-    rows = [panels[first : first + columns] for first in range(0, len(panels), columns)]
-    widths = [max(row[column].size[0] for row in rows if column < len(row)) for column in range(columns)]
-    heights = [max(panel.size[1] for panel in row) for row in rows]
-    width = WIDTH * (1 if columns == 2 else 1.5)
-    scale = min((width - (columns + 1) * GAP) / sum(widths), (LONGEST_HEIGHT - TOP - BOTTOM - len(rows) * (GAP + 0.2)) / sum(heights))
-    width = max(scale * sum(widths) + (columns + 1) * GAP, 6.0)
-    height = scale * sum(heights) + TOP + BOTTOM + len(rows) * (GAP + 0.2)
-    figure = new_figure(width, height)
-    top = height - TOP
-    left_of_all = (width - scale * sum(widths) - (columns - 1) * GAP) / 2
-    for row, tall in zip(rows, heights, strict=True):
-        top -= 0.2
-        left = left_of_all
-        for panel, wide in zip(row, widths, strict=False):
-            w, h = (scale * side for side in panel.size)
-            x, y = left + (scale * wide - w) / 2, top - (scale * tall + h) / 2
-            ax = figure.add_axes((x / width, y / height, w / width, h / height))
-            _show(ax, panel)
-            ax.set_title(panel.name, fontsize=9, pad=3)
-            left += scale * wide + GAP
-        top -= scale * tall + GAP
-    _scale_bar(figure, width, height, scale)
-    figure.text(GAP / width, 1 - 0.1 / height, title, fontsize=10, ha="left", va="top")
-    figure.text(GAP / width, 1 - 0.3 / height, note, color="#9fb3dd", fontsize=8, ha="left", va="top")
-    return figure
-
-
-def _show(ax: Axes, panel: _Panel) -> None:
-    from matplotlib.patheffects import withStroke
-
-    extent = (0.0, panel.size[0], panel.size[1], 0.0)
-    ax.imshow(panel.picture, cmap="gray", vmin=panel.window[0], vmax=panel.window[1], extent=extent, aspect="auto")
-    if panel.outline is not None and panel.outline.any() and not panel.outline.all():
-        ax.contour(panel.outline, levels=[0.5], colors=[BONE_COLOR], linewidths=0.6, alpha=0.8, extent=extent, origin="upper")
-    for text in edge_letters(ax, panel.edges, 0.015, 8):
-        text.set_path_effects([withStroke(linewidth=2, foreground=BACKGROUND)])
-    ax.set(xlim=extent[:2], ylim=extent[2:])
-
-
-def _scale_bar(figure: Figure, width: float, height: float, scale: float) -> None:
-    """A bar of a round length at the top right; all panels have one scale, in inches per mm."""
-    from matplotlib.lines import Line2D
-
-    length = max(mm for mm in (1, 2, 5, 10, 20, 50, 100, 200) if mm == 1 or scale * mm <= LONGEST_BAR)
-    right, y = 1 - GAP / width, 1 - 0.4 / height
-    figure.add_artist(Line2D([right - scale * length / width, right], [y, y], color=INK, linewidth=2, solid_capstyle="butt"))
-    figure.text(right - scale * length / width / 2, y + 0.05 / height, f"{length:g} mm", fontsize=8, ha="center", va="bottom")

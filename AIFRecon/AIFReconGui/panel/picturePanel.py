@@ -14,6 +14,8 @@ from AIFReconScene.picture.sweepPage import tellOf, whyNotTell
 from AIFReconScene.volumes.volumeNodes import measuredOf
 from slicer.i18n import tr as _
 
+from ..longWork import errorsShown
+from ..packages import ensurePagePackages
 from .layout import enable
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Picture.ui"
@@ -90,12 +92,7 @@ class PicturePanel:
 
     def onCopyLine(self) -> None:
         """Put one line about the reconstruction into the clipboard."""
-
-        def work(parameters, progress):
-            qt.QApplication.clipboard().setText(self._tell(parameters, None, progress))
-            return ""
-
-        self._work.run(_("Report"), _("The summary could not be made."), work, self._parameterNode)
+        self._tell(None, _("The summary could not be made."), lambda line: qt.QApplication.clipboard().setText(line))
 
     def onSaveReport(self) -> None:
         """Ask where to, and write the page."""
@@ -109,12 +106,18 @@ class PicturePanel:
         """Write the page, completely or not at all; a name without a suffix is given one."""
         path = path if path.suffix.lower() in (".html", ".htm") else path.with_name(f"{path.name}.html")
 
+        failure = _("The report was not saved.")
+        with errorsShown(failure) as outcome:
+            ensurePagePackages()
+        if outcome.error is None:
+            self._tell(path, failure)
+
+    def _tell(self, path, failure: str, use=lambda line: None) -> None:
+        """Write the page, where there is a path, and use the line."""
+
         def work(parameters, progress):
-            self._tell(parameters, path, progress)
+            _title, tracking = self._trackingOf(parameters)
+            use(tellOf(parameters, tracking, path, progress))
             return ""
 
-        self._work.run(_("Report"), _("The report was not saved."), work, self._parameterNode)
-
-    def _tell(self, parameters, path, progress) -> str:
-        _title, tracking = self._trackingOf(parameters)
-        return tellOf(parameters, tracking, path, progress)
+        self._work.run(_("Report"), failure, work, self._parameterNode)

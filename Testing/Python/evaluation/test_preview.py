@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from AIFReconLib.evaluation import preview as room
-from AIFReconLib.evaluation.figures import BONE_COLOR, NOT_SCANNED
+from AIFReconLib.evaluation.figures import BONE_COLOR, NOT_SCANNED, cut_panel
 from AIFReconLib.evaluation.preview import preview
-from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, planes
+from AIFReconLib.evaluation.slices import AXIAL, CORONAL, SAGITTAL, planes, whole_cut
 from AIFReconLib.geometry.volume import Volume, VoxelGrid
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
@@ -33,7 +33,7 @@ def volume_with(*bright, background=40) -> Volume:
 
 def panel_of(plane, volume, labels=None):
     center = room.middle_of_bone(volume, volume.array != 0, labels)
-    return room._cut_panel(volume, plane, center, (0.0, 255.0), None, labels)
+    return cut_panel("", volume, plane, whole_cut(volume.grid, plane, center), (0.0, 255.0), None, labels)
 
 
 def where_brightest(picture) -> tuple[float, float]:

@@ -38,7 +38,7 @@ PACKAGES = {
     "batch": {"distributed", "jinja2", "pandas", "psutil", "pyarrow"},
     "bone": {"onnxruntime"},
     "commands": {"argcomplete"},
-    "evaluation": {"matplotlib", "vtk"},
+    "evaluation": {"jinja2", "matplotlib", "vtk"},
     "geometry": {"vtkmodules"},
     "inspection": {"vtkmodules"},
     "io": {

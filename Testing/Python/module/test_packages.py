@@ -76,5 +76,6 @@ def test_an_installation_that_fails_says_why(packages, host, qt, monkeypatch):
 def test_the_versions_are_those_of_the_library(packages):
     assert f'fast = ["{packages.FAST}"]' in PROJECT
     assert f'ai = ["{packages.MODEL}"]' in PROJECT
+    assert f'"{packages.PAGE}"' in PROJECT
     lines = [line for line in packages.REQUIREMENTS.read_text("utf-8").splitlines() if not line.startswith("#")]
     assert lines == list(dict.fromkeys(re.findall(r'"((?:pyigtl|pandas)[<=>][^"]*)"', PROJECT.partition("test = [")[0])))
