@@ -27,7 +27,7 @@ from ..terminal.reconstruction_options import ReconstructionOptions, VolumeOptio
 from ..terminal.remedies import in_options
 
 
-class PreviewOptions(PlacedLabelsOptions):
+class _PreviewOptions(PlacedLabelsOptions):
     """Draw axial, sagittal and coronal cuts through the middle of the bone, the patient's right on the left as in Slicer, and the bone
     from the probe's side. Without labels or a CT nothing tells how the patient lies: cuts then go across x, y and z.
 
@@ -60,7 +60,7 @@ def check_preview(path: Path | None) -> None:
     require_matplotlib()
 
 
-def run(asked: PreviewOptions) -> None:
+def run(asked: _PreviewOptions) -> None:
     """Read, draw, write."""
     if asked.labels and not asked.bone_labels and Path(asked.labels).exists():
         # What --bone-labels was called here once

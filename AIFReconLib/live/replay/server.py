@@ -27,17 +27,11 @@ END_INTERVAL = 0.22
 
 DRAIN_TIMEOUT = 0.5
 
-MOST_CLIENTS = 32
-"""Clients at a time; beyond it new ones are turned away."""
-
 QUEUE_BYTES = 64 * 2**20
 """What may wait for a client that reads too slowly; beyond it whole frames are left out."""
 
 REQUEST_LIMIT = 2**20
 """Bytes of a client's message; what Plus understands is far smaller."""
-
-TAKES_NOTHING = 30.0
-"""s after which a client that has taken not a byte of what waits for it is given up."""
 
 GREETING = 0.25
 """How long a new client is given to ask for header version 2 before the first frame goes out, s."""
@@ -70,8 +64,7 @@ class ReplayServer:
     The recording begins when the first client is there; a client that comes later joins in. Once every client has left it is back at
     its beginning. After the last frame of a recording that does not repeat, a STATUS of time 0 goes out every 0.22 s and the
     connections stay open. Time stamps are those of the present, frames as far apart as recorded. A client that reads slowly misses
-    whole frames and never gets a part of one; one that takes nothing at all for half a minute is disconnected, and while 32 are connected
-    others are turned away. One thread serves all.
+    whole frames and never gets a part of one. One thread serves all.
 
     Examples
     --------
@@ -106,7 +99,7 @@ class ReplayServer:
         self.host = host
         self.port = check_port(port, lowest=0)
         self.loop = loop
-        self.sent = self.served = self.turned_away = 0
+        self.sent = self.served = 0
         self._version = header_version
         self._missed = 0
         self._clients: list[_Client] = []
@@ -243,11 +236,6 @@ class ReplayServer:
 
     async def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Listen to a client for as long as it is there."""
-        if self.clients >= MOST_CLIENTS:
-            self.turned_away += 1
-            logger.warning("A client was turned away: %d are connected", MOST_CLIENTS)
-            writer.close()
-            return
         client = _Client(writer, self._version or 1)
         self._clients.append(client)
         self.served += 1
@@ -322,8 +310,7 @@ class _Client:
         self.writer, self.version = writer, version
         self.has_asked = False
         self.missed = 0
-        self._accepted = self._took_last = time.monotonic()
-        self._queued = self._taken = 0
+        self._accepted = time.monotonic()
 
     @property
     def is_ready(self) -> bool:
@@ -337,16 +324,10 @@ class _Client:
 
     def send(self, data: bytes) -> None:
         """Queue whole messages, or leave them out; never waits."""
-        waiting, now = self.waiting, time.monotonic()
-        if self._queued - waiting > self._taken or not waiting:
-            self._taken, self._took_last = self._queued - waiting, now
-        if now - self._took_last > TAKES_NOTHING:
-            self.writer.transport.abort()
-        elif waiting + len(data) > QUEUE_BYTES and waiting:
+        if self.waiting and self.waiting + len(data) > QUEUE_BYTES:
             self.missed += 1
         elif not self.writer.transport.is_closing():
             self.writer.write(data)
-            self._queued += len(data)
 
 
 def _listen(host: str, port: int) -> socket.socket:
