@@ -20,8 +20,8 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.bone_watch import predictions_beside
 from ..live.session.session import LiveSession
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.joint_source import JointSource
-from ..live.wire.sources import MessageSource, StreamStatistics
+from ..live.wire.joint_poses import JointPoses
+from ..live.wire.sources import StreamStatistics
 from ..message import one_line, shorten
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION
@@ -171,7 +171,7 @@ def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLink
         tracker_frame=asked.tracker_frame,
     )
     _check_bone_options(asked)
-    client = OpenIGTLinkClient(asked.host, asked.port, takes_readings=asked.mechanism is not None)
+    client = OpenIGTLinkClient(asked.host, asked.port, in_place=_joints(asked.mechanism))
     with ProgressBar() as progress:
         job = ScanJob(
             recipe,
@@ -182,7 +182,7 @@ def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLink
             record=asked.record,
             frame_limit=asked.frames,
         )
-        scan = LiveScan(job, _with_poses(client, asked.mechanism), progress)
+        scan = LiveScan(job, client, progress)
     recorder = scan.session.recorder
     if recorder is not None:
         # Its name may be another than was asked for
@@ -222,14 +222,14 @@ def _bone_lines(scan: LiveScan) -> list[str]:
     return lines
 
 
-def _with_poses(client: OpenIGTLinkClient, mechanism: str | None) -> MessageSource:
-    """The client, with the poses of a mechanism whose axes its messages or its images tell."""
+def _joints(mechanism: str | None) -> JointPoses | None:
+    """What makes poses of what the axes of a mechanism read."""
     if mechanism is None:
-        return client
+        return None
     name, equals, file = mechanism.partition("=")
     if not equals:
         raise SettingsError(f"--mechanism must be NAME=FILE, as in ProbeToBase=array.toml; got {shorten(mechanism)!r}.")
-    return JointSource(client, read_mechanism(file), TransformName.parse(name))
+    return JointPoses(read_mechanism(file), TransformName.parse(name))
 
 
 def _scan(scan: LiveScan, client: OpenIGTLinkClient, asked: _LiveOptions) -> tuple[Reconstruction | None, int | None]:

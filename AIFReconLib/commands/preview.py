@@ -23,7 +23,7 @@ from ..sweep.poses import SweepPoses
 from ..terminal.arguments import Names, Output, given_words
 from ..terminal.console import ProgressBar, command_line
 from ..terminal.labels_options import PlacedLabelsOptions, labels_from, labels_inputs, names_labels, place_from
-from ..terminal.reconstruction_options import ReconstructionOptions, VolumeOptions
+from ..terminal.reconstruction_options import ReconstructionOptions
 from ..terminal.remedies import in_options
 
 
@@ -62,9 +62,6 @@ def check_preview(path: Path | None) -> None:
 
 def run(asked: _PreviewOptions) -> None:
     """Read, draw, write."""
-    if asked.labels and not asked.bone_labels and Path(asked.labels).exists():
-        # What --bone-labels was called here once
-        asked.bone_labels, asked.labels = [Path(asked.labels)], None
     check_preview(asked.output)
     if asked.bone_transform and not (asked.bone_labels or asked.ct):
         raise SettingsError("--bone-transform places labels or a CT, and there are none. Give --bone-labels or --ct.")
@@ -94,7 +91,7 @@ def _in_sight(labels: Labels, volume: Volume, place: Matrix | None) -> Labels:
 
 
 def write_preview(
-    result: Reconstruction, asked: VolumeOptions, name: str, labels: Volume | None, poses: SweepPoses | None = None
+    result: Reconstruction, asked: ReconstructionOptions, name: str, labels: Volume | None, poses: SweepPoses | None = None
 ) -> list[Path]:
     """Draw what --preview asks for, with labels in Reference, else as seen from where the probe was; the answer is the file, if any."""
     if not asked.preview:

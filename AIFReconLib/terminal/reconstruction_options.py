@@ -57,7 +57,7 @@ class _BoneOptions(PlacedLabelsOptions):
     )
 
 
-class VolumeOptions(Options):
+class _VolumeOptions(Options):
     """volume
 
     Parameters
@@ -127,7 +127,7 @@ class _KeptOptions(Options):
             vars(self).update({name: value for name, value in taken.items() if name not in (*vars(self), *self.NOT_KEPT)}, kept=kept)
 
 
-class ReconstructionOptions(_BoneOptions, _AllImageOptions, VolumeOptions, _TuningOptions, _KeptOptions):
+class ReconstructionOptions(_BoneOptions, _AllImageOptions, _VolumeOptions, _TuningOptions, _KeptOptions):
     """All that a reconstruction can be asked for, beside what says how a sweep is tracked."""
 
 
@@ -203,7 +203,7 @@ UNITS = {"M": 1e6, "G": 1e9, "T": 1e12, "MI": 2.0**20, "GI": 2.0**30, "TI": 2.0*
 """Bytes of each, without the B."""
 
 
-def grid_from(asked: VolumeOptions) -> VoxelGrid | None:
+def grid_from(asked: _VolumeOptions) -> VoxelGrid | None:
     """The voxels of --grid-like; None where the recipe says which."""
     return read_volume(asked.grid_like).grid if asked.grid_like else None
 

@@ -9,7 +9,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -99,7 +98,7 @@ class Task:
 
 
 class Worker:
-    """A process that calls the library's functions for this one. It belongs to the thread that first uses it.
+    """A process that calls the library's functions for this one. One thread uses it; make one for each thread.
 
     Notes
     -----
@@ -112,7 +111,6 @@ class Worker:
         self._channel: Channel | None = None
         self._tasks: dict[int, Task] = {}
         self._numbers = itertools.count()
-        self._thread: int | None = None
         self._has_spoken = False
 
     def begin(self, function: Callable[..., Any] | str, *arguments: Any, keep: bool = False, **named: Any) -> Task:
@@ -167,7 +165,6 @@ class Worker:
 
     def listen(self, timeout: float = 0.0) -> None:
         """Hear what the worker says, waited for so many s where it says nothing, and for little longer where it says much."""
-        self._require_own_thread()
         if self._channel is None or self._process is None:
             return
         # Seen before: what it has said before its end is heard
@@ -202,7 +199,6 @@ class Worker:
             task.take(message)
 
     def _send(self, message: Message) -> None:
-        self._require_own_thread()
         if self._channel is None:
             return
         try:
@@ -248,9 +244,3 @@ class Worker:
         self._process = self._channel = None
         for number, task in lost.items():
             task.take(Message(number, ERROR, WorkerDiedError(why)))
-
-    def _require_own_thread(self) -> None:
-        if self._thread is None:
-            self._thread = threading.get_ident()
-        if self._thread != threading.get_ident():
-            raise RuntimeError("A Worker belongs to the thread that first used it; make one for each thread.")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import threading
 import time
 
 import pytest
@@ -125,22 +124,6 @@ def test_a_call_within_the_progress_of_another_is_answered(worker):
 
     assert worker.call(tasks.reporting, 0.3, progress=progress) > 0
     assert inner == ["inner"]
-
-
-def test_another_thread_is_told_to_have_a_worker_of_its_own(worker):
-    worker.call(tasks.returned, 1)
-    errors = []
-
-    def ask():
-        try:
-            worker.call(tasks.returned, 2)
-        except RuntimeError as error:
-            errors.append(str(error))
-
-    thread = threading.Thread(target=ask)
-    thread.start()
-    thread.join()
-    assert "belongs to the thread" in errors[0]
 
 
 # ---- what is kept
