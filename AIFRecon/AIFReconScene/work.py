@@ -13,7 +13,7 @@ worker = Worker()
 def inWorker(function, *arguments, progress=None, **named):
     """What ``function(*arguments, **named)`` of the library returns, called in the worker, or raises.
 
-    Its name is what the worker is told, and arguments are what can be pickled; arrays cross in shared memory. `progress` hears of the call
+    Its name is what the worker is told, and arguments are what can be pickled. `progress` hears of the call
     every 20 ms, and may cancel it; without it nobody waits for events. Raises WorkerDiedError when the process has died.
     """
     return worker.call(function, *arguments, progress=progress, **named)

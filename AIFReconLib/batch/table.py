@@ -39,7 +39,7 @@ _OF_REGISTER = ("per_segment", "level", "accept")
 
 
 @dataclass(frozen=True)
-class Problem:
+class _Problem:
     """What is wrong with a table: the row as a spreadsheet counts it, the column ("" for the whole row), and a sentence."""
 
     row: int
@@ -69,7 +69,7 @@ class Case:
         The cells, by column, without those that say nothing.
     inputs : tuple of Path
         Files that are read.
-    problems : tuple of Problem
+    problems : tuple of _Problem
         Why it cannot be computed.
     """
 
@@ -79,7 +79,7 @@ class Case:
     methods: tuple[str | None, ...]
     given: dict[str, str]
     inputs: tuple[Path, ...]
-    problems: tuple[Problem, ...]
+    problems: tuple[_Problem, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,15 +89,15 @@ class Cases:
     Parameters
     ----------
     cases : tuple of Case
-    problems : tuple of Problem
+    problems : tuple of _Problem
         Of the table as a whole: with any of these nothing can be computed.
     """
 
     cases: tuple[Case, ...]
-    problems: tuple[Problem, ...]
+    problems: tuple[_Problem, ...]
 
     @property
-    def all_problems(self) -> list[Problem]:
+    def all_problems(self) -> list[_Problem]:
         """Of the table and of every row, from top to bottom."""
         return sorted([*self.problems, *(each for case in self.cases for each in case.problems)], key=lambda each: each.row)
 
@@ -128,7 +128,7 @@ def read_cases(path: str | Path) -> Cases:
         problems += _of_name(case.name, number, seen)
         seen.setdefault(case.name.casefold(), number)
     if not cases:
-        problems.append(Problem(1, "", "there are no cases below the column names. Add a row for each."))
+        problems.append(_Problem(1, "", "there are no cases below the column names. Add a row for each."))
     return Cases(tuple(cases), tuple(problems))
 
 
@@ -147,36 +147,36 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
         raise FileFormatError(f"{path}: it cannot be read as CSV ({error!s}). Save it as CSV UTF-8.") from None
 
 
-def _of_head(head: list[str], columns: Columns) -> Iterator[Problem]:
+def _of_head(head: list[str], columns: Columns) -> Iterator[_Problem]:
     for name in REQUIRED:
         if name not in head:
-            yield Problem(1, name, "the table has no such column, which every case needs. Add it.")
+            yield _Problem(1, name, "the table has no such column, which every case needs. Add it.")
     for name in dict.fromkeys(filter(None, head)):
         if head.count(name) > 1:
-            yield Problem(1, name, "the column is there twice. Remove one.")
+            yield _Problem(1, name, "the column is there twice. Remove one.")
         if name not in columns.names:
             near = difflib.get_close_matches(name, columns.names, n=1)
             meant = f", perhaps {near[0]} is meant. Correct it." if near else ". Remove it; aifrecon batch --help lists all."
-            yield Problem(1, name, f"there is no such column{meant}")
+            yield _Problem(1, name, f"there is no such column{meant}")
 
 
-def _of_name(name: str, row: int, seen: dict[str, int]) -> Iterator[Problem]:
+def _of_name(name: str, row: int, seen: dict[str, int]) -> Iterator[_Problem]:
     """What is wrong with the name of a case, which is that of a folder on every system."""
     if not name:
-        yield Problem(row, CASE, "the case has no name. Give each its own.")
+        yield _Problem(row, CASE, "the case has no name. Give each its own.")
     elif not _NAME.fullmatch(name) or name.endswith((" ", ".")) or _OF_WINDOWS.fullmatch(name):
-        yield Problem(row, CASE, f"{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.")
+        yield _Problem(row, CASE, f"{name!r} cannot be the name of a folder. Use letters, digits, and . _ + - between them.")
     elif name.casefold() in seen:
-        yield Problem(row, CASE, f"{name} is the name of row {seen[name.casefold()]} too. Give each its own.")
+        yield _Problem(row, CASE, f"{name} is the name of row {seen[name.casefold()]} too. Give each its own.")
 
 
 @contextmanager
-def _told(problems: list[Problem], row: int, column: str) -> Iterator[None]:
+def _told(problems: list[_Problem], row: int, column: str) -> Iterator[None]:
     """Within, an error is a problem of this cell."""
     try:
         yield
     except AIFReconError as error:
-        problems.append(Problem(row, column, in_columns(error)))
+        problems.append(_Problem(row, column, in_columns(error)))
 
 
 class _Reading:
@@ -189,10 +189,10 @@ class _Reading:
     def case(self, row: int, cells: list[str]) -> Case:
         """The case of a row."""
         given = {name: cell.strip() for name, cell in zip(self._head, cells, strict=False) if cell.strip() and name}
-        problems: list[Problem] = []
+        problems: list[_Problem] = []
         if len(cells) > len(self._head):
             extra = f"there are more cells than columns: {cells[len(self._head)]!r} has no column. Quote cells that hold a comma."
-            problems.append(Problem(row, "", extra))
+            problems.append(_Problem(row, "", extra))
         values: dict[str, Any] = {}
         for column in given:
             if column != CASE and column in self._columns.names:
@@ -202,8 +202,8 @@ class _Reading:
         readable = not problems
         named = [(column, path) for column, value in values.items() for path in _paths(value)]
         if SWEEPS not in values and SWEEPS in self._head:
-            problems.append(Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
-        problems += [Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
+            problems.append(_Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
+        problems += [_Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
         files = [path for _, path in named]
         detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
         arguments = CaseOptions()
@@ -218,21 +218,21 @@ class _Reading:
         return Case(given.get(CASE, ""), self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
 
     def _contradict(
-        self, problems: list[Problem], row: int, arguments: CaseOptions, methods: Iterable[str | None], values: Mapping[str, object]
+        self, problems: list[_Problem], row: int, arguments: CaseOptions, methods: Iterable[str | None], values: Mapping[str, object]
     ) -> None:
         """Add what does not go together."""
         for rivals in self._columns.rivals():
             both = [name for name in rivals if values.get(name)]
             if len(both) > 1:
-                problems.append(Problem(row, both[1], f"{both[0]} is given too. Give one of them."))
+                problems.append(_Problem(row, both[1], f"{both[0]} is given too. Give one of them."))
         if not arguments.register:
             without = "it says how a CT is registered. Say yes under register too."
-            problems += [Problem(row, name, without) for name in _OF_REGISTER if values.get(name)]
+            problems += [_Problem(row, name, without) for name in _OF_REGISTER if values.get(name)]
         elif not names_labels(arguments):
             no_bone = "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct."
-            problems.append(Problem(row, "register", no_bone))
+            problems.append(_Problem(row, "register", no_bone))
         if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
-            problems.append(Problem(row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}."))
+            problems.append(_Problem(row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}."))
         with _told(problems, row, "config"):
             configured(arguments, arguments.sweeps)
         source = seen_source(arguments)
@@ -245,7 +245,7 @@ class _Reading:
                 require_bone(recipe.method_for(has_bone), recipe, has_bone)
             except AIFReconError as error:
                 about = str(error).partition("Input ")[2].partition(" ")[0]
-                problems.append(Problem(row, about if about in self._columns.names else METHOD, in_columns(error)))
+                problems.append(_Problem(row, about if about in self._columns.names else METHOD, in_columns(error)))
 
 
 def _paths(value: object) -> list[Path]:

@@ -27,7 +27,7 @@ MOST_SHOWN = 20
 """Cases that are not done, with their reasons, on the terminal."""
 
 
-class BatchOptions(Options):
+class _BatchOptions(Options):
     """Compute every case of a table on this computer's cores or on a Dask cluster: volumes, registration, coverage, metrics and previews
     in a folder each, and results.csv, results.parquet and index.html of all.
 
@@ -74,7 +74,7 @@ as the options of reconstruct, register, coverage and evaluate of the same names
 without a value. The same command again computes what is missing or has changed."""
 
 
-def run(asked: BatchOptions) -> int:
+def run(asked: _BatchOptions) -> int:
     """Read the table, check, compute what is missing, write tables and page, and say what happened."""
     _check(asked)
     for name in asked.method:
@@ -106,13 +106,13 @@ def run(asked: BatchOptions) -> int:
     return code
 
 
-def _write(cohort: Cohort, asked: BatchOptions) -> list[Path]:
+def _write(cohort: Cohort, asked: _BatchOptions) -> list[Path]:
     table = results_table(cohort.cases, cohort.records)
     write_text(cohort.output / PAGE, page(asked.table.stem, table))
     return [*write_tables(cohort.output, table), cohort.output / PAGE]
 
 
-def _check(asked: BatchOptions) -> None:
+def _check(asked: _BatchOptions) -> None:
     if asked.workers is not None and asked.workers < 1:
         raise SettingsError(f"Input --workers must be at least 1; got {asked.workers}.")
     if asked.scheduler and (asked.workers or asked.memory):
@@ -128,7 +128,7 @@ def _dry_run(table: Cases) -> int:
     return 2 if wrong else 0
 
 
-def _compute(cohort: Cohort, asked: BatchOptions) -> None:
+def _compute(cohort: Cohort, asked: _BatchOptions) -> None:
     def say(text: str) -> None:
         if not asked.quiet:
             show(sys.stderr, f"{text}\n")

@@ -20,7 +20,7 @@ LEAST_SIDE, LARGEST_SIDE = 16, 8192
 _ANY = "any method"
 
 
-class BenchmarkOptions(Options):
+class _BenchmarkOptions(Options):
     """Receive and insert made-up images with every method, and say whether this machine keeps up with a live scan of that size and rate.
 
     Parameters
@@ -47,7 +47,7 @@ class BenchmarkOptions(Options):
     json: Output | None = None
 
 
-def run(asked: BenchmarkOptions) -> None:
+def run(asked: _BenchmarkOptions) -> None:
     """Measure, print, and answer."""
     if asked.frames < 2 or asked.repeats < 1:
         raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")

@@ -18,7 +18,7 @@ from ..terminal.labels_options import LabelsOptions, required_labels
 from ..terminal.remedies import in_options
 
 
-class BoneMapOptions(LabelsOptions):
+class _BoneMapOptions(LabelsOptions):
     """Make a bone probability map, to look at or to reuse with --bone-probability. Without a width it is that of weighted where CT and
     sweep were not compared; with one, that of the paper's methods.
 
@@ -38,7 +38,7 @@ class BoneMapOptions(LabelsOptions):
     RIVALS: ClassVar[Rivals] = (("bone_sigma_voxels", "bone_sigma_mm"),)
 
 
-def run(asked: BoneMapOptions) -> None:
+def run(asked: _BoneMapOptions) -> None:
     """Read, smooth, write."""
     if asked.given is not None:
         asked.bone_labels = [asked.given, *asked.bone_labels]

@@ -19,7 +19,7 @@ from ..terminal.sequence_options import SequencesOptions, sequences_from
 from ..workflows.calibrate import calibration_of, calibration_on_wires
 
 
-class CalibrateOptions(SequencesOptions):
+class _CalibrateOptions(SequencesOptions):
     """Find image to probe, pixel size and delay with which the bone echoes of all angles lie on a CT's bone; without a CT, image to probe
     and delay with which they lie on one surface.
 
@@ -56,7 +56,7 @@ class CalibrateOptions(SequencesOptions):
 Exit code 1: the sweep does not tell, and nothing is written but --report. The delay alone: aifrecon info."""
 
 
-def run(asked: CalibrateOptions) -> None:
+def run(asked: _CalibrateOptions) -> None:
     """Read, check or calibrate, write, and say how sure it is."""
     if asked.phantom and not asked.config:
         asked.config = [asked.phantom]
@@ -86,7 +86,7 @@ def run(asked: CalibrateOptions) -> None:
     done.require_accepted()
 
 
-def _check_output(asked: CalibrateOptions) -> None:
+def _check_output(asked: _CalibrateOptions) -> None:
     """Return if the output can hold a calibration; asked before the long work."""
     if asked.phantom and (asked.check or asked.bone_transform or names_labels(asked) or asked.output.suffix.lower() != ".xml"):
         raise SettingsError("With --phantom a calibration is found from wires alone. Give --output FILE.xml, and no --check, CT or labels.")

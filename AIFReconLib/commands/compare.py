@@ -23,7 +23,7 @@ from .evaluate import unique_names
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
-class CompareOptions(PlacedLabelsOptions):
+class _CompareOptions(PlacedLabelsOptions):
     """Draw the same axial, sagittal and coronal cuts of several volumes side by side, with one gray scale, the patient's right on the
     left: beside the CT with the outline of its bone, where these are given.
 
@@ -62,7 +62,7 @@ class CompareOptions(PlacedLabelsOptions):
       --names average weighted --white --output figure.pdf"""
 
 
-def run(asked: CompareOptions) -> None:
+def run(asked: _CompareOptions) -> None:
     """Read, draw, write."""
     if asked.output.suffix.lower() not in SUFFIXES:
         raise SettingsError(f"{asked.output}: a figure is a PNG, PDF or SVG. Choose a name that ends with .png, .pdf or .svg.")

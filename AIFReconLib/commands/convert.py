@@ -35,7 +35,7 @@ from ..terminal.sequence_options import RecordingOptions, sequences_from
 from ..workflows.reconstruct import mended
 
 
-class ConvertOptions(RecordingOptions):
+class _ConvertOptions(RecordingOptions):
     """Write a tracked sequence as .mha, .mhd or .nrrd. Images and fields stay as they are, but for what the options change.
 
     Parameters
@@ -97,7 +97,7 @@ class ConvertOptions(RecordingOptions):
   aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
 
 
-def run(asked: ConvertOptions) -> None:
+def run(asked: _ConvertOptions) -> None:
     """Read, change, write, and say what was done."""
     check_sequence_name(asked.output)
     sequence = changed(sequences_from(asked, [asked.sequence])[0], asked)
@@ -112,7 +112,7 @@ def run(asked: ConvertOptions) -> None:
     print("\n  ".join(lines))
 
 
-def changed(sequence: TrackedSequence, asked: ConvertOptions) -> TrackedSequence:
+def changed(sequence: TrackedSequence, asked: _ConvertOptions) -> TrackedSequence:
     """The sequence with everything done to it that the options ask for: names first, then calibration, part and frames."""
     # What is written is complete; the mark would keep readers from saying that it is damaged when it is
     sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)})
@@ -132,7 +132,7 @@ def changed(sequence: TrackedSequence, asked: ConvertOptions) -> TrackedSequence
     return crop(sequence, x, y, width, height, sequence.configuration.image_frame or IMAGE_FRAME)
 
 
-def _mended(sequence: TrackedSequence, asked: ConvertOptions) -> TrackedSequence:
+def _mended(sequence: TrackedSequence, asked: _ConvertOptions) -> TrackedSequence:
     """The sequence with what was recorded wrongly put right, in the order in which `calibrate` names it."""
     image = sequence.configuration.image_frame or IMAGE_FRAME
     if asked.mirror:

@@ -23,7 +23,7 @@ from ..terminal.sequence_options import SequencesOptions, sequences_from
 from ..workflows.reconstruct import mended
 
 
-class CoverageOptions(SequencesOptions):
+class _CoverageOptions(SequencesOptions):
     """Tell from poses, images and a registered CT's segmentation how much of each bone the beams hit, at which angles, and what a
     reconstruction will show of it. Without a CT: of the surface that echoes show, and of where it may go on.
 
@@ -51,7 +51,7 @@ class CoverageOptions(SequencesOptions):
 Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
 
 
-def run(asked: CoverageOptions) -> None:
+def run(asked: _CoverageOptions) -> None:
     """Read, follow the beams, say what was met."""
     if asked.surface:
         check_surface_path(asked.surface)
@@ -78,7 +78,7 @@ def run(asked: CoverageOptions) -> None:
     print("\n".join([*found.lines(), *(f"  {in_options(note)}" for note in notes)]))
 
 
-def _write(asked: CoverageOptions, found: Coverage) -> list[Path]:
+def _write(asked: _CoverageOptions, found: Coverage) -> list[Path]:
     written: list[Path] = []
     if asked.surface:
         bone = found.met.bone

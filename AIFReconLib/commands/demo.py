@@ -71,7 +71,7 @@ WITHOUT_CT = "weighted, no CT"
 """What the picture calls the volume whose bone the sweep tells by itself."""
 
 
-class DemoOptions(Options):
+class _DemoOptions(Options):
     """Simulate a patient with a registered CT and a tracked sweep, write them as files, reconstruct the sweep with every method, draw the
     results beside the CT, and measure how well each shows bone.
 
@@ -87,7 +87,7 @@ class DemoOptions(Options):
     seed: int = 0
 
 
-def run(asked: DemoOptions) -> None:
+def run(asked: _DemoOptions) -> None:
     """Simulate, reconstruct, measure, draw."""
     started = time.perf_counter()
     require_matplotlib()

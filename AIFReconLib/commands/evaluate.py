@@ -37,7 +37,7 @@ OWN = (
 )
 
 
-class EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
+class _EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
     """Measure volumes against the surface of a registered segmentation: contrast and contrast-to-noise ratio (CNR) of bone, its thickness
     and place, the share of the surface that is visible, also of oblique bone and at the interspinous gaps, noise and speckle.
 
@@ -83,7 +83,7 @@ class EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
 Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both."""
 
 
-def run(asked: EvaluateOptions) -> None:
+def run(asked: _EvaluateOptions) -> None:
     """Read, measure, print, write."""
     are_tables = {path.suffix.lower() == ".csv" for path in asked.volumes}
     if len(are_tables) > 1 or (True in are_tables and (asked.report or labels_inputs(asked) or asked.sweep)):
@@ -136,7 +136,7 @@ def run(asked: EvaluateOptions) -> None:
         print(f"  {line}")
 
 
-def _over_cases(asked: EvaluateOptions) -> None:
+def _over_cases(asked: _EvaluateOptions) -> None:
     """The same of tables of many cases: means, spreads and paired differences."""
     found = CaseNumbers.read(unique_names(asked.volumes))
     against = found.reference(asked.against)
@@ -166,11 +166,11 @@ def _over_cases(asked: EvaluateOptions) -> None:
         print(f"  wrote {path}")
 
 
-def _bone(asked: EvaluateOptions) -> str:
+def _bone(asked: _EvaluateOptions) -> str:
     return listed(path.name for path in asked.bone_labels or filter(None, [asked.ct]))
 
 
-def _place(asked: EvaluateOptions) -> str:
+def _place(asked: _EvaluateOptions) -> str:
     return asked.bone_transform.name if asked.bone_transform else "none needed"
 
 
@@ -187,13 +187,13 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
     return named
 
 
-def _beams(asked: EvaluateOptions) -> SweepBeams:
+def _beams(asked: _EvaluateOptions) -> SweepBeams:
     sequence = joined(read_sequence(path, config=config) for path, config in configured(asked, asked.sweep))
     return SweepBeams.of_sequence(sequence, asked.recipe, asked.beam_thickness)
 
 
 def _report(
-    asked: EvaluateOptions, results: dict[str, BoneMetrics], frames: int | None, inputs: list[Path | None], figure: bytes | None
+    asked: _EvaluateOptions, results: dict[str, BoneMetrics], frames: int | None, inputs: list[Path | None], figure: bytes | None
 ) -> Report:
     facts = {
         "Bone": _bone(asked),

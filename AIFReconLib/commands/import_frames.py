@@ -18,7 +18,7 @@ from ..terminal.outputs import check_outputs
 from ..terminal.remedies import in_options
 
 
-class ImportedOptions(Options):
+class _ImportedOptions(Options):
     """Write a tracked sequence from images (PNG, JPEG, TIFF, BMP, DICOM, video, .npy) and poses (CSV, TXT, JSON). Prints how everything
     was understood, and draws the sweep for a check.
 
@@ -55,7 +55,7 @@ class ImportedOptions(Options):
   aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
 
 
-def run(asked: ImportedOptions) -> None:
+def run(asked: _ImportedOptions) -> None:
     """Read, pair, write, draw, and say how everything was understood."""
     check_sequence_name(asked.output)
     options = ImportOptions(**{name: getattr(asked, name) for name in RULES if getattr(asked, name) is not None})

@@ -23,7 +23,7 @@ NOT_READY = 1
 """Exit code where a sequence cannot be reconstructed."""
 
 
-class InfoOptions(SequencesOptions):
+class _InfoOptions(SequencesOptions):
     """Show frames, transforms, rate, pixel spacing and tracking of sequences, say in words what is missing, estimate from a sweep that
     goes to and fro whether images and poses are out of step, and say what reconstruct would make of it, with the command. Exit code 1:
     a sequence cannot be reconstructed as it is.
@@ -40,7 +40,7 @@ class InfoOptions(SequencesOptions):
     drawing: Output | None = None
 
 
-def run(asked: InfoOptions) -> int:
+def run(asked: _InfoOptions) -> int:
     """Read and report; the answer is the exit code."""
     each = [with_values(asked, sequences=(path,), config=[config] if config else []) for path, config in configured(asked, asked.sequences)]
     if asked.drawing and len(each) > 1:
@@ -56,7 +56,7 @@ def run(asked: InfoOptions) -> int:
     return 0 if ready else NOT_READY
 
 
-def _report(asked: InfoOptions, progress: Progress | None) -> tuple[str, dict[str, object]]:
+def _report(asked: _InfoOptions, progress: Progress | None) -> tuple[str, dict[str, object]]:
     """What is to be said of one sequence, for a terminal and for JSON."""
     (sequence,), recipe = sequences_from(asked, asked.sequences), asked.recipe
     placed = place_from(asked)

@@ -20,8 +20,8 @@ from ..live.replay.server import PLUS_PORT
 from ..live.session.bone_watch import predictions_beside
 from ..live.session.session import LiveSession
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.joint_source import JointSource
-from ..live.wire.sources import MessageSource, StreamStatistics
+from ..live.wire.joint_poses import JointPoses
+from ..live.wire.sources import StreamStatistics
 from ..message import one_line, shorten
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION
@@ -29,7 +29,6 @@ from ..terminal.arguments import Names, Output, Settings
 from ..terminal.console import ProgressBar
 from ..terminal.outputs import check_outputs
 from ..terminal.reconstruction_options import (
-    SIDE_OUTPUTS,
     ReconstructionOptions,
     bone_inputs,
     bone_source_from,
@@ -60,11 +59,8 @@ SETTLING = 1.0
 
 POLL = 0.1
 
-WRITTEN = ("output", *SIDE_OUTPUTS, "preview", "record", "save_settings")
-"""Options that name files that are written."""
 
-
-class LiveOptions(ReconstructionOptions, TrackingOptions):
+class _LiveOptions(ReconstructionOptions, TrackingOptions):
     """Receive images and poses over OpenIGTLink, from Plus for example, and reconstruct while they come. Ctrl-C ends the scan and saves
     the volume. Without --grid-like, move over the whole region at first.
 
@@ -120,7 +116,7 @@ class LiveOptions(ReconstructionOptions, TrackingOptions):
   aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 
-def run(asked: LiveOptions) -> int:
+def run(asked: _LiveOptions) -> int:
     """Connect, reconstruct until the end or Ctrl-C, write what there is; the answer is the exit code."""
     for name in ("frames", "seconds", "scout_seconds"):
         value = getattr(asked, name)
@@ -163,7 +159,7 @@ def run(asked: LiveOptions) -> int:
     return 0
 
 
-def _scan_of(asked: LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLinkClient]:
+def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLinkClient]:
     """The scan that the options ask for, and its client, which is connected."""
     synchronizer = SynchronizerSettings(
         image_device=asked.image,
@@ -175,7 +171,7 @@ def _scan_of(asked: LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLinkC
         tracker_frame=asked.tracker_frame,
     )
     _check_bone_options(asked)
-    client = OpenIGTLinkClient(asked.host, asked.port, takes_readings=asked.mechanism is not None)
+    client = OpenIGTLinkClient(asked.host, asked.port, in_place=_joints(asked.mechanism))
     with ProgressBar() as progress:
         job = ScanJob(
             recipe,
@@ -186,7 +182,7 @@ def _scan_of(asked: LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLinkC
             record=asked.record,
             frame_limit=asked.frames,
         )
-        scan = LiveScan(job, _with_poses(client, asked.mechanism), progress)
+        scan = LiveScan(job, client, progress)
     recorder = scan.session.recorder
     if recorder is not None:
         # Its name may be another than was asked for
@@ -196,7 +192,7 @@ def _scan_of(asked: LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLinkC
     return scan, client
 
 
-def _check_bone_options(asked: LiveOptions) -> None:
+def _check_bone_options(asked: _LiveOptions) -> None:
     """Return if the options that let the frames say where bone is are for a scan, and go together.
 
     Raises SettingsError otherwise.
@@ -226,19 +222,19 @@ def _bone_lines(scan: LiveScan) -> list[str]:
     return lines
 
 
-def _with_poses(client: OpenIGTLinkClient, mechanism: str | None) -> MessageSource:
-    """The client, with the poses of a mechanism whose axes its messages or its images tell."""
+def _joints(mechanism: str | None) -> JointPoses | None:
+    """What makes poses of what the axes of a mechanism read."""
     if mechanism is None:
-        return client
+        return None
     name, equals, file = mechanism.partition("=")
     if not equals:
         raise SettingsError(f"--mechanism must be NAME=FILE, as in ProbeToBase=array.toml; got {shorten(mechanism)!r}.")
-    return JointSource(client, read_mechanism(file), TransformName.parse(name))
+    return JointPoses(read_mechanism(file), TransformName.parse(name))
 
 
-def _scan(scan: LiveScan, client: OpenIGTLinkClient, asked: LiveOptions) -> tuple[Reconstruction | None, int | None]:
+def _scan(scan: LiveScan, client: OpenIGTLinkClient, asked: _LiveOptions) -> tuple[Reconstruction | None, int | None]:
     """The volume, and the signal by which the scan was ended, if it was."""
-    told_by, session = None, scan.session
+    told_by, first_tracked, session = None, 0.0, scan.session
     status = StatusLine(sys.stderr)
     if session.recorder is not None and session.recorder.note:
         status.say(session.recorder.note)
@@ -251,24 +247,25 @@ def _scan(scan: LiveScan, client: OpenIGTLinkClient, asked: LiveOptions) -> tupl
                     if session.grid is None:
                         seconds = f"{asked.scout_seconds:g} s"
                         status.say(f"Connected. Move the probe over the whole region: the first {seconds} find the box.")
-                        _scout(session, asked, first_frame, status, pause)
-                        _use_scouted_box(scan, status)
                     while not _is_over(session, asked, first_frame):
                         pause(POLL)
                         status.show(session)
+                        if session.grid is None and session.scouted:
+                            first_tracked = first_tracked or time.monotonic()
+                            if time.monotonic() - first_tracked >= asked.scout_seconds:
+                                _use_scouted_box(scan, status)
             except KeyboardInterrupt as end:
                 told_by = int(end.args[0]) if end.args else int(signal.SIGINT)
-                status.clear()
-                if session.grid is None and session.scouted:
-                    _use_scouted_box(scan, status)
             status.clear()
+            if session.grid is None and session.scouted:
+                _use_scouted_box(scan, status)
             with ProgressBar() as progress:
                 return session.finish(progress), told_by
     finally:
         status.clear()
 
 
-def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, asked: LiveOptions, pause: Callable[[float], None]) -> None:
+def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, asked: _LiveOptions, pause: Callable[[float], None]) -> None:
     """Return when there are images of the one device that is meant; else say what the server sends."""
     deadline = time.monotonic() + DEVICE_TIMEOUT
     while session.latest is None and not session.finished.is_set():
@@ -283,7 +280,7 @@ def _wait_for_images(session: LiveSession, client: OpenIGTLinkClient, asked: Liv
             raise LiveConnectionError(f"The server sends images of several devices: {', '.join(images)}. Choose one with --image.")
 
 
-def _no_images(session: LiveSession, stream: StreamStatistics, asked: LiveOptions) -> LiveConnectionError:
+def _no_images(session: LiveSession, stream: StreamStatistics, asked: _LiveOptions) -> LiveConnectionError:
     """What came instead of images, and why it is not used."""
     wanted = f"images of {asked.image}" if asked.image else "images"
     devices = {device: types for device, types in session.devices().items() if device}
@@ -306,27 +303,13 @@ def _no_images(session: LiveSession, stream: StreamStatistics, asked: LiveOption
     return LiveConnectionError(f"The server at {asked.host}:{asked.port} sends no {wanted}. It sends {sends}. {advice}")
 
 
-def _scout(session: LiveSession, asked: LiveOptions, first_frame: float, status: StatusLine, pause: Callable[[float], None]) -> None:
-    """Wait until the box can be found."""
-    began = None
-    while not _is_over(session, asked, first_frame):
-        pause(POLL)
-        status.show(session)
-        if began is None and session.scouted:
-            began = time.monotonic()
-        if began is not None and time.monotonic() - began >= asked.scout_seconds:
-            return
-
-
 def _use_scouted_box(scan: LiveScan, status: StatusLine) -> None:
-    if not scan.session.scouted:
-        return
     grid = scan.use_scouted_box()
     extent = " x ".join(f"{n * s:.0f}" for n, s in zip(grid.size, grid.spacing, strict=True))
     status.say(f"The box is {extent} mm, {' x '.join(str(n) for n in grid.size)} voxels; {SCOUT_MARGIN:g} mm around what was seen.")
 
 
-def _is_over(session: LiveSession, asked: LiveOptions, first_frame: float) -> bool:
+def _is_over(session: LiveSession, asked: _LiveOptions, first_frame: float) -> bool:
     """Whether the time is up, or there is nothing left to do: a recording goes on after the reconstruction has failed."""
     if session.finished.is_set():
         return True

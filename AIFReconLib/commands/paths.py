@@ -29,7 +29,7 @@ from .preview import check_preview
 MARKUPS = ".mrk.json"
 
 
-class PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
+class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
     """Find straight lines from the skin to a target that meet no bone that a volume shows: how far each keeps from it, how much of it was
     seen, and the best one of each window. Research only.
 
@@ -86,7 +86,7 @@ class PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
 Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted."""
 
 
-def run(asked: PathsOptions) -> None:
+def run(asked: _PathsOptions) -> None:
     """Read, look along the lines, write, and say what was found."""
     outputs = [asked.output, asked.skin_map, asked.report, asked.preview]
     if not asked.output.name.lower().endswith(MARKUPS):
@@ -138,7 +138,7 @@ def _target(words: Sequence[str]) -> str | list[float]:
     return point
 
 
-def _skin(asked: PathsOptions) -> list[TrackedSequence] | Floats:
+def _skin(asked: _PathsOptions) -> list[TrackedSequence] | Floats:
     if not asked.skin:
         return [read_sequence(path, config=config) for path, config in configured(asked, asked.sweep)]
     if asked.skin.suffix.lower() not in MODEL_SUFFIXES:
@@ -149,7 +149,7 @@ def _skin(asked: PathsOptions) -> list[TrackedSequence] | Floats:
     return model.points if is_ras else transform_points(LPS_FROM_RAS, model.points)
 
 
-def _write(asked: PathsOptions, found: FreePaths) -> None:
+def _write(asked: _PathsOptions, found: FreePaths) -> None:
     write_text(asked.output, json.dumps(markups(found), indent=1) + "\n")
     if asked.skin_map:
         write_skin_map(asked.skin_map, found)

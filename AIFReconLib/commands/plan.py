@@ -29,7 +29,7 @@ from ..terminal.sequence_options import SweepOptions, sequences_from
 from .preview import check_preview
 
 
-class PlanOptions(PlacedLabelsOptions, SweepOptions):
+class _PlanOptions(PlacedLabelsOptions, SweepOptions):
     """Choose the passes of a scan that show most of a target with a number of frames, from a registered CT's segmentation, and say how
     much of it a reconstruction will show.
 
@@ -66,7 +66,7 @@ class PlanOptions(PlacedLabelsOptions, SweepOptions):
   aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json"""
 
 
-def run(asked: PlanOptions) -> None:
+def run(asked: _PlanOptions) -> None:
     """Read, plan, write, and say what each pass adds."""
     if asked.frames < 1:
         raise SettingsError(f"Input frames must be 1 or more; got {asked.frames!r}. Give --frames N.")

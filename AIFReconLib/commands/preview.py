@@ -23,11 +23,11 @@ from ..sweep.poses import SweepPoses
 from ..terminal.arguments import Names, Output, given_words
 from ..terminal.console import ProgressBar, command_line
 from ..terminal.labels_options import PlacedLabelsOptions, labels_from, labels_inputs, names_labels, place_from
-from ..terminal.reconstruction_options import ReconstructionOptions, VolumeOptions
+from ..terminal.reconstruction_options import ReconstructionOptions
 from ..terminal.remedies import in_options
 
 
-class PreviewOptions(PlacedLabelsOptions):
+class _PreviewOptions(PlacedLabelsOptions):
     """Draw axial, sagittal and coronal cuts through the middle of the bone, the patient's right on the left as in Slicer, and the bone
     from the probe's side. Without labels or a CT nothing tells how the patient lies: cuts then go across x, y and z.
 
@@ -60,11 +60,8 @@ def check_preview(path: Path | None) -> None:
     require_matplotlib()
 
 
-def run(asked: PreviewOptions) -> None:
+def run(asked: _PreviewOptions) -> None:
     """Read, draw, write."""
-    if asked.labels and not asked.bone_labels and Path(asked.labels).exists():
-        # What --bone-labels was called here once
-        asked.bone_labels, asked.labels = [Path(asked.labels)], None
     check_preview(asked.output)
     if asked.bone_transform and not (asked.bone_labels or asked.ct):
         raise SettingsError("--bone-transform places labels or a CT, and there are none. Give --bone-labels or --ct.")
@@ -94,7 +91,7 @@ def _in_sight(labels: Labels, volume: Volume, place: Matrix | None) -> Labels:
 
 
 def write_preview(
-    result: Reconstruction, asked: VolumeOptions, name: str, labels: Volume | None, poses: SweepPoses | None = None
+    result: Reconstruction, asked: ReconstructionOptions, name: str, labels: Volume | None, poses: SweepPoses | None = None
 ) -> list[Path]:
     """Draw what --preview asks for, with labels in Reference, else as seen from where the probe was; the answer is the file, if any."""
     if not asked.preview:

@@ -64,7 +64,7 @@ TYPE_OF = {"score": "float32", "hits": "uint32", "mask": "uint8", "cosine": "flo
 """Types of the voxels of what is written beside the intensity."""
 
 
-class ReconstructOptions(ReconstructionOptions, SequencesOptions):
+class _ReconstructOptions(ReconstructionOptions, SequencesOptions):
     """Reconstruct a volume from a tracked sequence recorded by Plus (.mha, .mhd, .nrrd).
 
     Parameters
@@ -93,7 +93,7 @@ class ReconstructOptions(ReconstructionOptions, SequencesOptions):
   aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
 
-def run(asked: ReconstructOptions) -> None:
+def run(asked: _ReconstructOptions) -> None:
     """Read, reconstruct, write, and say what was done."""
     started = time.perf_counter()
     outputs = checked_outputs(asked, asked.output)
@@ -163,7 +163,7 @@ def is_page(path: Path) -> bool:
 
 
 def _write_page(
-    asked: ReconstructOptions,
+    asked: _ReconstructOptions,
     job: ReconstructionJob,
     output: ReconstructionOutput,
     result: Reconstruction,
@@ -172,7 +172,7 @@ def _write_page(
 ) -> None:
     """The page that the panel saves, with what was measured beside it where a method has raised bone."""
     from ..imaging.gray_window import gray_window
-    from ..worker.page import PageAbout, Pictured, tell
+    from ..worker.page import PageAbout, tell
 
     labeled = output.labeled
     ct = read_ct(asked.ct) if asked.ct else None
@@ -191,12 +191,10 @@ def _write_page(
         names={} if labeled is None else labeled.labels.names,
         problem="No CT was given." if labeled is None else "",
         motion=output.motion,
-        pictured=Pictured(
-            result.intensity,
-            gray_window(result.intensity.array, result.mask.array),
-            plain_mean(job, result, part(progress, 0.0, 0.3)) if weighs else None,
-            None if ct is None else ct.placed_by(place),
-        ),
+        shown=result.intensity,
+        window=gray_window(result.intensity.array, result.mask.array),
+        plain=plain_mean(job, result, part(progress, 0.0, 0.3)) if weighs else None,
+        ct=None if ct is None else ct.placed_by(place),
     )
     tell(about, asked.report, as_option, part(progress, 0.3, 1.0))
 

@@ -24,7 +24,7 @@ from ..workflows.register import RegistrationJob, RegistrationOutput, calibratio
 from .info import reconstruct_command
 
 
-class RegisterOptions(PlacingOptions, SequencesOptions):
+class _RegisterOptions(PlacingOptions, SequencesOptions):
     """Lay the bone of a CT's segmentation upon the bone that a sweep shows, and say how well they agree.
 
     Parameters
@@ -55,7 +55,7 @@ class RegisterOptions(PlacingOptions, SequencesOptions):
 Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; then no transform is written (--report and --preview are)."""
 
 
-def run(asked: RegisterOptions) -> None:
+def run(asked: _RegisterOptions) -> None:
     """Read, register, write, and say how sure it is."""
     for path in asked.labels_output:
         (check_surface_path if is_surface_path(path) else check_volume_path)(path)
@@ -78,7 +78,7 @@ def run(asked: RegisterOptions) -> None:
     print(f"next: {reconstruct_command(asked, bone_transform=asked.output)}")
 
 
-def _write(asked: RegisterOptions, done: RegistrationOutput, calibration: list[str]) -> list[Path]:
+def _write(asked: _RegisterOptions, done: RegistrationOutput, calibration: list[str]) -> list[Path]:
     """Write what was asked for; the transform and the labels only when the answer is taken."""
     written: list[Path] = []
     found = done.found

@@ -12,7 +12,7 @@ from ..terminal.arguments import Names
 from ..terminal.sequence_options import TrackingOptions, configured
 
 
-class ReplayOptions(TrackingOptions):
+class _ReplayOptions(TrackingOptions):
     """Send a tracked sequence over OpenIGTLink with the device names, shared time stamps and statuses of a Plus server. It begins when the
     first client connects and serves until Ctrl-C, which is no error.
 
@@ -52,7 +52,7 @@ class ReplayOptions(TrackingOptions):
   aifrecon live --port 18944 --output volume.nrrd        (in a second terminal)"""
 
 
-def run(asked: ReplayOptions) -> None:
+def run(asked: _ReplayOptions) -> None:
     """Serve until interrupted."""
     ((path, config),) = configured(asked, [asked.sequence])
     server = ReplayServer(
@@ -72,5 +72,4 @@ def run(asked: ReplayOptions) -> None:
         print(f"{server.describe()}\nCtrl-C stops it.", flush=True)
         server.serve_until_stopped()
     left_out = f"; slow clients missed {server.dropped}" if server.dropped else ""
-    left_out += f"; {server.turned_away} more were turned away" if server.turned_away else ""
     print(f"\nStopped. Sent {server.sent} frames to {server.served} client{'s' if server.served != 1 else ''}{left_out}.")

@@ -13,7 +13,7 @@ from ..terminal.outputs import check_outputs
 from ..workflows.simulate import FILES, PATHS, planned_path, write_simulated_patient
 
 
-class SimulateOptions(Options):
+class _SimulateOptions(Options):
     """Write a simulated patient: CT and segmentation, their registration, and a tracked ultrasound sweep with its configuration. The same
     seed gives the same patient.
 
@@ -56,7 +56,7 @@ class SimulateOptions(Options):
     step: float = 0.0
 
 
-def run(asked: SimulateOptions) -> None:
+def run(asked: _SimulateOptions) -> None:
     """Simulate and write."""
     planned = None
     if asked.plan:

@@ -15,7 +15,7 @@ ERROR = 20.0
 """mm by which a ruler may be off."""
 
 
-class StartCalibrationOptions(Options):
+class _StartCalibrationOptions(Options):
     """Write a Plus configuration with a first ImageToProbe from what a ruler measures. It may be off by 20 mm and 12 degrees: aifrecon
     calibrate makes it exact by a scan.
 
@@ -54,7 +54,7 @@ class StartCalibrationOptions(Options):
   aifrecon start-calibration --depth 60 40 440 --face-px 320 38 --face-mm 4 0 -118 --right x --down=-z --output Probe.xml"""
 
 
-def run(asked: StartCalibrationOptions) -> None:
+def run(asked: _StartCalibrationOptions) -> None:
     """Compute, write, say what comes next."""
     output: Path = asked.output
     if output.suffix.lower() != ".xml":

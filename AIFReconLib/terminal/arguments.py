@@ -236,7 +236,7 @@ def load_method_here(name: str) -> None:
 
 
 @dataclass(frozen=True)
-class Declared:
+class _Declared:
     """An option as argparse takes it: its group, its field, and the arguments of `add_argument`."""
 
     group: type[Options]
@@ -247,7 +247,7 @@ class Declared:
     is_output: bool = False
 
 
-def declared(options: type[Options]) -> Iterator[Declared]:
+def declared(options: type[Options]) -> Iterator[_Declared]:
     """All options of a class, those of its settings behind its fields."""
     seen: set[str] = set()
     for group in (each for each in options.__mro__ if issubclass(each, Options)):
@@ -285,13 +285,13 @@ def _hint_of(rule: Rule) -> Any:
 
 def _declared(
     options: type[Options], group: type[Options], name: str, hint: Any, takes: str, meaning: str, default: object = None
-) -> Declared:
+) -> _Declared:
     kinds = [each for each in get_args(hint) if each is not NoneType] if NoneType in get_args(hint) else [hint]
     kind, *marks = get_args(kinds[0]) if get_origin(kinds[0]) is Annotated else kinds[:1]
     origin, parts, default = get_origin(kind), get_args(kind), getattr(options, name, default)
     words: dict[str, Any] = {"help": meaning if "(default: " in meaning else meaning + _told(default)}
     if kind is bool:
-        return Declared(group, name, {**words, "action": "store_true" if default is False else argparse.BooleanOptionalAction})
+        return _Declared(group, name, {**words, "action": "store_true" if default is False else argparse.BooleanOptionalAction})
     reading = {float: number, int: _whole_number, Path: path, Output: path, str: str}
     functions = [mark for mark in marks if callable(mark)]
     belongs = functions[1] if len(functions) > 1 else None
@@ -305,7 +305,7 @@ def _declared(
         words["nargs"] = "?"
     if takes and not words["choices"]:
         words["metavar"] = tuple(takes.split()) if isinstance(words.get("nargs"), int) else takes.split()[0]
-    return Declared(group, name, words, belongs, origin is tuple, Output in (kind, *parts))
+    return _Declared(group, name, words, belongs, origin is tuple, Output in (kind, *parts))
 
 
 def _told(default: object) -> str:
@@ -328,7 +328,7 @@ class OneLineParser(RefusingParser):
 
     Attributes
     ----------
-    spelled : dict of str to Declared
+    spelled : dict of str to _Declared
         Options by the words that name them.
     """
 
@@ -336,7 +336,7 @@ class OneLineParser(RefusingParser):
         self._options, self.declared = options, {each.name: each for each in declared(options)}
         needed = [name for name in self.declared if _is_needed(options, name)]
         self._needed = sorted(needed, key=lambda name: name not in options.WORDS)
-        self.spelled: dict[str, Declared] = {}
+        self.spelled: dict[str, _Declared] = {}
         super().__init__(
             prog,
             usage=" ".join([prog, *map(self._in_usage, self._needed), "[options]"]),
@@ -394,7 +394,7 @@ class OneLineParser(RefusingParser):
                 together[names] = section.add_mutually_exclusive_group(required=must)
             self._add(together[names] if names else section, each)
 
-    def _add(self, section: Any, each: Declared) -> None:
+    def _add(self, section: Any, each: _Declared) -> None:
         """Declare an option in a section."""
         if each.name in self._options.WORDS:
             section.add_argument(each.name, **each.words)

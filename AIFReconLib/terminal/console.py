@@ -29,7 +29,7 @@ def plain(text: str) -> str:
     return _COMMANDS.sub("?", text)
 
 
-class PlainStream:
+class _PlainStream:
     """A stream to which nothing but plain text is written; else as the stream itself."""
 
     def __init__(self, stream: TextIO):
@@ -58,8 +58,8 @@ def prepare_streams() -> None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115 (open as long as the program runs)
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-        if not isinstance(getattr(sys, name), PlainStream):
-            setattr(sys, name, PlainStream(getattr(sys, name)))
+        if not isinstance(getattr(sys, name), _PlainStream):
+            setattr(sys, name, _PlainStream(getattr(sys, name)))
 
 
 def not_loaded(error: BaseException) -> str:

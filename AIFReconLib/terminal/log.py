@@ -16,7 +16,7 @@ from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import check_writable
 from ..message import one_line
-from .console import plain, real_path, show
+from .console import plain, show
 
 if TYPE_CHECKING:
     from .arguments import Options
@@ -67,8 +67,7 @@ def logging_as_asked(asked: Options, words: list[str]) -> Iterator[None]:
     shown, level = (logger, logging.INFO) if asked.verbose else (logger.getChild("io"), logging.WARNING)
     handlers: list[tuple[logging.Logger, logging.Handler]] = [(shown, _Terminal(level))]
     if asked.log is not None:
-        others = [path for name, value in vars(asked).items() if name != "log" for path in _paths(value)]
-        kept = _log_file(asked.log, others)
+        kept = _log_file(asked.log)
         handlers += [(logger, kept), (logging.getLogger("py.warnings"), kept)]
     level, propagate = logger.level, logger.propagate
     if asked.verbose or asked.log is not None:
@@ -95,16 +94,8 @@ def logging_as_asked(asked: Options, words: list[str]) -> Iterator[None]:
             handler.close()
 
 
-def _paths(value: object) -> list[Path]:
-    return [each for each in (value if isinstance(value, list | tuple) else [value]) if isinstance(each, Path)]
-
-
-def _log_file(path: Path, others: list[Path]) -> logging.Handler:
+def _log_file(path: Path) -> logging.Handler:
     """The file, opened behind what it holds already."""
-    if real_path(path) in {
-        file.with_suffix(suffix) for file in map(real_path, others) if file.name for suffix in (file.suffix, ".raw", ".zraw")
-    }:
-        raise OutputError(f"Cannot log to {path}: the command reads or writes it. Choose another name for --log.")
     check_writable(path)
     try:
         begins = b""

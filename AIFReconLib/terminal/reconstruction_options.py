@@ -33,7 +33,7 @@ from .sequence_options import ImageOptions
 SIDE_OUTPUTS = ("score", "hits", "mask", "cosine")
 
 
-class BoneOptions(PlacedLabelsOptions):
+class _BoneOptions(PlacedLabelsOptions):
     """bone: a registered CT's segmentation, or a bone probability; methods that weight by incidence need one
 
     Parameters
@@ -57,7 +57,7 @@ class BoneOptions(PlacedLabelsOptions):
     )
 
 
-class VolumeOptions(Options):
+class _VolumeOptions(Options):
     """volume
 
     Parameters
@@ -87,19 +87,19 @@ class VolumeOptions(Options):
     RIVALS: ClassVar[Rivals] = (("grid_like", "spacing"),)
 
 
-class AllImageOptions(ImageOptions):
+class _AllImageOptions(ImageOptions):
     """image: what the image shows; default: the configuration's, else recognized by the black surround"""
 
     SETTINGS: ClassVar[Settings] = (ImagingSettings,)
 
 
-class TuningOptions(Options):
+class _TuningOptions(Options):
     """tuning"""
 
     SETTINGS: ClassVar[Settings] = (MethodSettings, "skip")
 
 
-class KeptOptions(Options):
+class _KeptOptions(Options):
     """settings: repeat a reconstruction, on the same voxels
 
     Parameters
@@ -127,11 +127,11 @@ class KeptOptions(Options):
             vars(self).update({name: value for name, value in taken.items() if name not in (*vars(self), *self.NOT_KEPT)}, kept=kept)
 
 
-class ReconstructionOptions(BoneOptions, AllImageOptions, VolumeOptions, TuningOptions, KeptOptions):
+class ReconstructionOptions(_BoneOptions, _AllImageOptions, _VolumeOptions, _TuningOptions, _KeptOptions):
     """All that a reconstruction can be asked for, beside what says how a sweep is tracked."""
 
 
-def _beside_given(given: KeptOptions, kept: dict[str, Any]) -> dict[str, Any]:
+def _beside_given(given: _KeptOptions, kept: dict[str, Any]) -> dict[str, Any]:
     """Kept settings without those that do not go with the given ones."""
     names: list[str] = []
     if given.image_to_reference and given.reference is None:
@@ -152,7 +152,7 @@ def _beside_given(given: KeptOptions, kept: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in kept.items() if name not in names}
 
 
-def _is_in_another_frame(given: KeptOptions, kept: Mapping[str, object]) -> bool:
+def _is_in_another_frame(given: _KeptOptions, kept: Mapping[str, object]) -> bool:
     """Whether the options ask for a frame of reference that the kept box need not be in."""
     asked = _target(given.reference, given.image_to_reference)
     return asked is not None and asked != _target(kept.get("reference"), kept.get("image_to_reference"))
@@ -166,7 +166,7 @@ def _target(reference: object, image_to_reference: object) -> str | None:
 
 
 def with_provenance(
-    result: Reconstruction, asked: KeptOptions, inputs: list[Path | None], stream: Mapping[str, object] | None = None
+    result: Reconstruction, asked: _KeptOptions, inputs: list[Path | None], stream: Mapping[str, object] | None = None
 ) -> Reconstruction:
     """The result with volumes that know all settings and inputs; notes say what differs from the volume that was to be repeated.
 
@@ -174,7 +174,7 @@ def with_provenance(
     ----------
     result : Reconstruction
         As `reconstruct` returns it.
-    asked : KeptOptions
+    asked : _KeptOptions
     inputs : list of Path or None
         Files that were read.
     stream : mapping or None
@@ -203,7 +203,7 @@ UNITS = {"M": 1e6, "G": 1e9, "T": 1e12, "MI": 2.0**20, "GI": 2.0**30, "TI": 2.0*
 """Bytes of each, without the B."""
 
 
-def grid_from(asked: VolumeOptions) -> VoxelGrid | None:
+def grid_from(asked: _VolumeOptions) -> VoxelGrid | None:
     """The voxels of --grid-like; None where the recipe says which."""
     return read_volume(asked.grid_like).grid if asked.grid_like else None
 
@@ -214,12 +214,12 @@ SOURCES = ("bone_from_sweep", "bone_frames", "bone_model", "bone_image")
 """Options by which the frames themselves say where bone is."""
 
 
-def seen_source(asked: BoneOptions) -> str | None:
+def seen_source(asked: _BoneOptions) -> str | None:
     """The option, as users write it, that lets the frames say where bone is; None where there is none."""
     return next((as_option(name) for name in SOURCES if getattr(asked, name, None)), None)
 
 
-def check_bone_options(asked: BoneOptions) -> None:
+def check_bone_options(asked: _BoneOptions) -> None:
     """Return if the options that say where bone is go together.
 
     Raises SettingsError otherwise.
@@ -235,14 +235,14 @@ def check_bone_options(asked: BoneOptions) -> None:
         raise SettingsError("--bone-transform places a bone input, and there is none. Give --bone-labels, --ct or --bone-probability.")
 
 
-def bone_inputs(asked: BoneOptions) -> list[Path | None]:
+def bone_inputs(asked: _BoneOptions) -> list[Path | None]:
     """The files that say where bone is, the description of a model among them."""
     model = [] if asked.bone_model is None else [asked.bone_model, asked.bone_model.with_suffix(".json")]
     given = [*labels_inputs(asked), asked.bone_probability, asked.bone_transform, *asked.bone_frames]
     return [*given, *(path for path in model if path.is_file())]
 
 
-def bone_source_from(asked: BoneOptions, progress: Progress | None = None, labels: Labels | None = None) -> BoneSource:
+def bone_source_from(asked: _BoneOptions, progress: Progress | None = None, labels: Labels | None = None) -> BoneSource:
     """What the options name as bone, read; `labels` are theirs where they were read already.
 
     Raises SettingsError when options do not go together.

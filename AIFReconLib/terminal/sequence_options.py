@@ -20,7 +20,7 @@ OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
 """How a recording is read, which a live scan is not."""
 
 
-class ConfigurationOptions(Options):
+class _ConfigurationOptions(Options):
     """tracking
 
     Parameters
@@ -32,13 +32,13 @@ class ConfigurationOptions(Options):
     config: list[Path] = []
 
 
-class TrackingOptions(ConfigurationOptions):
+class TrackingOptions(_ConfigurationOptions):
     """tracking"""
 
     SETTINGS: ClassVar[Settings] = ("image_to_reference", "reference")
 
 
-class RecordingOptions(ConfigurationOptions):
+class RecordingOptions(_ConfigurationOptions):
     """recording: what the file does not say, or says wrongly
 
     Parameters
@@ -80,7 +80,7 @@ class SequencesOptions(PlacedLabelsOptions, SweepOptions):
     WORDS: ClassVar[Names] = ("sequences",)
 
 
-def configured(asked: ConfigurationOptions, paths: Sequence[Path]) -> list[tuple[Path, Path | None]]:
+def configured(asked: _ConfigurationOptions, paths: Sequence[Path]) -> list[tuple[Path, Path | None]]:
     """Each of several sequences with its configuration.
 
     Raises SettingsError when configurations are neither one nor one for each, or transforms of one sequence are given for several.

@@ -21,8 +21,8 @@ class Call(NamedTuple):
     keep: bool  #: What is returned stays in the worker, as `RemoteObject` of this call's number
 
 
-CALL, CANCEL, FORGET, RECEIVED = "call", "cancel", "forget", "received"
-"""From the program: a call is wanted; it is wanted no more and ends at its next report; what is kept of it is; its value has come."""
+CALL, CANCEL, FORGET = "call", "cancel", "forget"
+"""From the program: a call is wanted; it is wanted no more and ends at its next report; what is kept of it is."""
 
 PROGRESS, VALUE, ERROR, LOG = "progress", "value", "error", "log"
 """From the worker: (fraction, what is being done) of a call; it has ended, with a value or an error; (logger, level, text) of no call."""

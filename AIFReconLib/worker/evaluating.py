@@ -90,7 +90,7 @@ def motion_of_sweep(job: ReconstructionJob, progress: Progress | None = None) ->
 
 
 @dataclass(frozen=True, eq=False)
-class Calibrated:
+class _Calibrated:
     """What a sweep says of its calibration."""
 
     lines: tuple[str, ...]  #: For the user, a sentence or two each
@@ -99,16 +99,16 @@ class Calibrated:
 
 def calibrated_by(
     sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
-) -> Calibrated:
+) -> _Calibrated:
     """What a sweep, or several as one, says of its calibration; the arguments are those of `calibrate`, the CT lies on the sweep."""
     from ..calibration.calibration import calibrate
 
     found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
     if found.said is not None:
-        return Calibrated((Sentence(f"The calibration was not changed. {found.said}", said(found.said)),), None)
+        return _Calibrated((Sentence(f"The calibration was not changed. {found.said}", said(found.said)),), None)
     if found.changed <= found.uncertainty:
         agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
-        return Calibrated((agrees, *_more(found)), None)
+        return _Calibrated((agrees, *_more(found)), None)
     lines = (
         f"Calibrated: image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median; "
         f"the change is {found.changed:.1f} mm.",
@@ -117,7 +117,7 @@ def calibrated_by(
         *_belongs(found, labels_to_reference),
         *_more(found),
     )
-    return Calibrated(lines, found.image_correction)
+    return _Calibrated(lines, found.image_correction)
 
 
 def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
@@ -157,7 +157,7 @@ def guidance_in_sweep(
 
 
 @dataclass(frozen=True, eq=False)
-class SimulatedPatient:
+class _SimulatedPatient:
     """The CT of a lumbar spine, its labels 1, 2, ..., where they lie, and a sweep of it."""
 
     ct: Volume
@@ -168,7 +168,7 @@ class SimulatedPatient:
 
 def simulated_patient(
     seed: int = 0, vertebrae: int = 3, frames: int = 21, spacing: float = 1.25, progress: Progress | None = None
-) -> SimulatedPatient:
+) -> _SimulatedPatient:
     """A patient, by `seed`: the CT has voxels of `spacing` mm, 0.2 to 3, the sweep so many frames, 9 or more."""
     from ..io.plus.configuration import read_plus_configuration
     from ..simulation.anatomy import LumbarAnatomy
@@ -183,7 +183,7 @@ def simulated_patient(
         path.write_text(plus_configuration_xml(PhasedArray()), encoding="utf-8")
         configuration = read_plus_configuration(path)
     sweep = replace(sweep, configuration=configuration, path=Path("lumbar phantom"))
-    return SimulatedPatient(phantom.ct, phantom.labels, phantom.ct_to_reference, sweep)
+    return _SimulatedPatient(phantom.ct, phantom.labels, phantom.ct_to_reference, sweep)
 
 
 def write_settings(settings: Mapping[str, object], path: str | Path) -> None:

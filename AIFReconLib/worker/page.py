@@ -27,17 +27,6 @@ DASH = "\N{EN DASH}"
 
 
 @dataclass(frozen=True, eq=False)
-class Pictured:
-    """What is drawn."""
-
-    shown: Volume
-    window: tuple[float, float]  #: Gray levels shown black and white
-    plain: Volume | None = None  #: The plain mean of the echoes, on the same voxels
-    ct: Volume | None = None
-    spine: bytes | None = None  #: A PNG file of the bone in 3D
-
-
-@dataclass(frozen=True, eq=False)
 class PageAbout:
     """A reconstruction and what it was made of."""
 
@@ -54,7 +43,11 @@ class PageAbout:
     problem: str = "No segmentation was chosen: nothing says where bone should be."  #: Why there are none
     version: str | None = None  #: Of the AIFRecon that made it, where it says
     program: Mapping[str, str] = field(default_factory=dict)  #: Names and versions of what shows it
-    pictured: Pictured | None = None
+    shown: Volume | None = None  #: What is drawn
+    window: tuple[float, float] = (0.0, 255.0)  #: Gray levels shown black and white
+    plain: Volume | None = None  #: The plain mean of the echoes, on the same voxels
+    ct: Volume | None = None
+    spine: bytes | None = None  #: A PNG file of the bone in 3D
     motion: PatientMotion | None = None  #: That was taken out of the sequence
 
 
@@ -114,24 +107,23 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
     from ..evaluation.report import Section
     from ..inspection.enhancement_map import raised_bands
 
-    drawn = about.pictured
-    if drawn is None:
+    if about.shown is None:
         return ()
     labels = None if about.labels is None or about.labels_to_reference is None else about.labels.placed_by(about.labels_to_reference)
-    bands = None if drawn.plain is None else Volume(raised_bands(drawn.shown, drawn.plain), drawn.shown.ijk_to_reference)
-    kinds = [(about.method, Scene(drawn.shown, drawn.window, labels, drawn.ct, bands))]
+    bands = None if about.plain is None else Volume(raised_bands(about.shown, about.plain), about.shown.ijk_to_reference)
+    kinds = [(about.method, Scene(about.shown, about.window, labels, about.ct, bands))]
     said = ["Orange: bone of the CT."] if labels is not None else []
-    said += ["Where nothing was scanned the CT is seen, darker."] if drawn.ct is not None else []
-    if drawn.plain is not None:
-        kinds.append(("as measured", Scene(drawn.plain, drawn.window, labels, drawn.ct)))
+    said += ["Where nothing was scanned the CT is seen, darker."] if about.ct is not None else []
+    if about.plain is not None:
+        kinds.append(("as measured", Scene(about.plain, about.window, labels, about.ct)))
         said.append(
             "Violet: the method has made the picture brighter there than the echoes are on the mean; the stronger, the more. What was "
             "measured alone is shown as well."
         )
     middle = kinds[0][1].middle()
     pictures = [(f"{caption}; {kind}", data) for kind, scene in kinds for caption, data in cut_pictures(scene, middle)]
-    if drawn.spine is not None:
-        pictures.append(("Bone of the ultrasound, from behind; the CT's is translucent", drawn.spine))
+    if about.spine is not None:
+        pictures.append(("Bone of the ultrasound, from behind; the CT's is translucent", about.spine))
     return (Section("Pictures", said=tuple(said), pictures=tuple(pictures)),)
 
 

@@ -29,7 +29,7 @@ class PlacedCT:
 
 
 @dataclass(frozen=True, eq=False)
-class Offered:
+class _Offered:
     """Another place that the user may choose."""
 
     labels_to_reference: Matrix  #: (4, 4), mm
@@ -46,7 +46,7 @@ class Found:
     agreement: Agreement
     moved: float | None  #: mm
     uncertain: tuple[str, ...]  #: What the sweep does not hold, in words
-    alternatives: tuple[Offered, ...]  #: The best first
+    alternatives: tuple[_Offered, ...]  #: The best first
     apart: Volume | None  #: The labels in Reference, each where it came to lie on its own, where that was asked for
 
 
@@ -72,7 +72,7 @@ class Placing:
         from ..registration.segments import placed_labels
 
         found = register_echoes(self._echoes, self._bone, start, per_segment=per_segment, progress=progress)
-        others = tuple(Offered(other.transform, other.agreement, other.levels) for other in found.alternatives)
+        others = tuple(_Offered(other.transform, other.agreement, other.levels) for other in found.alternatives)
         apart = placed_labels(self._bone.labels, found.segments.transforms) if found.segments else None
         return Found(self.at(found.transform), found.said, found.agreement, found.moved, tuple(found.uncertain), others, apart)
 

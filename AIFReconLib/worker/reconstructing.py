@@ -31,6 +31,7 @@ from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import sweep_poses
 from ..workflows.job import BoneSource, ReconstructionJob, ReconstructionOutput, ScanJob
+from .scanning import shown_of
 
 if TYPE_CHECKING:
     from ..evaluation.quantities import BoneMetrics
@@ -89,12 +90,12 @@ def reconstructed(
         except AIFReconError as error:
             lines.append(f"The plain echo and the bone in 3D were not made. {error}")
     report(progress, 1.0, "Reconstructed")
-    kept = _with(result, {*keep, "score"} if for_views else keep)
+    kept = shown_of(result, {*keep, "score"} if for_views else keep)
     return ReconstructionOutput(kept, None, None, None, tracking_of(job, result), tuple(lines), comparison, measured, surface)
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class _Compared:
     """What methods made of the same sweep, by their names."""
 
     results: dict[str, Reconstruction]
@@ -104,7 +105,7 @@ class Compared:
 
 def compared_methods(
     job: ReconstructionJob, labels: Volume | None = None, words: Spelling = as_argument, progress: Progress | None = None
-) -> Compared:
+) -> _Compared:
     """Reconstruct with each of the methods that are compared, in turn, and measure the volumes against `labels` in Reference."""
     from ..workflows.reconstruct import execute, planned
     from .evaluating import measured_volumes
@@ -124,7 +125,7 @@ def compared_methods(
         volumes = {method: result.intensity for method, result in results.items()}
         metrics = measured_volumes(volumes, labels, job.sequence, mask, job.recipe, part(progress, 0.7, 1.0))
     lines = [summary_lines(result, len(job.sequence), spelling=words)[0] for result in results.values()]
-    return Compared({method: _with(result, ()) for method, result in results.items()}, metrics, tuple(lines))
+    return _Compared({method: shown_of(result) for method, result in results.items()}, metrics, tuple(lines))
 
 
 def imaging_of(sequence: TrackedSequence, needs_probe: bool, recipe: Recipe) -> tuple[ProbeGeometry | None, ImageRegion]:
@@ -220,13 +221,3 @@ def _surface(result: Reconstruction, labeled: LabeledBone | None, progress: Prog
     shown = shown_bone(result) if labeled is None else shown_bone(result, labeled.labels, labeled.labels_to_reference)
     report(progress, 0.6, "Drawing the bone")
     return bone_surface(shown)
-
-
-def _with(result: Reconstruction, keep: Collection[str]) -> Reconstruction:
-    """A result without the volumes that nobody wants."""
-    return replace(
-        result,
-        score=result.score if "score" in keep else None,
-        hits=result.hits if "hits" in keep else None,
-        cosine=result.cosine if "cosine" in keep else None,
-    )

@@ -17,7 +17,6 @@ from ..progress import Progress, report
 from ..recipe.recipe import LONGEST_GAP
 from ..sweep.frames import TrackedSequence
 from ..sweep.time_offset import with_time_offset
-from .channel import shared_array
 
 if TYPE_CHECKING:
     from ..inspection.imported import ImportCheck, Imported
@@ -46,7 +45,7 @@ BYTES_AT_ONCE = 1 << 25
 
 
 @dataclass(frozen=True)
-class LeftBehind:
+class _LeftBehind:
     """Images that were not sent: their shape (frames, rows, columns), and the type of their pixels."""
 
     shape: tuple[int, ...]
@@ -72,15 +71,12 @@ def read_recording(
 
 def without_images(sequence: TrackedSequence) -> TrackedSequence:
     """The sequence, to be sent: `images_between` gives its images."""
-    return replace(sequence, images=LeftBehind(tuple(sequence.images.shape), np.dtype(sequence.images.dtype)))
+    return replace(sequence, images=_LeftBehind(tuple(sequence.images.shape), np.dtype(sequence.images.dtype)))
 
 
 def images_between(sequence: TrackedSequence, start: int, stop: int) -> Numbers:
     """Images from one number to before another, (frames, rows, columns)."""
-    images = shared_array((stop - start, *sequence.images.shape[1:]), sequence.images.dtype)
-    for number in range(start, stop):
-        images[number - start] = sequence.images[number]
-    return images
+    return np.stack([sequence.images[number] for number in range(start, stop)])
 
 
 class FetchedImages:
@@ -88,13 +84,13 @@ class FetchedImages:
 
     Parameters
     ----------
-    stack : LeftBehind
+    stack : _LeftBehind
         What the recording has in their place.
     progress : Progress or None
         Hears of waiting.
     """
 
-    def __init__(self, worker: Worker, file: RemoteObject, stack: LeftBehind, progress: Progress | None = None):
+    def __init__(self, worker: Worker, file: RemoteObject, stack: _LeftBehind, progress: Progress | None = None):
         self.shape, self.dtype = stack.shape, stack.dtype
         self._worker, self._file, self._progress = worker, file, progress
         self._count = max(1, BYTES_AT_ONCE // max(1, math.prod(stack.shape[1:]) * stack.dtype.itemsize))

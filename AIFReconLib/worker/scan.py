@@ -11,14 +11,13 @@ import numpy as np
 from ..arrays import Floats, Matrix
 from ..bone.echoes.found import FEWEST, SweepEchoes
 from ..bone.field import BoneField
-from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..evaluation.visibility import SweepBeams
 from ..geometry.volume import Volume
 from ..guidance.guidance import Guidance
 from ..live.session.agreement_watch import AgreementWatch
 from ..live.session.guidance_watch import GuidanceWatch
-from ..live.session.resumed_recording import TakenUp
+from ..live.session.resumed_recording import unfinished_frames
 from ..live.session.session import SCOUTING
 from ..live.session.snapshots import SnapshotMaker
 from ..live.wire.client import OpenIGTLinkClient
@@ -30,7 +29,7 @@ from ..progress import Progress, part, report
 from ..registration.live import SECONDS
 from ..workflows.job import ScanJob
 from ..workflows.live_scan import LiveScan
-from .scanning import Ended, Seen
+from .scanning import Seen, shown_of
 
 SNAP_EVERY = 0.5
 """s between two snapshots of the volume: each has holes filled, which takes cores from insertion."""
@@ -76,7 +75,7 @@ class Scan(LiveScan):
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
             if recorder is not None and recorder.frames:
-                self.session.take_up(TakenUp(recorder.path, configuration, job.spans))
+                self.session.take_up(unfinished_frames(recorder.path, configuration, job.spans))
                 self._spans = list(job.spans)
                 if self._spans[-1][1] is not None:
                     self.session.pause()
@@ -116,7 +115,7 @@ class Scan(LiveScan):
             scouted=session.scouted,
             spans=tuple(self._spans),
             frame=latest if latest is not None and latest.number != frame and latest.status == "OK" else None,
-            result=None if result is None else self._shown(result),
+            result=None if result is None else shown_of(result),
             guidance=None if guidance is None or is_told else guidance.seen(surface),
             has_fallen=state is not None and state.has_fallen,
             compared=-1 if self._agreement is None else self._agreement.looked_at,
@@ -199,17 +198,23 @@ class Scan(LiveScan):
             )
         return echoes
 
-    def finish(self, progress: Progress | None = None) -> Ended:
+    def finish(self, progress: Progress | None = None) -> Seen:
         """End the scan: the final volume, and where everything was recorded. A cancel ends the scan all the same."""
         self._stop_watches()
         result = self.session.finish(progress)
         if result is not None and not result.frames_inserted:
             result = None
-        recorded = None if self.bone_watch is None else self.bone_watch.recorded
         # With the score, which tells what was seen
-        shown = None if result is None else replace(self._shown(result), score=result.score)
+        shown = None if result is None else shown_of(result, ("score",))
         problems = tuple(self._recording_problems())
-        return Ended(self.session.statistics, shown, self.session.recorded, recorded, problems, self._skin())
+        return Seen(
+            self.session.statistics,
+            result=shown,
+            problems=problems,
+            recorded=self.session.recorded,
+            predictions=None if self.bone_watch is None else self.bone_watch.recorded,
+            skin=self._skin(),
+        )
 
     def close(self) -> None:
         """End the scan, its recording finished."""
@@ -237,10 +242,6 @@ class Scan(LiveScan):
             return None
         rows, columns = latest.image.shape
         return SweepBeams(np.array(self._poses), (columns, rows), imaging.probe, imaging.region).skin()
-
-    def _shown(self, result: Reconstruction) -> Reconstruction:
-        """What a window shows of a volume."""
-        return replace(result, score=None, hits=None, cosine=None)
 
     def _recording_problems(self) -> Sequence[str]:
         recorder = self.session.recorder

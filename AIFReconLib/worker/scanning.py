@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -46,6 +47,10 @@ class Seen:
         What is wrong beside the stream, the worst first.
     record : Path or None
         Where every frame is recorded.
+    recorded, predictions : Path or None
+        Of a scan that has ended: the files of frames and of what a network said.
+    skin : (n, 3) array or None, mm in Reference
+        Where the face of the probe was; None where that is not known.
     """
 
     statistics: LiveStatistics
@@ -61,6 +66,9 @@ class Seen:
     bone_lines: tuple[str, ...] = ()
     problems: tuple[str, ...] = ()
     record: Path | None = None
+    recorded: Path | None = None
+    predictions: Path | None = None
+    skin: Floats | None = None
 
     @property
     def is_scouting(self) -> bool:
@@ -68,13 +76,7 @@ class Seen:
         return self.grid is None or self.statistics.phase == "scouting"
 
 
-@dataclass(frozen=True, eq=False)
-class Ended:
-    """What is left of a scan: the final volume, and the files of frames and of what a network said."""
-
-    statistics: LiveStatistics
-    result: Reconstruction | None = None
-    recorded: Path | None = None
-    predictions: Path | None = None
-    problems: tuple[str, ...] = ()
-    skin: Floats | None = None  #: (n, 3), mm in Reference. Where the face of the probe was; None where that is not known.
+def shown_of(result: Reconstruction, keep: Collection[str] = ()) -> Reconstruction:
+    """A result without the volumes that nobody wants beside intensity and mask."""
+    unwanted: dict[str, None] = dict.fromkeys({"score", "hits", "cosine"}.difference(keep))
+    return replace(result, **unwanted)  # type: ignore[arg-type]

@@ -9,7 +9,6 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +16,7 @@ from typing import Any
 from ..errors import WorkerDiedError
 from ..machine.processes import start_python
 from ..progress import Progress, report
-from .calls import CALL, CANCEL, ERROR, FORGET, LOG, PROGRESS, RECEIVED, Call, Message, RemoteObject
+from .calls import CALL, CANCEL, ERROR, FORGET, LOG, PROGRESS, Call, Message, RemoteObject
 from .channel import Channel
 from .serving import LIBRARY, TracebackInWorker, serve
 
@@ -99,7 +98,7 @@ class Task:
 
 
 class Worker:
-    """A process that calls the library's functions for this one. It belongs to the thread that first uses it.
+    """A process that calls the library's functions for this one. One thread uses it; make one for each thread.
 
     Notes
     -----
@@ -112,7 +111,6 @@ class Worker:
         self._channel: Channel | None = None
         self._tasks: dict[int, Task] = {}
         self._numbers = itertools.count()
-        self._thread: int | None = None
         self._has_spoken = False
 
     def begin(self, function: Callable[..., Any] | str, *arguments: Any, keep: bool = False, **named: Any) -> Task:
@@ -126,15 +124,25 @@ class Worker:
         keep : bool
             What it returns stays in the worker; the task's result is a `RemoteObject`.
         """
-        return self._begin(function, arguments, named, keep)
+        self.listen()
+        if self._channel is None:
+            self._start()
+        task = Task(self, number := next(self._numbers))
+        self._tasks[number] = task
+        try:
+            self._send(Message(number, CALL, Call(function, arguments, named, keep)))
+        except BaseException:
+            self._tasks.pop(number, None)
+            raise
+        return task
 
     def call(self, function: Callable[..., Any] | str, *arguments: Any, progress: Progress | None = None, **named: Any) -> Any:
         """What a function returns, as for `begin`; `progress` hears of it and may cancel it. Errors as of `Task.result`."""
-        return self._begin(function, arguments, named).result(progress)
+        return self.begin(function, *arguments, **named).result(progress)
 
     def keep(self, function: Callable[..., Any], *arguments: Any, progress: Progress | None = None, **named: Any) -> RemoteObject:
         """As `call`, but what is returned stays in the worker. When that ends it is closed, where it has `close`."""
-        kept: RemoteObject = self._begin(function, arguments, named, keep=True).result(progress)
+        kept: RemoteObject = self.call(function, *arguments, progress=progress, keep=True, **named)
         return kept
 
     def forget(self, kept: RemoteObject) -> None:
@@ -157,7 +165,6 @@ class Worker:
 
     def listen(self, timeout: float = 0.0) -> None:
         """Hear what the worker says, waited for so many s where it says nothing, and for little longer where it says much."""
-        self._require_own_thread()
         if self._channel is None or self._process is None:
             return
         # Seen before: what it has said before its end is heard
@@ -188,25 +195,10 @@ class Worker:
         task = self._tasks.get(message.number)
         if message.kind != PROGRESS:
             self._tasks.pop(message.number, None)
-            self._send(Message(message.number, RECEIVED))
         if task is not None:
             task.take(message)
 
-    def _begin(self, function: Callable[..., Any] | str, arguments: tuple[Any, ...], named: dict[str, Any], keep: bool = False) -> Task:
-        self.listen()
-        if self._channel is None:
-            self._start()
-        task = Task(self, number := next(self._numbers))
-        self._tasks[number] = task
-        try:
-            self._send(Message(number, CALL, Call(function, arguments, named, keep)))
-        except BaseException:
-            self._tasks.pop(number, None)
-            raise
-        return task
-
     def _send(self, message: Message) -> None:
-        self._require_own_thread()
         if self._channel is None:
             return
         try:
@@ -231,8 +223,7 @@ class Worker:
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(LONGEST_END)
         code = process.poll()
-        # And what it has started, or that which has started it, as Slicer's own Python is; Python's helper, which frees
-        # what memory it has left, does not end by this
+        # And what it has started, or that which has started it, as Slicer's own Python is
         with contextlib.suppress(OSError):
             process.kill()
             if sys.platform != "win32":
@@ -253,9 +244,3 @@ class Worker:
         self._process = self._channel = None
         for number, task in lost.items():
             task.take(Message(number, ERROR, WorkerDiedError(why)))
-
-    def _require_own_thread(self) -> None:
-        if self._thread is None:
-            self._thread = threading.get_ident()
-        if self._thread != threading.get_ident():
-            raise RuntimeError("A Worker belongs to the thread that first used it; make one for each thread.")

@@ -32,7 +32,7 @@ from ..sweep.poses import chain_ends
 
 
 @dataclass(frozen=True, eq=False)
-class CalibrationOutput:
+class _CalibrationOutput:
     """A calibration, and what is to be said of it."""
 
     sequences: list[TrackedSequence]
@@ -73,7 +73,7 @@ def calibration_of(
     recipe: Recipe,
     replaces: bool,
     progress: Progress | None = None,
-) -> CalibrationOutput:
+) -> _CalibrationOutput:
     """A calibration on the bone of a CT, else on the surface that the sweeps' own echoes show.
 
     Raises SettingsError where it `replaces` one in a configuration, and none is there.
@@ -86,16 +86,16 @@ def calibration_of(
         found = calibrate_by_crossing(sequences, rough=bool(rough), recipe=recipe, progress=progress)
         titles = f"before: {found.before:.2f} mm between angles", f"after: {found.after:.2f} mm"
         draw = partial(_draw, found, found.placed_echoes, titles, None)
-        return CalibrationOutput(sequences, found, crossing_findings(found), crossing_report(found), draw, name)
+        return _CalibrationOutput(sequences, found, crossing_findings(found), crossing_report(found), draw, name)
     laid = calibrate(sequences, labels, start, recipe=recipe, progress=progress)
     titles = f"before: {laid.before.sentence()}", f"after: {laid.after.sentence()}"
     draw = partial(_draw, laid, laid.echoes_on_bone, titles, labels)
-    return CalibrationOutput(sequences, laid, findings(laid), as_report(laid), draw, name)
+    return _CalibrationOutput(sequences, laid, findings(laid), as_report(laid), draw, name)
 
 
 def calibration_on_wires(
     sequences: list[TrackedSequence], phantom: Path, image_to_probe: str | None = None, progress: Progress | None = None
-) -> CalibrationOutput:
+) -> _CalibrationOutput:
     """A calibration on the N-wires that a configuration describes, placed as the recordings say, else as it says itself."""
     wires = read_wire_phantom(phantom)
     place = {name: sample for name, sample in read_plus_configuration(phantom).transforms.items() if _is_of_phantom(name)}
@@ -105,7 +105,7 @@ def calibration_on_wires(
         more = {} if any(map(_is_of_phantom, known)) else place
         placed.append(replace(sequence, configuration=replace(sequence.configuration, transforms={**known, **more})))
     found = calibrate_on_wires(placed, wires, name=image_to_probe, progress=progress)
-    return CalibrationOutput(placed, found, wire_findings(found), wire_report(found, wires), partial(_draw_wires, found, placed))
+    return _CalibrationOutput(placed, found, wire_findings(found), wire_report(found, wires), partial(_draw_wires, found, placed))
 
 
 def _is_of_phantom(name: TransformName) -> bool:

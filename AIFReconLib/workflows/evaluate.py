@@ -17,7 +17,7 @@ from ..provenance.record import made_by, weighted_by
 
 
 @dataclass(frozen=True, eq=False)
-class EvaluationOutput:
+class _EvaluationOutput:
     """What was measured, by the names of the volumes."""
 
     truth: BoneTruth
@@ -35,7 +35,7 @@ def evaluated(
     mask: Volume | None = None,
     label_files: Sequence[Path] = (),
     progress: Progress | None = None,
-) -> EvaluationOutput:
+) -> _EvaluationOutput:
     """Measure volumes, one in memory at a time, against labels in Reference that came from these files.
 
     Raises GeometryError, which names the volume, where none of the bone lies where it was measured.
@@ -57,4 +57,4 @@ def evaluated(
         if results[name].bone.area == 0:
             which = "no bone surface that the sweep reaches" if beams else "no bone surface"
             raise GeometryError(f"{path}: {which} lies where it was measured.", "Check {bone_transform} and the files.")
-    return EvaluationOutput(truth, results, made, headers, own_bone, len(beams.image_to_reference) if beams else None)
+    return _EvaluationOutput(truth, results, made, headers, own_bone, len(beams.image_to_reference) if beams else None)

@@ -20,7 +20,7 @@ from .register import calibration_by
 
 
 @dataclass(frozen=True, eq=False)
-class InspectionOutput:
+class _InspectionOutput:
     """What was found."""
 
     diagnosis: SequenceReport
@@ -33,13 +33,13 @@ class InspectionOutput:
 
 def inspected(
     sequence: TrackedSequence, recipe: Recipe, labels: Labels | None, placed: Matrix | None, progress: Progress | None = None
-) -> InspectionOutput:
+) -> _InspectionOutput:
     """Look at a recording, and at the bone of a CT where there are labels, which a (4, 4) rigid transform places."""
     probe = recipe.probe if recipe.probe == LINEAR else SECTOR if recipe.apex_px else None
     given = probe and f"{probe} (as given)"
     diagnosis = diagnose(sequence, recipe.image_to_reference, recipe.reference, progress, given, labels is not None)
     if not diagnosis.ready:
-        return InspectionOutput(diagnosis)
+        return _InspectionOutput(diagnosis)
     has_bone = labels is not None
     unasked: tuple[str, ...] = ()
     try:
@@ -49,13 +49,13 @@ def inspected(
             has_bone, unasked = shown is not None, unasked if shown is None else shown.notes
         planned = plan(sequence, recipe, has_bone=has_bone, poses=diagnosis.poses)
     except AIFReconError as error:
-        return InspectionOutput(diagnosis, problem=error)
+        return _InspectionOutput(diagnosis, problem=error)
     notes = (*planned.notes, *unasked)
     if labels is None:
-        return InspectionOutput(diagnosis, planned, notes=notes)
+        return _InspectionOutput(diagnosis, planned, notes=notes)
     labeled = LabeledBone(labels, placed, sequence, recipe)
     comparison = labeled.comparison()
     is_placed = comparison is None or comparison.agreement is None or comparison.agreement.enough
     lines = labeled.lines(planned.method) if method_named(planned.method).needs_bone else []
     told = calibration_by([sequence], labels, placed, recipe).lines if is_placed else []
-    return InspectionOutput(diagnosis, planned, None, notes, (*labeled.labels.notes, *lines, *told), is_placed)
+    return _InspectionOutput(diagnosis, planned, None, notes, (*labeled.labels.notes, *lines, *told), is_placed)

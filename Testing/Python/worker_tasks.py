@@ -13,7 +13,6 @@ import numpy as np
 
 from AIFReconLib.errors import GeometryError, OperationCanceled
 from AIFReconLib.progress import Progress, report
-from AIFReconLib.worker.channel import shared_array
 
 
 def double_or_die(number: int) -> int:
@@ -42,17 +41,12 @@ def total(array: np.ndarray, *, twice: bool = False) -> tuple[float, bool, bool]
 
 
 def add_one(array: np.ndarray) -> None:
-    """To what both sides see."""
+    """To what came."""
     array += 1
 
 
-def shared_zeros(count: int) -> np.ndarray:
-    """Memory of the worker's, that is sent without another copy."""
-    return shared_array((count,), np.float64)
-
-
 def filled(count: int) -> np.ndarray:
-    """Memory of the worker's that is copied to be sent."""
+    """An array of the worker's."""
     return np.arange(count, dtype=np.float64)
 
 

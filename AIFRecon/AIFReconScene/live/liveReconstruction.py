@@ -212,7 +212,7 @@ class LiveReconstruction:
     # ---- the end
 
     def stop(self, progress=None):
-        """End the scan and show the final volume; returns what it `Ended` with, or None when it was lost or canceled.
+        """End the scan and show the final volume; returns what is left of it, as last `Seen`, or None when it was lost or canceled.
 
         A cancel, which may come while holes are filled, leaves the volume as it was shown last; `wasCanceled` is True then.
         """
@@ -233,7 +233,7 @@ class LiveReconstruction:
         return None
 
     def _finished(self, progress):
-        """What it `Ended` with; where the worker has died, another takes up the recording first."""
+        """What is left of it, as last `Seen`; where the worker has died, another takes up the recording first."""
         for _attempt in range(MOST_DEATHS):
             try:
                 if self._again is not None:

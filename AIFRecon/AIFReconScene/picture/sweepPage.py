@@ -5,7 +5,7 @@ from slicer.i18n import tr as _
 
 from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.progress import part
-from AIFReconLib.worker.page import PageAbout, Pictured, tell
+from AIFReconLib.worker.page import PageAbout, tell
 
 from ..inputs.boneNodes import boneNames, isLabeled
 from ..inputs.inputs import Inputs
@@ -49,7 +49,7 @@ def tellOf(parameters, tracking, path=None, progress=None) -> str:
         recipe=inputs.recipe,
         version=output.GetAttribute(VERSION_ATTRIBUTE),
         program={"3D Slicer": str(version)} if version else {},
-        pictured=None if path is None else _pictured(output, parameters.ctVolume, bone),
+        **({} if path is None else _pictured(output, parameters.ctVolume, bone)),
         **_boneOf(inputs, bone, part(progress, 0.0, 0.1)),
     )
     return inWorker(tell, about, path, asControl(), progress=part(progress, 0.1, 1.0))
@@ -67,12 +67,12 @@ def _boneOf(inputs, bone, progress) -> dict:
     return {"labels": labels, "labels_to_reference": place, "names": boneNames(bone, list(inputs.boneSegments) or None)}
 
 
-def _pictured(output, ct, bone) -> Pictured:
+def _pictured(output, ct, bone) -> dict:
     plain, spine = measuredOf(output), spineOf(output)
-    return Pictured(
-        volumeOf(output),
-        ultrasoundWindowOf(output),
-        None if plain is None else volumeOf(plain),
-        volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None,
-        None if spine is None else spinePicture(spine, bone),
-    )
+    return {
+        "shown": volumeOf(output),
+        "window": ultrasoundWindowOf(output),
+        "plain": None if plain is None else volumeOf(plain),
+        "ct": volumeOf(ct) if ct is not None and ct.GetImageData() is not None else None,
+        "spine": None if spine is None else spinePicture(spine, bone),
+    }

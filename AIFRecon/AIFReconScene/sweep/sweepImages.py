@@ -9,7 +9,6 @@ from vtk.util import numpy_support
 from AIFReconLib.errors import GeometryError, SequenceFormatError
 from AIFReconLib.imaging.images import luminance
 from AIFReconLib.progress import report
-from AIFReconLib.worker.channel import shared_array
 
 REPORTED_EVERY = 1 << 22
 """Bytes that are copied between two reports: some milliseconds."""
@@ -58,9 +57,9 @@ class SweepImages:
         return np.stack([self[index] for index in range(len(self))]).astype(self.dtype if dtype is None else dtype, copy=False)
 
     def shared(self, progress=None) -> np.ndarray:
-        """All images (frames, rows, columns) in memory that the worker sees, copied once; a GeometryError when they are not alike."""
+        """All images (frames, rows, columns) as the worker gets them, copied once; a GeometryError when they are not alike."""
         if self._shared is None:
-            images = shared_array(self.shape, self.dtype)
+            images = np.empty(self.shape, self.dtype)
             few = max(1, REPORTED_EVERY // max(1, math.prod(self.shape[1:]) * self.dtype.itemsize))
             for number in range(len(self)):
                 if number % few == 0:

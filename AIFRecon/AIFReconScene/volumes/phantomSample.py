@@ -47,7 +47,7 @@ def loadPhantom(progress: Progress | None = None, *, seed: int = 0, frames: int 
 
 
 def addPatient(patient, progress: Progress | None = None) -> PhantomNodes:
-    """Add a `SimulatedPatient` to the scene; arguments as for `loadPhantom`."""
+    """Add a simulated patient to the scene; arguments as for `loadPhantom`."""
     scene = slicer.mrmlScene
     with addedTogether():
         browser = browserFromSequence(patient.sweep, "Lumbar sweep", part(progress, 0.0, 0.4))

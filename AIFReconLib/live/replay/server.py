@@ -27,17 +27,11 @@ END_INTERVAL = 0.22
 
 DRAIN_TIMEOUT = 0.5
 
-MOST_CLIENTS = 32
-"""Clients at a time; beyond it new ones are turned away."""
-
 QUEUE_BYTES = 64 * 2**20
 """What may wait for a client that reads too slowly; beyond it whole frames are left out."""
 
 REQUEST_LIMIT = 2**20
 """Bytes of a client's message; what Plus understands is far smaller."""
-
-TAKES_NOTHING = 30.0
-"""s after which a client that has taken not a byte of what waits for it is given up."""
 
 GREETING = 0.25
 """How long a new client is given to ask for header version 2 before the first frame goes out, s."""
@@ -70,8 +64,7 @@ class ReplayServer:
     The recording begins when the first client is there; a client that comes later joins in. Once every client has left it is back at
     its beginning. After the last frame of a recording that does not repeat, a STATUS of time 0 goes out every 0.22 s and the
     connections stay open. Time stamps are those of the present, frames as far apart as recorded. A client that reads slowly misses
-    whole frames and never gets a part of one; one that takes nothing at all for half a minute is disconnected, and while 32 are connected
-    others are turned away. One thread serves all.
+    whole frames and never gets a part of one. One thread serves all.
 
     Examples
     --------
@@ -106,11 +99,12 @@ class ReplayServer:
         self.host = host
         self.port = check_port(port, lowest=0)
         self.loop = loop
-        self.sent = self.served = self.turned_away = 0
+        self.sent = self.served = 0
         self._version = header_version
         self._missed = 0
         self._clients: list[_Client] = []
-        self._played, self._ended = threading.Event(), threading.Event()
+        self._stopping, self._played, self._ended = threading.Event(), threading.Event(), threading.Event()
+        self._is_deserted = False
         self._error: Exception | None = None
         self._thread: threading.Thread | None = None
 
@@ -131,14 +125,12 @@ class ReplayServer:
         self._played.clear()
         self._ended.clear()
         self._error = None
-        self._events = asyncio.new_event_loop()
-        self._stopping, self._is_deserted = asyncio.Event(), False
+        self._stopping.clear()
         thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
         try:
             thread.start()
         except RuntimeError:  # the system allows no more threads
             listener.close()
-            self._events.close()
             raise
         self._thread = thread
 
@@ -146,8 +138,7 @@ class ReplayServer:
         """Close every connection and free the port; what was queued is sent if the clients take it within half a second."""
         if self._thread is None:
             return
-        with suppress(RuntimeError):  # it has ended by itself
-            self._events.call_soon_threadsafe(self._stopping.set)
+        self._stopping.set()
         self._thread.join()
         self._thread = None
 
@@ -211,30 +202,28 @@ class ReplayServer:
 
     def _run(self, listener: socket.socket) -> None:
         try:
-            self._events.run_until_complete(self._serve(listener))
+            asyncio.run(self._serve(listener))
         except Exception as error:  # whoever waits for the server gets it; a thread has nobody to raise it to
             self._error = error
             logger.exception("The replay ended")
         finally:
-            self._events.close()
             self._ended.set()
             self._played.set()
 
     async def _serve(self, listener: socket.socket) -> None:
+        """The recording from its beginning, whenever there are clients."""
         server = await asyncio.start_server(self._meet, sock=listener)
-        playing = asyncio.create_task(self._play())
-        stopping = asyncio.create_task(self._stopping.wait())
         try:
-            await asyncio.wait((playing, stopping), return_when=asyncio.FIRST_COMPLETED)
-            if playing.done():
-                playing.result()
+            while not self._stopping.is_set():
+                if any(client.is_ready for client in self._clients):
+                    self._is_deserted = False
+                    await self._play()
+                else:
+                    await asyncio.sleep(POLL / 5)
         finally:
             server.close()
-            playing.cancel()
-            stopping.cancel()
             await self._drain()
-            # Somebody may just be coming
-            while len(asyncio.all_tasks()) > 1:
+            while self._clients:
                 for client in self._clients:
                     client.writer.transport.abort()
                 await asyncio.sleep(0)
@@ -243,11 +232,6 @@ class ReplayServer:
 
     async def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Listen to a client for as long as it is there."""
-        if self.clients >= MOST_CLIENTS:
-            self.turned_away += 1
-            logger.warning("A client was turned away: %d are connected", MOST_CLIENTS)
-            writer.close()
-            return
         client = _Client(writer, self._version or 1)
         self._clients.append(client)
         self.served += 1
@@ -269,21 +253,12 @@ class ReplayServer:
             self._is_deserted = True
 
     async def _play(self) -> None:
-        """The recording from its beginning, whenever there are clients."""
-        while True:
-            if not any(client.is_ready for client in self._clients):
-                await asyncio.sleep(POLL / 5)
-                continue
-            self._is_deserted = False
-            await self._play_to_clients()
-
-    async def _play_to_clients(self) -> None:
-        """The recording until its end and beyond, or until every client has left."""
+        """The recording until its end and beyond, or until every client has left or the server is stopped."""
         begin, begin_wall, round_start = time.monotonic(), time.time(), 0.0
         while True:
             for number, offset in enumerate(self.frames.offsets):
                 due = round_start + float(offset)
-                if await self._is_deserted_after(begin + due - time.monotonic()):
+                if await self._ends_within(begin + due - time.monotonic()):
                     return
                 ready = [client for client in self._clients if client.is_ready]
                 versions = {client.version for client in ready}
@@ -296,17 +271,17 @@ class ReplayServer:
             round_start += self.frames.period
         await self._drain()
         self._played.set()
-        while not await self._is_deserted_after(END_INTERVAL):
+        while not await self._ends_within(END_INTERVAL):
             for client in self._clients:
                 client.send(encode_status("", 0.0, text="\n", version=client.version))
 
-    async def _is_deserted_after(self, seconds: float) -> bool:
-        """Wait; True as soon as every client has left."""
+    async def _ends_within(self, seconds: float) -> bool:
+        """Wait; True as soon as every client has left, or the server is stopped."""
         end = time.monotonic() + seconds
         await asyncio.sleep(0)
-        while not self._is_deserted and (left := end - time.monotonic()) > 0:
+        while not (self._is_deserted or self._stopping.is_set()) and (left := end - time.monotonic()) > 0:
             await asyncio.sleep(min(left, POLL))
-        return self._is_deserted
+        return self._is_deserted or self._stopping.is_set()
 
     async def _drain(self) -> None:
         """Wait until everything queued is with the operating system, but not for long."""
@@ -322,8 +297,7 @@ class _Client:
         self.writer, self.version = writer, version
         self.has_asked = False
         self.missed = 0
-        self._accepted = self._took_last = time.monotonic()
-        self._queued = self._taken = 0
+        self._accepted = time.monotonic()
 
     @property
     def is_ready(self) -> bool:
@@ -337,16 +311,10 @@ class _Client:
 
     def send(self, data: bytes) -> None:
         """Queue whole messages, or leave them out; never waits."""
-        waiting, now = self.waiting, time.monotonic()
-        if self._queued - waiting > self._taken or not waiting:
-            self._taken, self._took_last = self._queued - waiting, now
-        if now - self._took_last > TAKES_NOTHING:
-            self.writer.transport.abort()
-        elif waiting + len(data) > QUEUE_BYTES and waiting:
+        if self.waiting and self.waiting + len(data) > QUEUE_BYTES:
             self.missed += 1
         elif not self.writer.transport.is_closing():
             self.writer.write(data)
-            self._queued += len(data)
 
 
 def _listen(host: str, port: int) -> socket.socket:

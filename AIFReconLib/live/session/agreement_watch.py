@@ -23,7 +23,7 @@ MOST_SEEN = 6000
 
 
 @dataclass(frozen=True)
-class LiveState:
+class _LiveState:
     """What is known of the last seconds.
 
     Parameters
@@ -56,7 +56,7 @@ class AgreementWatch(Watch):
         self._live: LiveAgreement | None = None
         # Of the scan so far, and of the last seconds: replaced together
         self._echoes: tuple[list[SweepEchoes], SweepEchoes] = [], SweepEchoes.joined(())
-        self.state = LiveState()
+        self.state = _LiveState()
         self._start()
 
     def place(self, labels_to_reference: Floats) -> None:
@@ -70,7 +70,7 @@ class AgreementWatch(Watch):
         return recent if has_fallen and len(seen) < len(recent) else seen
 
     def _tell_problem(self, problem: str) -> None:
-        self.state = LiveState(None, self.state.has_fallen, problem)
+        self.state = _LiveState(None, self.state.has_fallen, problem)
 
     def _move(self, labels_to_reference: Floats) -> None:
         self._labels_to_reference = labels_to_reference
@@ -94,4 +94,4 @@ class AgreementWatch(Watch):
         agreement, has_fallen = live.agreement(), live.has_fallen()
         # What was seen before is of a patient who lay elsewhere
         self._echoes = ([] if has_fallen and not self.state.has_fallen else scan), live.echoes()
-        self.state = LiveState(agreement, has_fallen)
+        self.state = _LiveState(agreement, has_fallen)

@@ -114,7 +114,7 @@ class GuidanceWatch(Watch):
 
     def _breathe(self) -> bool:
         # What is done ahead ends as a frame comes: once inserted, that one is looked at next
-        has_come = self._ahead is not None and self._session.latest is not self._newest and self._session.wait_for_rest(0.0) > 0.0
+        has_come = self._ahead is not None and self._session.latest is not self._newest and self._session.wait_for_rest(0.0)
         return self._resume() if has_come else super()._breathe()
 
     def _take_labels(self, labels: Volume) -> None:

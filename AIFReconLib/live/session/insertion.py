@@ -27,7 +27,7 @@ from ...progress import Progress
 from ...recipe.recipe import Recipe
 from ...sweep.frames import TrackedFrame
 from ..pairing.synchronizer import LiveFrame
-from .statistics import FrameCounters, Rhythm
+from .statistics import FrameCounters
 
 logger = logging.getLogger(__name__)
 
@@ -42,8 +42,6 @@ MOST_WAITING_BYTES = 512 * 2**20
 
 WARM_UP = 2
 """Insertions that tell nothing of the speed: engines are compiled and tables built."""
-
-LARGEST_STRIDE = 64.0
 
 
 class Inserter:
@@ -74,10 +72,8 @@ class Inserter:
         self._imaging = Imaging(ImageRegion(), None)
         self.error: Exception | None = None
         self.warm, self.ready = threading.Event(), threading.Event()
-        self._patient = longest_delay is None
-        self._keep_up = FrameDropper(longest_delay or 1.0)
+        self._longest_delay = longest_delay
         self._changed = threading.Condition()
-        self._rhythm = Rhythm()
         self._waiting_frames = self._waiting_bytes = self._rests = self._restarts = 0
         self._started = self._closed = False
         self._volume = threading.Lock()
@@ -152,13 +148,12 @@ class Inserter:
         One that has not just come (`live`) is never left out, and its latency tells nothing.
         """
         with self._changed:
-            if live:
-                self._rhythm.note(frame.received)
-            if self._patient or not live:
+            if self._longest_delay is None or not live:
                 self._changed.wait_for(lambda: self._waiting_bytes < MOST_WAITING_BYTES or self._closed)
             elif frame.status == "OK":
-                admitted = self._keep_up.admit(self._waiting_frames * self._seconds_per_frame)
-                if not admitted or self._waiting_bytes + _bytes(frame) > MOST_WAITING_BYTES:
+                # One is left out, one inserted: whatever the speed, those that enter lie evenly in time
+                delay = self._waiting_frames * self._seconds_per_frame
+                if delay > self._longest_delay or self._waiting_bytes + _bytes(frame) > MOST_WAITING_BYTES:
                     frame = replace(frame, status=TOO_SLOW)
             if frame.status != "OK":
                 frame = replace(frame, image=None)
@@ -166,19 +161,13 @@ class Inserter:
             self._waiting_bytes += _bytes(frame)
             self._submit(self._insert, frame, meter, live, self._restarts)
 
-    def wait_for_rest(self, timeout: float) -> float:
-        """Return when next a frame was inserted and none waits, or after `timeout`, s; with 0 at once.
-
-        Returns
-        -------
-        rest : float, s
-            How long it is expected to last: 0 while a frame waits or is inserted, infinite where nobody knows when the next one comes.
-        """
+    def wait_for_rest(self, timeout: float) -> bool:
+        """Return when next a frame was inserted and none waits, or after `timeout`, s, with 0 at once; whether none waits."""
         with self._changed:
             rests = self._rests
             if timeout > 0.0:
                 self._changed.wait_for(lambda: self._rests != rests, timeout)
-            return 0.0 if self._waiting_frames else self._rhythm.until_next(time.monotonic())
+            return not self._waiting_frames
 
     def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
         """The volume as it is now, holes filled; None before there is one. Frames wait only while the voxels are copied."""
@@ -325,30 +314,3 @@ def _inserted(reconstructor: Reconstructor, frame: TrackedFrame) -> str | None:
 
 def _bytes(frame: TrackedFrame) -> int:
     return 0 if frame.image is None else frame.image.nbytes
-
-
-class FrameDropper:
-    """Which frames to leave out when they come faster than they can be inserted: evenly, and no more than it takes.
-
-    Decides frame by frame from how long the frames that wait already will take: above `longest_delay` s frames are left out, ever more
-    while it lasts, below half of it ever fewer.
-    """
-
-    def __init__(self, longest_delay: float):
-        self._longest_delay = longest_delay
-        self._stride = 1.0
-        self._credit = 0.0
-
-    def admit(self, delay: float) -> bool:
-        """Whether to take the next frame, where those that wait will take `delay` s."""
-        if delay > self._longest_delay:
-            self._stride = min(self._stride * 1.1, LARGEST_STRIDE)
-        elif delay < 0.5 * self._longest_delay:
-            self._stride = max(self._stride * 0.98, 1.0)
-        # Sharing out whole frames by a fraction leaves them evenly spaced
-        self._credit += 1.0 / self._stride
-        if self._credit < 1.0 - 1e-9 or delay > 4.0 * self._longest_delay:
-            self._credit = min(self._credit, 1.0)
-            return False
-        self._credit -= 1.0
-        return True

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,41 +22,35 @@ from .statistics import ALL, Spans
 logger = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class TakenUp:
-    """The frames of an unfinished recording, which stays as it is: a `Recorder` that takes it up goes on behind them.
+def unfinished_frames(path: Path, configuration: PlusConfiguration, spans: Spans = ALL) -> Iterator[tuple[LiveFrame, bool]]:
+    """The frames of an unfinished recording in their order, placed as a session places them, and whether each counts.
+
+    None where there is no such recording. It stays as it is: a `Recorder` that takes it up goes on behind them.
 
     Parameters
     ----------
-    record : Path
+    path : Path
         What was to be recorded.
     configuration : PlusConfiguration
         As for the session.
     spans : Spans
         Which frames enter the volume; others are recorded only.
     """
-
-    record: Path
-    configuration: PlusConfiguration
-    spans: Spans = ALL
-
-    def __iter__(self) -> Iterator[tuple[LiveFrame, bool]]:
-        """The frames in their order, placed as a session places them, and whether each counts; none where there is no such recording."""
-        header = growing_files(self.record)[0]
-        try:
-            sequence = replace(read_sequence(header), configuration=self.configuration)
-        except AIFReconError as error:
-            if header.exists():
-                logger.warning("The frames of %s are kept, but not taken up: %s", header, said(error))
-            return
-        try:
-            poses = sweep_poses(sequence)
-        except AIFReconError as error:
-            # Of a scan before the tracker was connected, for example
-            poses = SweepPoses(np.full((len(sequence), 4, 4), np.nan), (said(error),) * len(sequence), ())
-        for number, record in enumerate(sequence.records):
-            problem = poses.problems[number]
-            pose = None if problem else poses.image_to_reference[number]
-            image, now = np.array(sequence.images[number]), time.monotonic()
-            counts = any(first <= number and (stop is None or number < stop) for first, stop in self.spans)
-            yield LiveFrame(image, pose, record.timestamp or 0.0, problem or "OK", number, record, now), counts
+    header = growing_files(path)[0]
+    try:
+        sequence = replace(read_sequence(header), configuration=configuration)
+    except AIFReconError as error:
+        if header.exists():
+            logger.warning("The frames of %s are kept, but not taken up: %s", header, said(error))
+        return
+    try:
+        poses = sweep_poses(sequence)
+    except AIFReconError as error:
+        # Of a scan before the tracker was connected, for example
+        poses = SweepPoses(np.full((len(sequence), 4, 4), np.nan), (said(error),) * len(sequence), ())
+    for number, record in enumerate(sequence.records):
+        problem = poses.problems[number]
+        pose = None if problem else poses.image_to_reference[number]
+        image, now = np.array(sequence.images[number]), time.monotonic()
+        counts = any(first <= number and (stop is None or number < stop) for first, stop in spans)
+        yield LiveFrame(image, pose, record.timestamp or 0.0, problem or "OK", number, record, now), counts

@@ -331,8 +331,8 @@ class LiveSession:
         """The volume as it is now, holes filled; None before there is one. No frame is lost by it."""
         return self._inserter.snapshot(progress)
 
-    def wait_for_rest(self, timeout: float) -> float:
-        """Return when next a frame was inserted and none waits, or after `timeout`, s, and for how long; see `Inserter`."""
+    def wait_for_rest(self, timeout: float) -> bool:
+        """Return when next a frame was inserted and none waits, or after `timeout`, s; whether none waits."""
         return self._inserter.wait_for_rest(timeout)
 
     def imaging(self) -> Imaging | None:

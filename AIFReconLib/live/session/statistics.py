@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import math
 import threading
 import time
 from collections import Counter, deque
@@ -22,9 +20,6 @@ RATE_WINDOW = 2.0
 LATENCIES = 4096
 """Frames over which latency is judged: the last two minutes or more."""
 
-REMEMBERED = 9
-"""Images by whose distances in time, the middle one of them, the next is expected."""
-
 TROUBLE_SHOWN = 10.0
 """s that an event of a stream that goes on is told."""
 
@@ -35,8 +30,6 @@ TRACKED = "tracked"
 NO_IMAGES = "no images"
 
 _NO_TOOLS = ("Tracker", "Image", "World")
-_REASONS_KEPT = 200
-OTHER_REASONS = "other reasons"
 
 Spans = tuple[tuple[int, int | None], ...]
 """Numbers of frames: from each first one until before each second, or all that follow."""
@@ -109,26 +102,6 @@ class LiveStatistics:
         return sum(self.skipped.values())
 
 
-class Rhythm:
-    """When the next image is expected, by those that came last."""
-
-    def __init__(self) -> None:
-        self._came: deque[float] = deque(maxlen=REMEMBERED)
-
-    def note(self, received: float) -> None:
-        """An image came, s of `time.monotonic`."""
-        self._came.append(received)
-
-    def until_next(self, now: float) -> float:
-        """How long it is until the next image, s: 0 while it is overdue, infinite where nobody knows or none has come when it should."""
-        came = list(self._came)
-        if len(came) < REMEMBERED:
-            return math.inf
-        between = sorted(later - earlier for earlier, later in itertools.pairwise(came))[len(came) // 2 - 1]
-        left = came[-1] + between - now
-        return left if left > 0.0 else 0.0 if left > -between else math.inf
-
-
 class FrameCounters:
     """Counts frames since the start or a reset; every method may be called from any thread."""
 
@@ -155,8 +128,7 @@ class FrameCounters:
     def skip(self, reason: str) -> None:
         """Count a frame that was not inserted."""
         with self._lock:
-            known = reason in self._skipped or len(self._skipped) < _REASONS_KEPT
-            self._skipped[reason if known else OTHER_REASONS] += 1
+            self._skipped[reason] += 1
 
     def counts(self, now: float) -> dict[str, Any]:
         """The fields of `LiveStatistics` that are counted here, at the time `now`, s of `time.monotonic`."""

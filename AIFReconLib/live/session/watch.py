@@ -19,9 +19,6 @@ PATIENCE, SHORT_PATIENCE = 0.05, 0.02
 """s after which it looks though nothing was inserted, while a scan is scouted or paused; and after which a step is done though a frame
 waits: where they always do, for cores are too few, it would never be."""
 
-STEP = 0.005
-"""s that a step may take: none is begun when the next frame is expected sooner."""
-
 BREATH, LITTLE = 0.25, 0.001
 """By how many times longer it rests between two steps than it worked, for they make way to frames at once and last for seconds in all; and
 the s of work after which it does not."""
@@ -43,7 +40,7 @@ class Watch(ABC):
     Notes
     -----
     Work begins when a frame was just inserted and none waits: until the next one comes, cores, memory and interpreter are free. Who works
-    longer than some 10 ms does so in steps of `STEP`, of which as many are done as there is time for between two frames. What goes wrong
+    longer than some 10 ms does so in steps of 5 ms, of which none is begun while a frame waits. What goes wrong
     is told and kept; the scan goes on. Everything but what others ask happens on one thread: what they want changed is handed to it by
     `_ask`. `stop` waits for the step under way, all else returns at once.
     """
@@ -105,11 +102,11 @@ class Watch(ABC):
         return self._resume()
 
     def _make_way(self) -> bool:
-        """Rest for a moment, and where a frame waits or will come soon until it was inserted; False when the end has come."""
+        """Rest for a moment, and where a frame waits until it was inserted; False when the end has come."""
         worked = time.monotonic() - self._resumed
         if worked >= LITTLE:
             self._closing.wait(BREATH * worked)
-        if not self._closing.is_set() and self._session.wait_for_rest(0.0) < STEP:
+        if not self._closing.is_set() and not self._session.wait_for_rest(0.0):
             self._session.wait_for_rest(SHORT_PATIENCE)
         return self._resume()
 

@@ -20,7 +20,7 @@ from .decoding import READING_TYPES, codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Framer, RawMessage
 from .messages import EventKind, StreamEvent
-from .sources import CONNECTED, DEVICES, ENDED, QueueSource, StreamStatistics
+from .sources import CONNECTED, DEVICES, ENDED, InPlace, QueueSource, StreamStatistics
 
 logger = logging.getLogger(__name__)
 
@@ -47,8 +47,8 @@ class OpenIGTLinkClient(QueueSource):
     ----------
     port : int
         Plus listens on 18944.
-    takes_readings : bool
-        Messages of numbers are taken as well, which a `JointSource` makes poses of.
+    in_place : callable or None
+        What makes poses of messages of numbers, as `JointPoses`; without, those are left out.
     queue_size : int
         Messages that wait to be taken; beyond it the oldest are dropped and counted.
     queue_bytes : int
@@ -78,7 +78,7 @@ class OpenIGTLinkClient(QueueSource):
         host: str,
         port: int,
         *,
-        takes_readings: bool = False,
+        in_place: InPlace | None = None,
         queue_size: int = 512,
         queue_bytes: int = 256 * 2**20,
         size_limit: int = SIZE_LIMIT,
@@ -90,10 +90,9 @@ class OpenIGTLinkClient(QueueSource):
             raise SettingsError(f"Input host must be a host name or an IP address; got {host!r}.")
         if queue_size < 1 or queue_bytes < 1 or size_limit < 1 or stall_after <= 0 or connect_timeout <= 0 or not retry_delays:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
-        super().__init__(queue_size, queue_bytes)
+        super().__init__(queue_size, queue_bytes, in_place)
         self.host = host.strip()
         self.port = check_port(port)
-        self._takes_readings = takes_readings
         self._size_limit = size_limit
         self._stall_after = stall_after
         self._connect_timeout = connect_timeout
@@ -266,7 +265,7 @@ class OpenIGTLinkClient(QueueSource):
         with self._lock:
             key = message.device, message.kind
             self._received[key if key in self._received or len(self._received) < DEVICES else (OTHERS, OTHERS)] += 1
-        if message.kind in READING_TYPES and not self._takes_readings:
+        if message.kind in READING_TYPES and self._in_place is None:
             return  # who does not ask for them is not told of those that make no sense
         try:
             for content in decode(message, now):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -21,6 +22,8 @@ DEVICES = 1000
 
 REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
+
+InPlace = Callable[[StreamMessage], list[StreamMessage]]
 
 
 @dataclass(frozen=True)
@@ -102,10 +105,12 @@ class QueueSource:
         Messages that wait to be taken; beyond it the oldest are dropped and counted.
     byte_limit : int
         Bytes of pixels and of metadata that wait to be taken.
+    in_place : callable or None
+        What is put in the place of a message, as `JointPoses` are.
     """
 
-    def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20):
-        self._limit, self._byte_limit = limit, byte_limit
+    def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20, in_place: InPlace | None = None):
+        self._limit, self._byte_limit, self._in_place = limit, byte_limit, in_place
         self._changed = threading.Condition()
         self._begin_anew()
 
@@ -139,6 +144,10 @@ class QueueSource:
 
     def put(self, message: StreamMessage) -> None:
         """Add a message; one that comes after `stop` is dropped."""
+        for each in [message] if self._in_place is None else self._in_place(message):
+            self._add(each)
+
+    def _add(self, message: StreamMessage) -> None:
         with self._changed:
             if not self._open:
                 self._late += not isinstance(message, StreamEvent)

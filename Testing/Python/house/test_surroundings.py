@@ -19,7 +19,7 @@ from files import refused, tracked_sequence
 from AIFReconLib import __main__ as entry
 from AIFReconLib.commands import evaluate as evaluate_command
 from AIFReconLib.commands import parser as cli
-from AIFReconLib.commands.info import InfoOptions
+from AIFReconLib.commands.info import _InfoOptions
 from AIFReconLib.commands.parser import main
 from AIFReconLib.errors import OutputError
 from AIFReconLib.geometry.volume import Volume
@@ -206,7 +206,7 @@ def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):
 
 
 def test_ctrl_c_that_an_import_turns_into_another_error_ends_a_command_in_one_line(monkeypatch, capsys):
-    def run(asked: InfoOptions):
+    def run(asked: _InfoOptions):
         swallowed_and_forgotten()
         raise ImportError("cannot import name")
 

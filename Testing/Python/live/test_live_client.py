@@ -88,7 +88,7 @@ def test_images_and_transforms_arrive_in_order(server, connect):
 
 @pytest.mark.parametrize("takes", [False, True])
 def test_readings_come_where_they_are_asked_for_and_trouble_nobody_else(server, connect, takes):
-    inbox = connect(takes_readings=takes)
+    inbox = connect(in_place=(lambda message: [message]) if takes else None)
     whole, short = (encode_message("SENSOR", "Slide", 1.0, bytes([1, 0, *bytes(8)]) + bytes(size), version=2) for size in (8, 3))
     server.send(whole, short, transform_bytes(device="Last"))
     inbox.until_transform("Last")

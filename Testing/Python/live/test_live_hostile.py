@@ -15,13 +15,15 @@ import pytest
 from igtl_streams import wait_for
 from soak import hostile, stream
 
-from AIFReconLib.live.replay import server as replay
-from AIFReconLib.live.replay.server import MOST_CLIENTS, ReplayServer
+from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 PATIENCE = 60.0
 """s. Nobody waits that long for a thread that is stopped, however slow the machine; one that hangs takes longer."""
+
+CROWD = 32
+"""Clients at a time."""
 
 MOST_MIB = 500.0
 """What the bounded queues of a client hold in the worst case, and then some."""
@@ -56,52 +58,11 @@ def test_hostile_clients_take_nothing_from_an_honest_one(behavior, count):
     assert (cost.peak_mib < MOST_MIB, cost.threads_left) == (True, 0), cost
 
 
-def test_clients_beyond_the_limit_are_turned_away():
-    with ReplayServer(stream.scan(), port=0, rate=20.0, loop=True) as server, ExitStack() as crowd:
-        for _ in range(MOST_CLIENTS + 5):
-            last = crowd.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10.0))
-        wait_for(lambda: server.turned_away == 5, "5 clients turned away")
-        assert server.clients == MOST_CLIENTS
-        assert last.recv(1) == b""
-
-
-class SlowWriter:
-    """What a client of the server writes to: its peer has taken none of it yet."""
-
-    def __init__(self):
-        self.transport, self.waiting, self.given_up = self, 0, False
-
-    def get_write_buffer_size(self):
-        return self.waiting
-
-    def is_closing(self):
-        return self.given_up
-
-    def write(self, data):
-        self.waiting += len(data)
-
-    def abort(self):
-        self.given_up = True
-
-
-@pytest.mark.parametrize(("taken", "given_up"), [(0, True), (1, False)])
-def test_a_client_that_takes_nothing_is_given_up_and_one_that_reads_slowly_stays(taken, given_up, monkeypatch):
-    now = [100.0]
-    monkeypatch.setattr(replay.time, "monotonic", lambda: now[0])
-    writer = SlowWriter()
-    client = replay._Client(writer, 1)
-    for _ in range(10):
-        client.send(bytes(1000))
-        writer.waiting -= taken
-        now[0] += 0.4 * replay.TAKES_NOTHING
-    assert writer.given_up is given_up
-
-
 def test_after_a_crowd_has_left_the_server_serves_as_before():
     with ReplayServer(stream.scan(), port=0, rate=20.0, loop=True) as server:
         with ExitStack() as crowd:
-            for _ in range(MOST_CLIENTS):
+            for _ in range(CROWD):
                 crowd.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=10.0))
-            wait_for(lambda: server.clients == MOST_CLIENTS, "the crowd")
+            wait_for(lambda: server.clients == CROWD, "the crowd")
         with OpenIGTLinkClient("127.0.0.1", server.port, retry_delays=(0.05,)) as client:
             wait_for(lambda: client.statistics.count("IMAGE") > 3, "images")

@@ -23,7 +23,7 @@ from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session import recording
 from AIFReconLib.live.session.recording import Recorder
-from AIFReconLib.live.session.resumed_recording import TakenUp
+from AIFReconLib.live.session.resumed_recording import unfinished_frames
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.sweep.frames import FrameRecord
 from AIFReconLib.sweep.poses import sweep_poses
@@ -250,7 +250,7 @@ def test_a_recording_is_taken_up_twice_and_all_frames_are_there_poses_or_not(tmp
     stream = [of_size(8, 1.0 + n, seen=n >= 3) for n in range(9)]
     for first in (0, 3, 6):
         recorder = record(path, stream[first : first + 3], takes_up=first > 0)
-        told[first] = [frame.timestamp for frame, _ in TakenUp(path, NO_CONFIGURATION)]
+        told[first] = [frame.timestamp for frame, _ in unfinished_frames(path, NO_CONFIGURATION)]
         recorder.close()
     assert told == {first: [1.0 + n for n in range(first + 3)] for first in told}
     recorder = record(path, [], takes_up=True)

@@ -30,7 +30,7 @@ from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from AIFReconLib.live.replay.server import ReplayServer
-from AIFReconLib.live.session.insertion import FrameDropper
+from AIFReconLib.live.session.insertion import Inserter
 from AIFReconLib.live.session.recording import Recorder
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import FRAMES_LOOKED_AT, LiveSession
@@ -568,9 +568,12 @@ def test_an_error_while_receiving_is_told_and_no_hang(session_of, monkeypatch):
 
 def simulate(load, frames=4000, interval=1 / 30):
     """Which frames are admitted when inserting one takes `load` times the interval between two."""
-    keep_up, backlog, admitted = FrameDropper(0.5), 0.0, []
-    for _ in range(frames):
-        admitted.append(keep_up.admit(backlog))
+    inserter, backlog, admitted = Inserter(ReconstructionSettings(), None, 0.5, lambda result, _: result), 0.0, []
+    inserter._submit = lambda _work, frame, *_: admitted.append(frame.status == "OK")
+    inserter._seconds_per_frame = load * interval
+    for number in range(frames):
+        inserter._waiting_frames, inserter._waiting_bytes = backlog / (load * interval), 0
+        inserter.put(LiveFrame(np.zeros((2, 2), np.uint8), np.eye(4), number=number), FrameCounters())
         backlog = max(backlog + admitted[-1] * load * interval - interval, 0.0)
     return admitted
 

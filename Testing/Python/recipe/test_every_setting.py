@@ -17,7 +17,7 @@ from files import tracked_sequence, write_patient
 from AIFReconLib import BoneMap, LabeledBone, Reconstructor, VoxelGrid, read_labels, read_sequence, read_transform, reconstruct
 from AIFReconLib.batch.columns import Columns
 from AIFReconLib.commands.parser import main
-from AIFReconLib.commands.reconstruct import ReconstructOptions
+from AIFReconLib.commands.reconstruct import _ReconstructOptions
 from AIFReconLib.compounding.methods.table import BONE_METHODS, LINEAR_METHODS, METHODS
 from AIFReconLib.errors import AIFReconError, GeometryError, SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -299,7 +299,7 @@ def test_an_option_says_it(name):
     value, beside = VALUES[name][1], VALUES[name][2]
     given = {each: known for each, known in {**beside, name: value}.items() if each in OPTIONS}
     words = [word for each, known in given.items() for word in (f"--{each.replace('_', '-')}", *_words(known))]
-    recipe = OneLineParser(ReconstructOptions, "aifrecon reconstruct").parse(["sweep.mha", "-o", "volume.nrrd", *words]).recipe
+    recipe = OneLineParser(_ReconstructOptions, "aifrecon reconstruct").parse(["sweep.mha", "-o", "volume.nrrd", *words]).recipe
     assert getattr(recipe, name) == getattr(Recipe(**{**beside, name: value}), name)
 
 

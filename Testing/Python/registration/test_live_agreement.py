@@ -164,7 +164,7 @@ class Session:
 
     def wait_for_rest(self, timeout):
         time.sleep(0.001)
-        return 1.0
+        return True
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from AIFReconLib.terminal import console
-from AIFReconLib.terminal.console import PlainStream, ProgressBar, program
+from AIFReconLib.terminal.console import ProgressBar, _PlainStream, program
 
 
 class Terminal(io.StringIO):
@@ -50,7 +50,7 @@ def test_a_program_on_the_path_is_called_by_its_name(monkeypatch):
 @pytest.mark.parametrize("name", ["\x1b[2J", "\x9b31m", "\x07", "\u202egpj", "a\rb", "\x08", "\x7f"], ids=ascii)
 def test_what_a_terminal_would_obey_is_shown(name):
     stream = io.StringIO()
-    print("label", name, "was met", file=PlainStream(stream))
+    print("label", name, "was met", file=_PlainStream(stream))
     assert stream.getvalue().startswith("label ")
     assert "?" in stream.getvalue()
     assert stream.getvalue()[:-1].isprintable()
@@ -59,7 +59,7 @@ def test_what_a_terminal_would_obey_is_shown(name):
 def test_lines_may_still_be_drawn_anew_and_hold_every_letter():
     stream = io.StringIO()
     for text in ("\rinserted \xe9\u0394\u4e2d\n", "\r   \r", "a\tb\n"):
-        PlainStream(stream).write(text)
+        _PlainStream(stream).write(text)
     assert stream.getvalue() == "\rinserted \xe9\u0394\u4e2d\n\r   \ra\tb\n"
 
 

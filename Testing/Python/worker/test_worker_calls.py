@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import logging
-import threading
 import time
-from multiprocessing import Pipe
 
-import numpy as np
 import pytest
 import worker_tasks as tasks
 from waiting import until
 
 from AIFReconLib.errors import GeometryError, OperationCanceled, WorkerDiedError
 from AIFReconLib.message import said
-from AIFReconLib.worker.calls import PROGRESS, VALUE, Message
-from AIFReconLib.worker.channel import Channel
 
 # ---- values and errors
 
@@ -131,22 +126,6 @@ def test_a_call_within_the_progress_of_another_is_answered(worker):
     assert inner == ["inner"]
 
 
-def test_another_thread_is_told_to_have_a_worker_of_its_own(worker):
-    worker.call(tasks.returned, 1)
-    errors = []
-
-    def ask():
-        try:
-            worker.call(tasks.returned, 2)
-        except RuntimeError as error:
-            errors.append(str(error))
-
-    thread = threading.Thread(target=ask)
-    thread.start()
-    thread.join()
-    assert "belongs to the thread" in errors[0]
-
-
 # ---- what is kept
 
 
@@ -202,22 +181,6 @@ def test_what_is_kept_is_let_go_when_the_last_report_cancels(worker, tmp_path):
 
 
 # ---- the channel
-
-
-def test_memory_is_kept_until_the_other_end_says_that_it_has_it():
-    """A message that was under way before says nothing."""
-    here, there = (Channel(end) for end in Pipe())
-    for number in range(2):
-        here.send(Message(number, VALUE, np.ones(200_000)))
-    there.send(Message(0, PROGRESS, (0.0, "sent before anything was received")))
-    here.receive()
-    assert len(here._kept) == 2
-    assert there.receive().content.sum() == 200_000
-    there.send(Message(0, PROGRESS, (0.5, "")))
-    here.receive()
-    assert [number for number, _memories in here._kept] == [2]
-    here.close()
-    there.close()
 
 
 def test_the_rule_of_the_program_for_sockets_changes_nothing(worker):

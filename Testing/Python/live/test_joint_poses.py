@@ -16,7 +16,7 @@ from AIFReconLib.geometry.transform_graph import TransformName, TransformSample,
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.encoding import encode_message
 from AIFReconLib.live.wire.framing import Framer
-from AIFReconLib.live.wire.joint_source import JointSource
+from AIFReconLib.live.wire.joint_poses import JointPoses
 from AIFReconLib.live.wire.messages import ImageMessage, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.sweep.configuration import PlusConfiguration
@@ -32,9 +32,9 @@ IMAGES = np.random.default_rng(0).integers(1, 256, (7, 20, 30), np.uint8)
 
 
 def source_of(*metadata):
-    source = JointSource(QueueSource(), MECHANISM, NAME)
+    source = QueueSource(in_place=JointPoses(MECHANISM, NAME))
     for number, fields in enumerate(metadata):
-        source._source.put(ImageMessage("Image", 10.0 + 0.05 * number, IMAGES[number], np.eye(4), fields, header_version=2))
+        source.put(ImageMessage("Image", 10.0 + 0.05 * number, IMAGES[number], np.eye(4), fields, header_version=2))
     return source
 
 
@@ -63,10 +63,10 @@ def string(device, timestamp, text):
 
 def poses_from(*messages):
     """What a source makes of messages as they come over the wire."""
-    source = JointSource(QueueSource(), MECHANISM, NAME)
+    source = QueueSource(in_place=JointPoses(MECHANISM, NAME))
     for part in Framer(2**20).feed(b"".join(messages)):
         for held in decode(part):
-            source._source.put(held)
+            source.put(held)
     return [pose for _ in messages if (pose := source.get(0.0)) is not None]
 
 
@@ -106,7 +106,7 @@ def test_a_reading_that_is_no_number_is_a_missing_pose():
 
 def test_images_between_messages_take_the_pose_of_their_time():
     """Readings come at moments of their own, and images carry none: the poses beside an image place it."""
-    source = QueueSource()
+    source = QueueSource(in_place=JointPoses(MECHANISM, NAME))
     for number, (slide, tilt) in enumerate(READINGS):
         for part in Framer(2**20).feed(sensor("Probe", 10.0 + 0.05 * number, slide, tilt)):
             for held in decode(part):
@@ -118,7 +118,7 @@ def test_images_between_messages_take_the_pose_of_their_time():
     grid = VoxelGrid.from_spacing((-30.0, -30.0, -30.0), (31, 31, 31), 2.0)
     settings = Recipe(reference="Base", hole_limit=0.0)
     with LiveSession(
-        JointSource(source, MECHANISM, NAME),
+        source,
         settings,
         grid=grid,
         configuration=configuration,

@@ -1,4 +1,4 @@
-"""A source that says what the axes of a mechanism read, in messages or with its images: from it follow the poses."""
+"""Poses of a mechanism, by what its axes read, in messages or with the images."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from ...geometry.mechanism import Mechanism
 from ...geometry.transform_graph import TransformName, TransformStatus
 from ...io.metafile.text_values import NotANumberError, parse_number
 from .messages import ImageMessage, ReadingsMessage, StreamMessage, TransformMessage
-from .sources import MessageSource, StreamStatistics
 
 _DEVICE_NAME = 20
 """Bytes of a device's name in a header."""
 
 
-class JointSource:
-    """Another source's messages, with a transform before each image, or in place of the readings of each moment.
+class JointPoses:
+    """What comes in the place of a message: before an image its transform, and a transform for the readings of a moment.
 
     Parameters
     ----------
@@ -33,51 +32,21 @@ class JointSource:
     Readings of several devices make one pose where they have the same time to the last bit. Once messages come, images are not asked.
     """
 
-    def __init__(self, source: MessageSource, mechanism: Mechanism, name: TransformName):
-        self._source, self._mechanism, self._name = source, mechanism, name
-        self._image: ImageMessage | None = None
+    def __init__(self, mechanism: Mechanism, name: TransformName):
+        self._mechanism, self._name = mechanism, name
         self._by_messages = False
         self._moment: float | None = None
         self._readings: dict[str, float] = {}
 
-    @property
-    def state(self) -> str:
-        """That of the other source."""
-        return self._source.state
-
-    @property
-    def statistics(self) -> StreamStatistics:
-        """Those of the other source."""
-        return self._source.statistics
-
-    def start(self) -> None:
-        """Begin to receive."""
-        self._source.start()
-
-    def stop(self) -> None:
-        """Receive no more."""
-        self._source.stop()
-
-    def get(self, timeout: float | None = None) -> StreamMessage | None:
-        """The next message; see `MessageSource`."""
-        if self._image is not None:
-            image, self._image = self._image, None
-            return image
-        message = self._source.get(timeout)
-        while isinstance(message, ReadingsMessage):
+    def __call__(self, message: StreamMessage) -> list[StreamMessage]:
+        """The message, or what comes in its place, often nothing."""
+        if isinstance(message, ReadingsMessage):
             pose = self._pose_of(message)
-            if pose is not None:
-                return pose
-            message = self._source.get(timeout)
+            return [] if pose is None else [pose]
         if not isinstance(message, ImageMessage) or self._by_messages:
-            return message
-        self._image = message
+            return [message]
         fields = {name.lower(): _number(text) for name, text in message.metadata.items()}
-        return self._pose(fields, message.timestamp, message.received)
-
-    def devices(self) -> dict[str, tuple[str, ...]]:
-        """Those of the other source, and the poses."""
-        return {**self._source.devices(), str(self._name): ("TRANSFORM",)}
+        return [self._pose(fields, message.timestamp, message.received), message]
 
     def _pose_of(self, message: ReadingsMessage) -> TransformMessage | None:
         """The pose of a moment, once all axes have been read then."""
