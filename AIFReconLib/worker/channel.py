@@ -7,6 +7,7 @@ import pickle
 import socket
 import struct
 import threading
+from contextlib import suppress
 from multiprocessing.connection import Connection
 
 from ..errors import InsufficientMemoryError
@@ -38,7 +39,8 @@ class Channel:
             # Whatever another part of the program has made the rule for sockets
             self._socket.setblocking(True)
             for size in (socket.SO_SNDBUF, socket.SO_RCVBUF):
-                self._socket.setsockopt(socket.SOL_SOCKET, size, AT_ONCE)
+                with suppress(OSError):  # a system may allow less
+                    self._socket.setsockopt(socket.SOL_SOCKET, size, AT_ONCE)
             limit = struct.pack("ll", int(patience or 0), int((patience or 0) % 1 * 1e6))
             for direction in (socket.SO_SNDTIMEO, socket.SO_RCVTIMEO):
                 self._socket.setsockopt(socket.SOL_SOCKET, direction, limit)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Numbers, NumberType
+from ..arrays import Numbers
+from ..imaging.images import ImagesOnDemand, ImageStack
 from ..io.foreign.options import ImportOptions
 from ..io.sequence.files import read_sequence, recording_suffixes, require_recording_kind
 from ..progress import Progress, report
@@ -44,20 +45,6 @@ BYTES_AT_ONCE = 1 << 25
 """Of images that are fetched: they need memory twice."""
 
 
-@dataclass(frozen=True)
-class _LeftBehind:
-    """Images that were not sent: their shape (frames, rows, columns), and the type of their pixels."""
-
-    shape: tuple[int, ...]
-    dtype: NumberType
-
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int, /) -> Numbers:
-        raise IndexError(f"Image {index} was left in the process that reads them.")
-
-
 def read_recording(
     path: str | Path,
     config: str | Path | None = None,
@@ -71,7 +58,9 @@ def read_recording(
 
 def without_images(sequence: TrackedSequence) -> TrackedSequence:
     """The sequence, to be sent: `images_between` gives its images."""
-    return replace(sequence, images=_LeftBehind(tuple(sequence.images.shape), np.dtype(sequence.images.dtype)))
+    left_behind = ImagesOnDemand()
+    left_behind.shape, left_behind.dtype = tuple(sequence.images.shape), np.dtype(sequence.images.dtype)
+    return replace(sequence, images=left_behind)
 
 
 def images_between(sequence: TrackedSequence, start: int, stop: int) -> Numbers:
@@ -79,28 +68,25 @@ def images_between(sequence: TrackedSequence, start: int, stop: int) -> Numbers:
     return np.stack([sequence.images[number] for number in range(start, stop)])
 
 
-class FetchedImages:
+class FetchedImages(ImagesOnDemand):
     """Images of a recording that a worker has open, `file`: to be read in their order.
 
     Parameters
     ----------
-    stack : _LeftBehind
+    stack : ImageStack
         What the recording has in their place.
     progress : Progress or None
         Hears of waiting.
     """
 
-    def __init__(self, worker: Worker, file: RemoteObject, stack: _LeftBehind, progress: Progress | None = None):
+    def __init__(self, worker: Worker, file: RemoteObject, stack: ImageStack, progress: Progress | None = None):
         self.shape, self.dtype = stack.shape, stack.dtype
         self._worker, self._file, self._progress = worker, file, progress
         self._count = max(1, BYTES_AT_ONCE // max(1, math.prod(stack.shape[1:]) * stack.dtype.itemsize))
         self._start, self._images = 0, np.empty(0)
         self._ahead: tuple[int, Task] | None = None
 
-    def __len__(self) -> int:
-        return self.shape[0]
-
-    def __getitem__(self, index: int, /) -> Numbers:
+    def _image(self, index: int) -> Numbers:
         if not self._start <= index < self._start + len(self._images):
             self._fetch(index - index % self._count)
         image: Numbers = self._images[index - self._start]

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
-from ...arrays import Floats, Matrix, Numbers
+from ...arrays import Floats, Matrix
 from ...effective_settings import Imaging
 from ...errors import NoUsableFramesError
 from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
 from ...imaging.extent import grid_around_sweep
-from ...imaging.images import ImagesOnDemand
 from ...imaging.sound_speed import depth_scale
 from ...recipe.recipe import Recipe
 from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.multi_sweep import JoinedImages
 from ...sweep.poses import SweepPoses
 from ..pairing.pose_history import LARGEST_SPEED
 from ..pairing.synchronizer import LiveFrame
@@ -105,7 +105,7 @@ class ScoutedFrames:
         placed = [kept for kept in placed if kept[0].shape == first.shape and kept[0].dtype == first.dtype]
         images, matrices, times = zip(*placed, strict=True)
         poses = SweepPoses(np.stack(matrices), (None,) * len(placed), ())
-        return TrackedSequence(_Images(images), [FrameRecord(time) for time in times]), poses
+        return TrackedSequence(JoinedImages([image[None] for image in images]), [FrameRecord(time) for time in times]), poses
 
     def grid(self, imaging: Imaging, settings: Recipe, bytes_per_voxel: int, margin: float = 0.0, fits_spacing: bool = False) -> VoxelGrid:
         """The box around the poses that were seen, `margin` mm larger on each side; the other arguments as in `grid_around_sweep`.
@@ -137,15 +137,3 @@ class ScoutedFrames:
         more = np.ceil(margin / grid.spacing).astype(int)
         size = [n + 2 * int(extra) for n, extra in zip(grid.size, more, strict=True)]
         return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, grid.spacing)
-
-
-class _Images(ImagesOnDemand):
-    """Images in a list, of which none is copied."""
-
-    def __init__(self, images: Sequence[Numbers]):
-        self._images = images
-        self.shape = (len(images), *images[0].shape)
-        self.dtype = images[0].dtype
-
-    def _image(self, index: int) -> Numbers:
-        return self._images[index]
