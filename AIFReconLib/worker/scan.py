@@ -22,7 +22,7 @@ from ..live.session.session import SCOUTING
 from ..live.session.snapshots import SnapshotMaker
 from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.messages import StreamMessage
-from ..live.wire.sources import QueueSource, StreamStatistics
+from ..live.wire.sources import QueueSource
 from ..machine.threads import usable_cores
 from ..message import said
 from ..progress import Progress, part, report
@@ -51,7 +51,7 @@ class Scan(LiveScan):
 
     def __init__(self, job: ScanJob, progress: Progress | None = None):
         configuration = job.configuration
-        self._given = None if job.server is not None else _Given()
+        self._given = None if job.server is not None else QueueSource()
         # One core stays with the windows, unless the configuration says how many threads insert
         threads = configuration.threads or max(usable_cores() - 1, 1)
         job = replace(job, configuration=replace(configuration, threads=threads))
@@ -256,14 +256,3 @@ class Scan(LiveScan):
         for watch in (self._agreement, self._guidance, self.bone_watch, self.motion_watch):
             if watch is not None:
                 watch.stop()
-
-
-class _Given(QueueSource):
-    """Images that a window gives, with those that it has missed."""
-
-    replaced = 0
-
-    @property
-    def statistics(self) -> StreamStatistics:
-        queued = super().statistics
-        return replace(queued, dropped=queued.dropped + self.replaced, dropped_images=queued.dropped_images + self.replaced)

@@ -24,6 +24,7 @@ REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
 
 InPlace = Callable[[StreamMessage], list[StreamMessage]]
+"""From a message to those that come in its place, often itself."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +108,11 @@ class QueueSource:
         Bytes of pixels and of metadata that wait to be taken.
     in_place : callable or None
         What is put in the place of a message, as `JointPoses` are.
+
+    Attributes
+    ----------
+    replaced : int
+        Images that whoever puts them has replaced by newer ones before they could be put: they were dropped, too.
     """
 
     def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20, in_place: InPlace | None = None):
@@ -120,7 +126,7 @@ class QueueSource:
             self._devices: dict[str, tuple[str, ...]] = {}
             self._bytes = self._late = self._dropped = self._dropped_images = self._reported = 0
             self._report_time = -REPORT_INTERVAL
-            self._open = is_open
+            self._open, self.replaced = is_open, 0
 
     @property
     def state(self) -> str:
@@ -131,7 +137,8 @@ class QueueSource:
     def statistics(self) -> StreamStatistics:
         """How many messages were dropped, and images among them."""
         with self._changed:
-            return StreamStatistics(dropped=self._dropped, dropped_images=self._dropped_images, late=self._late)
+            dropped, images = self._dropped + self.replaced, self._dropped_images + self.replaced
+            return StreamStatistics(dropped=dropped, dropped_images=images, late=self._late)
 
     def start(self) -> None:
         """Nothing: a queue takes messages from its making on."""
