@@ -36,10 +36,6 @@ LONGEST_END = 60.0
 """s that what is kept has to finish, such as the recording of a scan, when the program has ended."""
 
 
-class TracebackInWorker(Exception):
-    """The cause of an error that came from the worker: where it was raised there."""
-
-
 def serve(connection: Connection, level: int) -> None:
     """Answer calls until the other end is closed; then finish what is kept, and end this process whatever still computes."""
     faulthandler.enable()

@@ -18,7 +18,7 @@ from ..machine.processes import start_python
 from ..progress import Progress, report
 from .calls import CALL, CANCEL, ERROR, FORGET, LOG, PROGRESS, Call, Message, RemoteObject
 from .channel import Channel
-from .serving import LIBRARY, TracebackInWorker, serve
+from .serving import LIBRARY, serve
 
 LOOK_EVERY = 0.02
 """s between two reports to who waits."""
@@ -36,6 +36,10 @@ STDERR = None if sys.platform == "win32" else 2
 """Where a crash is described: a window of Windows may have no streams."""
 
 AGAIN = "Nothing was changed; try again."
+
+
+class _TracebackInWorker(Exception):
+    """The cause of an error that came from the worker: where it was raised there."""
 
 
 class Task:
@@ -94,7 +98,7 @@ class Task:
         self._answer = message
         where = message.content.__dict__.pop("where", None) if message.kind == ERROR else None
         if where is not None:
-            message.content.__cause__ = TracebackInWorker(f"\n{where}")
+            message.content.__cause__ = _TracebackInWorker(f"\n{where}")
 
 
 class Worker:
