@@ -53,7 +53,8 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
     try:
         return name, as_matrix(parse_matrix(re.sub(r"[,;\[\]]", " ", text)), "calibration")
     except (NotANumberError, GeometryError) as error:
+        why = str(error).rstrip(".")
         raise TransformFileError(
-            f"{path}: a calibration must be 16 numbers, row by row; {str(error).rstrip('.')}. Give those, a Plus configuration (.xml) or a Slicer "
+            f"{path}: a calibration must be 16 numbers, row by row; {why}. Give those, a Plus configuration (.xml) or a Slicer "
             "transform (.tfm)."
         ) from None
