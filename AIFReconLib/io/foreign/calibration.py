@@ -45,22 +45,16 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
                 NAME_THE_CALIBRATION,
                 example="ImageToProbe",
             )
-        return names[0], _usable(path, transforms[names[0]].matrix)
+        return names[0], transforms[names[0]].matrix
     name = name or TransformName(IMAGE_FRAME, "Probe")
     text = read_bytes(path, MAXIMUM_BYTES, TransformFileError).decode("utf-8-sig", errors="replace").strip()
     if suffix in (*HDF5_SUFFIXES, ".tfm") or text.startswith(_ITK_MAGIC):
         return name, read_transform(path)
     try:
-        return name, _usable(path, parse_matrix(re.sub(r"[,;\[\]]", " ", text)))
-    except NotANumberError as error:
+        return name, as_matrix(parse_matrix(re.sub(r"[,;\[\]]", " ", text)), "calibration")
+    except (NotANumberError, GeometryError) as error:
+        why = str(error).rstrip(".")
         raise TransformFileError(
-            f"{path}: a calibration must be 16 numbers, row by row; {error}. Give those, a Plus configuration (.xml) or a Slicer "
+            f"{path}: a calibration must be 16 numbers, row by row; {why}. Give those, a Plus configuration (.xml) or a Slicer "
             "transform (.tfm)."
         ) from None
-
-
-def _usable(path: Path, matrix: Matrix) -> Matrix:
-    try:
-        return as_matrix(matrix, "calibration")
-    except GeometryError as error:
-        raise TransformFileError(f"{path}: the calibration cannot be used. {error} Repeat the calibration, or correct it.") from error

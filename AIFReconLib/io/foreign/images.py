@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arrays import Floats, Numbers, NumberType
+from ...arrays import Floats, NumberType
 from ...errors import SettingsError
 from ...imaging.images import ImageStack
-from ..sequence.decoded_images import in_pixels
+from ..sequence.decoded_images import DecodedImages, in_pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,19 +57,10 @@ def bare_name(text: str) -> str:
     return text.replace("\\", "/").rsplit("/", 1)[-1]
 
 
-class FlippedImages:
-    """Another stack's images, turned to MF orientation from what they are."""
-
-    def __init__(self, stack: ImageStack, orientation: str):
-        self._stack = stack
-        self._flips = (slice(None, None, -1 if orientation[1] == "N" else 1), slice(None, None, -1 if orientation[0] == "U" else 1))
-        self.shape, self.dtype = stack.shape, stack.dtype
-
-    def __len__(self) -> int:
-        return len(self._stack)
-
-    def __getitem__(self, index: int) -> Numbers:
-        return np.ascontiguousarray(self._stack[index][self._flips])
+def flipped(stack: ImageStack, orientation: str) -> ImageStack:
+    """A stack's images, turned to MF orientation from what they are."""
+    rows, columns = (slice(None, None, -1 if turned else 1) for turned in (orientation[1] == "N", orientation[0] == "U"))
+    return DecodedImages(len(stack), lambda number: stack[number][rows, columns], lambda number: f"frame {number}")
 
 
 def describe_stack(count: int, what: str, shape: tuple[int, ...], dtype: NumberType) -> str:

@@ -18,7 +18,6 @@ from ...remedies import (
     NAME_THE_CALIBRATION,
     NO_PIXEL_SIZE,
     PIXEL_SIZE,
-    SAME_MOVEMENT,
     SURE,
     TIME_OFFSET,
     TIME_UNIT,
@@ -29,7 +28,7 @@ from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
 from ..sequence.orientation import IN_MEMORY, parse_orientation
 from .calibration import read_calibration
-from .images import FlippedImages, ImportedImages, bare_name
+from .images import ImportedImages, bare_name, flipped
 from .options import ImportOptions
 from .poses.files import PoseTable
 from .poses.headings import LENGTHS
@@ -38,9 +37,6 @@ from .poses.sheet import has_none
 from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
-
-BEGUN_MM, BEGUN_TURN, LOOKED_AT, IN_STEP = 1.0, 0.02, 300, 0.2
-"""mm and part of a turn by which a tool has begun to move, the images that are looked at for it, and s that both may differ unsaid."""
 
 LONGER = 1.0
 """s by which poses may last longer than images at a steady rate before it is said."""
@@ -105,7 +101,7 @@ def import_sequence(
         for n in range(len(samples))
     ]
     orientation = parse_orientation(settings.orientation)
-    stack = images.stack if orientation[:2] == IN_MEMORY[:2] else FlippedImages(images.stack, orientation)
+    stack = images.stack if orientation[:2] == IN_MEMORY[:2] else flipped(images.stack, orientation)
     understood = (
         f"images: {images.description}, orientation {orientation[:2]}",
         *(Sentence(f"poses: {line}", said(line)) for line in poses.understood),
@@ -145,37 +141,10 @@ def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[fl
     if apart and len(from_zero) > 1 and not (len(taken) == len(poses.times) and _in_step(poses.times, taken)):
         told = f"note: images and poses count from different moments; the images were taken to begin {offset:g} s after the poses."
         return first - begin, [Sentence(told, TIME_OFFSET)]
-    if from_zero != {True}:
+    if offset or from_zero != {True}:
         return 0.0, []
     told = "note: images and poses both count from 0, and were taken to begin at one moment."
-    if offset:
-        told = f"note: the images were taken to begin {offset:g} s after the poses."
-    moves, changes = _first_motion(poses), _first_change(images)
-    if moves is not None and changes is not None and abs(moves - changes - offset) > IN_STEP:
-        told += f" The tool begins to move at {moves:.2f} s, and the images to change at {changes:.2f} s."
-        return 0.0, [Sentence(told, SAME_MOVEMENT, offset=f"{moves - changes:.2f}")]
-    return 0.0, [] if offset else [Sentence(told, TIME_OFFSET)]
-
-
-def _first_motion(poses: PoseTable) -> float | None:
-    """s until the tool leaves the place where it was at first; None where that is not seen."""
-    known = np.isfinite(poses.matrices).all(axis=(1, 2))
-    if poses.times is None or not known.any():
-        return None
-    moved = in_millimeters(poses.matrices[known], poses.length_unit, takes_pixels=False)
-    moved -= moved[0]
-    gone = (np.linalg.norm(moved[:, :3, 3], axis=1) > BEGUN_MM) | (np.linalg.norm(moved[:, :3, :3], axis=(1, 2)) > BEGUN_TURN)
-    return float(poses.times[known][np.argmax(gone)]) if gone.any() else None
-
-
-def _first_change(images: ImportedImages) -> float | None:
-    """s until the images show something else than at first: half of what they change in the end; None where that is not seen."""
-    if images.times is None:
-        return None
-    first = np.asarray(images.stack[0], np.float32)
-    changes = np.array([np.abs(images.stack[n] - first).mean() for n in range(min(len(images.stack), LOOKED_AT))])
-    gone = changes > np.median(changes) / 2
-    return float(images.times[np.argmax(gone)]) if gone.any() else None
+    return 0.0, [Sentence(told, TIME_OFFSET)]
 
 
 def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) -> list[str]:
@@ -223,7 +192,8 @@ def _placed(matrices: Matrix, rigid: bool, images: ImportedImages, settings: Imp
         return matrices, {}, f"{name} takes pixels (its axes are not of length 1)"
     if spacing is None:
         why = f": {images.unknown_spacing}" if images.unknown_spacing else ""
-        raise SettingsError(f"{name} takes millimeters, being rigid, and the size of a pixel is not known{why}.", PIXEL_SIZE)
+        told = f"The poses of {name} are rigid, so they take millimeters, and the size of a pixel is not known{why}."
+        raise SettingsError(told, PIXEL_SIZE)
     pixel_to_image = _pixels_to_mm(spacing, origin)
     _about_image(pixel_to_image, images, settings)
     matrices = matrices @ pixel_to_image if name.source == IMAGE_FRAME else invert(pixel_to_image) @ matrices
@@ -235,39 +205,38 @@ def _placed_by_probe(
     spacing: tuple[float, float] | None, images: ImportedImages, settings: ImportOptions, given: _Calibration | None
 ) -> tuple[dict[TransformName, TransformSample], str]:
     """The calibration of a probe as transforms of the header; and where the image is, in words."""
-    name = settings.poses_of
-    ends = (name.source, name.target)
+    name, origin = settings.poses_of, settings.image_origin_px
     if given:
-        calibration, matrix = given
-        unit, is_rigid = LENGTHS[settings.calibration_unit or "mm"], why_not_rigid(matrix) is None
-        matrix = np.diag([unit, unit, unit, 1.0]) @ matrix
-        if settings.spacing and is_rigid:  # of millimeters, as hand-eye calibrations of others are
-            matrix[:3, :3] /= unit
-            matrix = matrix @ _pixels_to_mm(settings.spacing, settings.image_origin_px or (0.0, 0.0))
-        elif settings.spacing or settings.image_origin_px:
+        calibration, matrix = given[0], given[1].copy()
+        how = f"{calibration} as calibrated"
+        unit = LENGTHS[settings.calibration_unit or "mm"]
+        matrix[:3, 3] *= unit
+        if settings.spacing and why_not_rigid(matrix) is None:  # of millimeters, as hand-eye calibrations of others are
+            matrix = matrix @ _pixels_to_mm(settings.spacing, origin or (0.0, 0.0))
+            how += f", with pixels of {settings.spacing[0]:g} x {settings.spacing[1]:g} mm"
+        elif settings.spacing or origin:
             raise SettingsError("A calibration holds the size of a pixel already.", NO_PIXEL_SIZE, or_calibration=", or the calibration")
-        if calibration.source != IMAGE_FRAME or calibration.target not in ends:
+        else:
+            matrix[:3, :3] *= unit
+        if calibration.source != IMAGE_FRAME or calibration.target not in (name.source, name.target):
             raise SettingsError(
-                f"The calibration must lead from {IMAGE_FRAME} to {ends[0]} or {ends[1]}; got {calibration}.",
+                f"The calibration must lead from {IMAGE_FRAME} to {name.source} or {name.target}; got {calibration}.",
                 NAME_THE_CALIBRATION,
-                example=f"{IMAGE_FRAME}To{ends[0]}",
+                example=f"{IMAGE_FRAME}To{name.source}",
             )
-        _about_image(matrix, images, settings)
-        of = "" if not (settings.spacing and is_rigid) else f", with pixels of {settings.spacing[0]:g} x {settings.spacing[1]:g} mm"
-        return {calibration: TransformSample(matrix)}, f"{calibration} as calibrated{of}"
-    if settings.image_origin_px and spacing:
-        calibration = TransformName(IMAGE_FRAME, name.source)
-        matrix = _pixels_to_mm(spacing, settings.image_origin_px)
-        _about_image(matrix, images, settings)
-        where = f"{settings.image_origin_px[0]:g} {settings.image_origin_px[1]:g}"
-        return {calibration: TransformSample(matrix)}, f"the image's axes are those of {name.source}, whose origin is pixel {where}"
-    if settings.spacing or settings.image_origin_px:
+    elif origin and spacing:
+        calibration, matrix = TransformName(IMAGE_FRAME, name.source), _pixels_to_mm(spacing, origin)
+        how = f"the image's axes are those of {name.source}, whose origin is pixel {origin[0]:g} {origin[1]:g}"
+    elif settings.spacing or origin:
         raise SettingsError(
             f"The size of a pixel alone does not say where the image lies in {name.source}.",
             ("Give {calibration:FILE}; or both {spacing} and {image_origin_px}, if the axes of the image are those of {frame}."),
             frame=name.source,
         )
-    return {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
+    else:
+        return {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
+    _about_image(matrix, images, settings)
+    return {calibration: TransformSample(matrix)}, how
 
 
 def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) -> Matrix:

@@ -13,18 +13,16 @@ import numpy as np
 import scipy
 
 from ...arrays import Floats, Matrix
-from ...errors import AIFReconError, FileFormatError
+from ...errors import FileFormatError
 from ...geometry.mechanism import FIXED, SHIFT, TURN, Axis, Mechanism
 from ...geometry.transforms import why_not_rigid
-from ...message import listed, said, shorten
+from ...message import listed, shorten
 from ..disk.tables import JSON, TOML, read_table
 from ..sequence.metafiles import METAFILES
 from .options import ImportOptions
-from .poses.files import PoseTable, read_sheets
+from .poses.files import PoseTable, naming, posed, read_sheets
 from .poses.headings import ANGLES, IMAGE, LENGTHS, STATUS, TIME, Column, column_of
 from .poses.sheet import Sheet
-from .poses.statuses import statuses_in
-from .poses.times import times_of
 from .poses.tracks import Track
 
 METERS = 1000.0
@@ -92,15 +90,13 @@ def read_joint_poses(path: str | Path, mechanism: Mechanism, form: ImportOptions
         Units of shifts and of turns in the table where its headings say none (mm and degrees if neither does), and names of its columns.
     """
     path, form = Path(path), form or ImportOptions()
-    try:
+    with naming(path):
         if path.suffix.lower() in METAFILES.suffixes:
             return _of_fields(path, mechanism, form)
         sheets = read_sheets(path)
         if not sheets:
             raise FileFormatError("it holds no values of the axes. Give a table with one row per frame.")
         return _poses(sheets[0], mechanism, form)
-    except AIFReconError as error:
-        raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
 
 
 def _poses(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
@@ -115,11 +111,7 @@ def _poses(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> PoseTable
         moved.append((sheet.numbers(place, column.heading) - axis.zero) * axis.scale * amount)
         told.append(f"{axis.name} ({axis.kind}, {unit})")
     matrices = mechanism.poses(np.stack(moved, axis=1))
-    times, told_times = times_of(track.described, sheet, form.time_unit)
-    statuses, of_status = statuses_in(track, sheet, np.asarray(np.isfinite(matrices).all(axis=(1, 2))), form.status_ok or ())
-    images = tuple(sheet.words(track.columns[IMAGE])) if IMAGE in track.columns else None
-    understood = (f"{len(matrices)}, of a mechanism: {listed(told)}", *told_times, *of_status)
-    return PoseTable(matrices, times, images, statuses, understood, "mm", True)
+    return posed(matrices, track, sheet, form, [f"{len(matrices)}, of a mechanism: {listed(told)}"])
 
 
 def _of_fields(path: Path, mechanism: Mechanism, form: ImportOptions) -> PoseTable:
@@ -146,9 +138,8 @@ def _columns(sheet: Sheet, mechanism: Mechanism, form: ImportOptions) -> dict[in
             f"without headings there must be {len(axes)} columns ({listed(axes)}), or the time in front; got {sheet.width}."
         )
     columns = {}
-    for place, (heading, unit) in enumerate(zip(headings, [*sheet.units, *[""] * len(headings)])):
-        bare = re.sub(r"[(\[][^)\]]*[)\]]", "", heading).strip().lower()
-        column = column_of(heading, (), unit)
+    for place, column in enumerate(map(column_of, headings)):
+        bare = re.sub(r"[(\[][^)\]]*[)\]]", "", column.heading).strip().lower()
         role = bare if bare in axes else column.role if column.role in (TIME, IMAGE, STATUS) else None
         columns[place] = replace(column, role=role)
     roles = [column.role for column in columns.values()]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import ModuleType
-from typing import IO, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ..sequence.decoded_images import decoding, frames_in_place, library
 from ..sequence.file_images import MAXIMUM_FRAMES
 
 if TYPE_CHECKING:
-    from tifffile import TiffFile, TiffPage
+    from tifffile import TiffPage
 
 _BEGINNINGS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _JPEG = (6, 7)
@@ -43,39 +43,28 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
     # What is wrong is said by an error; it would also be printed
     logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
-    def page_at(file: IO[bytes], place: int) -> tuple[TiffFile, TiffPage]:
-        file.seek(0)
-        tiff = tifffile.TiffFile(file)
-        tiff.filehandle.seek(place)
-        page = tifffile.TiffPage(tiff, 0)
-        if not page.dataoffsets or not all(page.dataoffsets) or not all(page.databytecounts):
-            raise FileFormatError(f"{path}: parts of the page at byte {place} are missing. Export it again.")
-        return tiff, page
-
     def read(number: int) -> Numbers:
         with _readable(path), open(path, "rb") as file:
-            _, page = page_at(file, places[number])
+            tiff = tifffile.TiffFile(file)
+            tiff.filehandle.seek(places[number])
+            page = tifffile.TiffPage(tiff, 0)
             return _as_shown(tifffile, path, page, page.asarray(squeeze=True, maxworkers=1))
 
     with _readable(path), open(path, "rb") as file:
-        found: dict[int, None] = {}
-        for each in tifffile.TiffFile(file).pages:
-            if each.offset in found:
+        tiff = tifffile.TiffFile(file)
+        first, found = tiff.pages[0], dict[int, None]()
+        for page in tiff.pages:
+            if page.offset in found:
                 raise FileFormatError(f"{path}: its pages follow each other in a circle. Export it again.")
-            found[each.offset] = None
+            found[page.offset] = None
         places = list(found)
-        if not places:
-            raise FileFormatError(f"{path}: it holds no page. Export it again.")
-        tiff, page = page_at(file, places[0])
-        done = {
-            "turned as they say": page.tags.valueof(ORIENTATION, default=1) != 1,
-            "white was zero": page.photometric == tifffile.PHOTOMETRIC.MINISWHITE,
-        }
-        notes = tuple(note for note, holds in done.items() if holds)
+        turned = first.tags.valueof(ORIENTATION, default=1) != 1
+        white = first.photometric == tifffile.PHOTOMETRIC.MINISWHITE
+        notes = ("turned as they say",) * turned + ("white was zero",) * white
         count = _frames_of_imagej(path, tiff.imagej_metadata or {})
-        if len(places) > 1 or count <= 1:
-            return len(places), read, notes
-        return count, _stack_of_imagej(tifffile, path, page, count), notes
+        if len(found) > 1 or count <= 1:
+            return len(found), read, notes
+        return count, _stack_of_imagej(tifffile, path, first, count), notes
 
 
 def _frames_of_imagej(path: Path, said: dict[str, object]) -> int:
@@ -94,12 +83,10 @@ def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: in
     if not page.is_final or page.dtype is None:
         raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames, of which one can be found. Save it as an image sequence.")
     dtype = page.dtype.newbyteorder(page.parent.byteorder)
-    shape = tuple(page.shape)
-    start, frame_bytes = page.dataoffsets[0], int(np.prod(shape)) * dtype.itemsize
-    held = (path.stat().st_size - start) // frame_bytes
+    held = (path.stat().st_size - page.dataoffsets[0]) // page.nbytes
     if held < count:
         raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames, but it ends after {held}. Copy or save it again.")
-    stored = frames_in_place(path, shape, dtype, start)
+    stored = frames_in_place(path, tuple(page.shape), dtype, page.dataoffsets[0])
 
     def read(number: int) -> Numbers:
         with _readable(path):
@@ -109,7 +96,7 @@ def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: in
 
 
 def _as_shown(tifffile: ModuleType, path: Path, page: TiffPage, pixels: Numbers) -> Numbers:
-    """Stored values as gray levels or colors, turned as the file says."""
+    """Stored values as gray levels or colors, turned as TIFF 6.0 and EXIF say that they are shown."""
     kind = tifffile.PHOTOMETRIC
     if page.photometric == kind.PALETTE and page.colormap is not None:
         pixels = (np.moveaxis(page.colormap, 0, -1)[pixels] // 257).astype(np.uint8)
@@ -119,7 +106,9 @@ def _as_shown(tifffile: ModuleType, path: Path, page: TiffPage, pixels: Numbers)
         raise FileFormatError(f"{path}: colors of the kind {kind(page.photometric).name} are not read. Export it as gray levels or RGB.")
     if pixels.ndim == 3 and int(page.planarconfig) == 2:
         pixels = np.moveaxis(pixels, 0, -1)
-    return _turned(path, pixels, page.tags.valueof(ORIENTATION, default=1))
+    orientation = page.tags.valueof(ORIENTATION, default=1)
+    pixels = np.swapaxes(pixels, 0, 1) if orientation in (5, 6, 7, 8) else pixels
+    return pixels[:: -1 if orientation in (3, 4, 7, 8) else 1, :: -1 if orientation in (2, 3, 6, 7) else 1]
 
 
 def _gray(path: Path, pixels: Numbers, bits: int, white_is_zero: bool) -> Numbers:
@@ -130,16 +119,6 @@ def _gray(path: Path, pixels: Numbers, bits: int, white_is_zero: bool) -> Number
         pixels = (largest - pixels).astype(pixels.dtype) if white_is_zero else pixels
         return np.multiply(pixels, 255 // largest, dtype=pixels.dtype) if bits < 8 else pixels
     return np.invert(pixels) if white_is_zero else pixels
-
-
-def _turned(path: Path, pixels: Numbers, orientation: int) -> Numbers:
-    """An image as the orientation of TIFF 6.0 and EXIF says that it is shown: which edges its first row and column are."""
-    if orientation not in range(1, 9):
-        raise FileFormatError(f"{path}: its orientation must be 1 to 8; got {orientation}. Export it again.")
-    pixels = np.swapaxes(pixels, 0, 1) if orientation > 4 else pixels
-    columns = -1 if orientation in (2, 3, 6, 7) else 1
-    rows = -1 if orientation in (3, 4, 7, 8) else 1
-    return pixels[::rows, ::columns]
 
 
 def _readable(path: Path) -> AbstractContextManager[None]:

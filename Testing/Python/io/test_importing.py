@@ -457,15 +457,6 @@ def test_images_at_a_rate_and_poses_from_zero_are_told(tmp_path, results, twelve
     assert "both count from 0" in capsys.readouterr().out
 
 
-def test_when_tool_and_images_begin_to_move_is_told(tmp_path, results, capsys):
-    still, shown = [[f"{0.02 * n:.2f}", 10, 20, 30, 0, 0, 0, 1] for n in range(65)], np.random.default_rng(1).integers(0, 255, (40, 24, 32))
-    poses = table(tmp_path / "p.csv", COLUMNS, [*still, *moving(count=60, step=0.02, speed=100.0, start=1.3)])
-    np.save(tmp_path / "a.npy", shown.astype(np.uint8)[np.maximum(np.arange(40) - 6, 0)])
-    imported(results, tmp_path / "a.npy", "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
-    begun = re.search(r"begins to move at (\S+) s, and the images to change at (\S+) s. .* --time-offset (\S+);", capsys.readouterr().out)
-    assert [float(each) for each in begun.groups()] == pytest.approx([1.3, 0.35, 0.95], abs=0.03)
-
-
 def test_a_tool_that_is_not_used_may_be_a_marker_on_the_patient(tmp_path, results, twelve, capsys):
     axes = ("x", "y", "z", "qx", "qy", "qz", "qw")
     columns = ["time", *(f"{tool}_{axis}" for tool in ("Probe", "Back") for axis in axes)]

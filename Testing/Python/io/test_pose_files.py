@@ -196,17 +196,23 @@ def test_an_hour_of_the_day_runs_over_midnight(tmp_path):
     ("text", "message"),
     [
         ("{", "this is not JSON"),
-        ("3", "must hold a list of poses; got int"),
+        ("3", "must hold a list of poses, .*; got int"),
         ('{"a": 1}', "object with one under frames, poses"),
         ('[{"matrix": [1, 2, 3]}]', "Headings: matrix 0, matrix 1, matrix 2"),
-        ('[{"matrix": [1, 2]}, {"matrix": [1]}]', "pose 1 must hold matrix 1, as others do"),
         ('[{"x": true, "y": 1, "z": 2, "quaternion": [0, 0, 0, 1]}]', "pose 0, column x must be a number; got 'True'"),
         ("[" * 100_000, "this is not JSON"),
+        ("[" * 900 + "]" * 900, "this is not JSON|holds no poses|known columns"),
     ],
 )
 def test_json_that_cannot_be_used_is_explained(tmp_path, text, message):
     with pytest.raises(AIFReconError, match=message):
         read(tmp_path, text, ImportOptions(quaternion_order="xyzw"), name="poses.json")
+
+
+def test_a_frame_of_json_without_a_pose_is_a_missing_pose(tmp_path):
+    found = read(tmp_path, json.dumps([{"matrix": POSES[0].tolist()}, {"note": "lost"}, {"matrix": POSES[2].tolist()}]), name="poses.json")
+    assert np.isnan(found.matrices[1]).all()
+    np.testing.assert_allclose(found.matrices[[0, 2]], [POSES[0], POSES[2]])
 
 
 @pytest.mark.parametrize(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from pathlib import Path
@@ -102,7 +103,7 @@ def read_poses(path: str | Path, form: ImportOptions | None = None) -> PoseTable
         What the file does not say.
     """
     path, form = Path(path), form or ImportOptions()
-    try:
+    with naming(path):
         if path.suffix.lower() == ".npy":
             return _of_array(path, form)
         sheets = read_sheets(path)
@@ -115,8 +116,6 @@ def read_poses(path: str | Path, form: ImportOptions | None = None) -> PoseTable
             except SettingsError as error:
                 if sheet is sheets[-1] or "known columns" not in str(error):
                     raise
-    except AIFReconError as error:
-        raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
     others = [f"left out: {len(sheets) - 1} other tables in the file"] if len(sheets) > 1 else []
     others += [f"left out: {sheet.skipped}"] if sheet.skipped else []
     return replace(table, understood=(*table.understood, *others))
@@ -128,18 +127,25 @@ def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[
     Without headings the table is of times alone. Raises FileFormatError or SettingsError when the times cannot be told.
     """
     path = Path(path)
-    try:
-        sheets = read_sheets(path)
-        if not sheets or (sheets[0].headings is None and sheets[0].width != 1):
+    with naming(path):
+        sheet = next(iter(read_sheets(path)), None)
+        if sheet is None or (sheet.headings is None and sheet.width != 1):
             raise FileFormatError("times of images must be a table with a column 'time', or one number a line.")
-        columns = dict(enumerate(map(column_of, sheets[0].headings or [TIME])))
-        times, _ = times_of(columns, sheets[0], unit)
+        columns = dict(enumerate(map(column_of, sheet.headings or [TIME])))
+        times, _ = times_of(columns, sheet, unit)
         if times is None:
             raise FileFormatError("it must have a time in every row, in a column 'time'.")
+    named = [place for place, column in columns.items() if column.role == IMAGE]
+    return times, sheet.words(named[0]) if named else None
+
+
+@contextlib.contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Errors within begin with the name of this file."""
+    try:
+        yield
     except AIFReconError as error:
         raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
-    named = [place for place, column in columns.items() if column.role == IMAGE]
-    return times, sheets[0].words(named[0]) if named else None
 
 
 def read_sheets(path: Path) -> list[Sheet]:
@@ -177,22 +183,29 @@ def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
     values = {role: sheet.numbers(place, role) for role, place in track.columns.items() if role not in _NO_NUMBERS}
     length = form.units or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
     matrices, how = poses_of(values, form, length or "mm", _unit(track, ANGLES), sheet.place)
-    times, told_times = times_of(track.described, sheet, form.time_unit)
-    if times is None and FRAME in values and (rate := _rate(sheet, track)) is not None:
-        times, told_times = (values[FRAME] - values[FRAME][0]) / rate, [f"time: frame numbers at {rate:g} frames/s, as the file says"]
-    moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
-    statuses, told_status = statuses_in(track, sheet, moved, form.status_ok or ())
     of_patient = track_of(columns, sheet, form.reference_tool, bool(layout))[0].described if form.reference_tool else {}
     left = [column for place, column in enumerate(columns) if place not in {*track.described, *of_patient} and column.heading != "-"]
     unused = in_words_of_the_table(left)
     another = WHICH_MARKER if is_chosen and not form.reference_tool else ""
     understood = [f"{len(matrices)}, {how}", *([f"as {layout['maker']} writes"] if "maker" in layout else []), *told, *told_rows]
-    understood += [*told_times, *told_status, *([f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else [])]
+    understood += [f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else []
     understood += [Sentence(f"not used: {unused}", another)] if unused else []
     taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
     understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
+    table = posed(matrices, track, sheet, form, understood)
+    if table.times is None and FRAME in values and (rate := _rate(sheet)):
+        told_rate = f"time: frame numbers at {rate:g} frames/s, as the file says"
+        table = replace(table, times=(values[FRAME] - values[FRAME][0]) / rate, understood=(*table.understood, told_rate))
+    return replace(table, length_unit=length or "mm", knows_length=length is not None)
+
+
+def posed(matrices: Matrix, track: Track, sheet: Sheet, form: ImportOptions, understood: Sequence[str]) -> PoseTable:
+    """Poses in mm with what the table says beside them."""
+    moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
+    times, told_times = times_of(track.described, sheet, form.time_unit)
+    statuses, told_statuses = statuses_in(track, sheet, moved, form.status_ok or ())
     images = tuple(sheet.words(track.columns[IMAGE])) if IMAGE in track.columns else None
-    return PoseTable(matrices, times, images, statuses, tuple(understood), length or "mm", length is not None)
+    return PoseTable(matrices, times, images, statuses, (*understood, *told_times, *told_statuses), "mm", True)
 
 
 def _layout(columns: tuple[str, ...]) -> dict[str, Any]:
@@ -221,9 +234,9 @@ def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, lay
     # What stands above all columns tells none from another
     common = set.intersection(*(set(words) for words in above if words)) - _KINDS if any(above) else set()
     columns = []
-    for heading, words, unit in zip(headings, above, [*sheet.units, *[""] * len(headings)]):
+    for heading, words in zip(headings, above):
         words = tuple(word for word in words if word not in common)
-        column = replace(column_of(heading, words, unit), above=words)
+        column = replace(column_of(heading, words), above=words)
         role, _, known = layout.get("headings", {}).get(plain_word(heading), "").partition(":")
         columns.append(replace(column, role=role, unit=known or column.unit, words=(role,)) if role else column)
     return in_blocks(columns, sheet, layout["starts"]) if "starts" in layout else columns
@@ -244,22 +257,22 @@ def _assigned(sheet: Sheet, words: Sequence[str]) -> list[Column]:
 
 def _names_of_numbers(sheet: Sheet, form: ImportOptions) -> Sequence[str]:
     """What the columns of a table without headings are, by their number."""
-    count = sheet.width
-    if count in (16, 17, 12, 13):
-        names = list(MATRIX[: 16 if count >= 16 else 12])
-        return [TIME, *names] if count in (13, 17) else names
-    if form.quaternion_order and not form.euler_order and count in (7, 8):
-        return [*([TIME] if count == 8 else []), *TRANSLATION, *UNORDERED_QUATERNION]
-    if form.euler_order and not form.quaternion_order and count in (6, 7):
-        return [*([TIME] if count == 7 else []), *TRANSLATION, *UNNAMED_EULER]
-    raise name_the_columns(f"{count} columns without names can be many things.", sheet)
+    known = {12: MATRIX[:12], 16: MATRIX}
+    if form.quaternion_order and not form.euler_order:
+        known[7] = (*TRANSLATION, *UNORDERED_QUATERNION)
+    if form.euler_order and not form.quaternion_order:
+        known[6] = (*TRANSLATION, *UNNAMED_EULER)
+    if sheet.width in known:
+        return known[sheet.width]
+    if sheet.width - 1 in known:
+        return TIME, *known[sheet.width - 1]
+    raise name_the_columns(f"{sheet.width} columns without names can be many things.", sheet)
 
 
-def _rate(sheet: Sheet, track: Track) -> float | None:
-    """Frames per second, which Vicon Nexus writes alone in the line below the title, where no column is the time."""
-    alone = [cells[0] for cells in sheet.above if len([cell for cell in cells if cell]) == 1 and is_number(cells[0])]
-    rate = float(alone[-1].replace(",", ".")) if alone else 0.0
-    return rate if rate > 0.0 and TIME not in track.columns else None
+def _rate(sheet: Sheet) -> float:
+    """Frames per second, which Vicon Nexus writes alone in the line below the title; 0 where no line does."""
+    alone = [cells[0] for cells in sheet.above if len(list(filter(None, cells))) == 1 and is_number(cells[0])]
+    return float(alone[-1].replace(",", ".")) if alone else 0.0
 
 
 def _in_single_rows(sheet: Sheet) -> Sheet:
@@ -284,4 +297,4 @@ def _unit(track: Track, units: Sequence[str]) -> str | None:
 def _length_above(above: Sequence[Sequence[str]]) -> str | None:
     """The unit of lengths that the lines above the headings say, as OptiTrack Motive writes it."""
     said = [value for cells in above for name, value in pairwise(cells) if name.lower() == "length units"]
-    return column_of("x", (), said[0]).unit if said else None
+    return column_of(f"x ({said[0]})").unit if said else None

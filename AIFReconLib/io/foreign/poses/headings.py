@@ -113,12 +113,12 @@ def unit_of(word: str) -> str | None:
 
 
 @cache
-def column_of(heading: str, above: tuple[str, ...] = (), unit: str = "") -> Column:
-    """The column with this heading, below these words that several columns share, in this unit."""
-    said, bare = unit_of(unit), heading
+def column_of(heading: str, above: tuple[str, ...] = ()) -> Column:
+    """The column with this heading, below these words that several columns share."""
+    said, bare = "", heading
     for bracket in re.findall(r"[(\[][^)\]]*[)\]]", heading):
-        if unit_of(bracket) is not None:
-            said, bare = unit_of(bracket) or said, bare.replace(bracket, " ")
+        if (unit := unit_of(bracket)) is not None:
+            said, bare = unit or said, bare.replace(bracket, " ")
     words = [word for each in (*above, bare) for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-zµ]+|\d+", each)]
     last = _UNITS.get(words[-1] if len(words[-1]) < 3 else words[-1].lower()) if words else None  # M is a name
     if last and len(words) > 1 and any(_takes(field, last) for _, field in readings_of(tuple(words[:-1]))):

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from ....errors import FileFormatError
-from ....message import one_line, shorten
+from ....message import one_line
 from ...sequence.decoded_images import library
 from .sheet import Sheet
 
@@ -17,20 +17,16 @@ def sheet_of_json(text: str) -> Sheet:
     """The table that a JSON file holds; numbers of a list are counted, and those of lists in a list by row and column."""
     try:
         document = json.loads(text)
+        if isinstance(document, dict):
+            document = next((document[key] for key in _LISTS if isinstance(document.get(key), list)), document)
+        items = document if isinstance(document, list) else []
+        rows = [_flat("", item if isinstance(item, dict) else {"matrix": item}) for item in items]
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"this is not JSON ({one_line(str(error))}). Export it again.") from None
-    if isinstance(document, dict):
-        document = next((document[key] for key in _LISTS if isinstance(document.get(key), list)), None)
-        if document is None:
-            raise FileFormatError(f"it must hold a list of poses, or an object with one under {', '.join(_LISTS)}.")
     if not isinstance(document, list):
-        raise FileFormatError(f"it must hold a list of poses; got {type(document).__name__}. Export it again.")
-    rows = [_flat("", item if isinstance(item, dict) else {"matrix": item}) for item in document]
-    frame = library("pandas", "Tables of poses").DataFrame(rows, dtype=object)
-    for heading in frame:
-        missing = [number for number, row in enumerate(rows) if heading not in row]
-        if missing:
-            raise FileFormatError(f"pose {missing[0]} must hold {shorten(heading)}, as others do. Export it again.")
+        kinds = f"a list of poses, or an object with one under {', '.join(_LISTS)}"
+        raise FileFormatError(f"it must hold {kinds}; got {type(document).__name__}. Export it again.")
+    frame = library("pandas", "Tables of poses").DataFrame(rows, dtype=object).fillna("")
     return Sheet(frame.set_axis(range(frame.shape[1]), axis=1), range(len(rows)), list(map(one_line, frame)), item="pose")
 
 

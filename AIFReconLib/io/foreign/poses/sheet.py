@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections import Counter
 from collections.abc import Sequence
@@ -41,12 +42,9 @@ def text_of(path: Path) -> str:
     wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
     if len(data) > MAXIMUM_BYTES or (b"\0" in data and not wide):
         raise FileFormatError(f"{path}: this is not a text file of poses. Give .csv, .txt or .json.")
-    for encoding in ("utf-16",) if wide else ("utf-8-sig", "cp1252"):
-        try:
-            return data.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    raise FileFormatError(f"{path}: this is not a text file. Export the poses again.")
+    with contextlib.suppress(UnicodeDecodeError):
+        return data.decode("utf-16" if wide else "utf-8-sig")
+    return data.decode("cp1252", errors="replace")
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +58,9 @@ class Sheet:
     lines : sequence of int
         The number of each row in its file.
     headings : list of str or None
+        With their units, where a line says them.
     groups : list of list of str
         Lines above the headings that say what several columns belong to, from the top; as long as the headings.
-    units : list of str
-        Of the columns, where a line says them.
     above : list of list of str
         What else stands above, by its cells.
     skipped : str
@@ -76,7 +73,6 @@ class Sheet:
     lines: Sequence[int]
     headings: list[str] | None = None
     groups: list[list[str]] = field(default_factory=list)
-    units: list[str] = field(default_factory=list)
     above: list[list[str]] = field(default_factory=list)
     skipped: str = ""
     item: str = "line"
@@ -166,9 +162,8 @@ _Lines = list[tuple[int, bool, list[str]]]
 def _under(over: _Lines, headings: list[str], below: _Lines, is_last: bool) -> Sheet:
     """The table below a line of headings, with what stands over them."""
     rows = [(number, cells) for number, is_comment, cells in below if not is_comment and cells != headings]
-    units: list[str] = []
     if rows and all(unit_of(cell) is not None for cell in rows[0][1] if cell):
-        units = rows.pop(0)[1]
+        headings = [f"{heading} ({unit})" if unit else heading for heading, unit in zip(headings, rows.pop(0)[1])]
     while rows and not is_last and not _fits(rows[-1][1], len(headings)):
         rows.pop()  # the title of the next table
     above = [cells for _, _, cells in over]
@@ -176,7 +171,7 @@ def _under(over: _Lines, headings: list[str], below: _Lines, is_last: bool) -> S
     while above and not above[-1][0] and any(above[-1]):
         groups.insert(0, _filled(above.pop(), len(headings)))
     skipped = f"lines 1 to {over[len(above) - 1][0]}, which are above its headings" if above else ""
-    return Sheet([cells for _, cells in rows], [number for number, _ in rows], headings, groups, units, above, skipped)
+    return Sheet([cells for _, cells in rows], [number for number, _ in rows], headings, groups, above, skipped)
 
 
 def _without_known_headings(lines: _Lines) -> list[Sheet]:

@@ -112,22 +112,20 @@ def rows_of(track: Track, sheet: Sheet, tool: str | None) -> tuple[Sheet, list[s
 
     Raises SettingsError when there are rows of several tools, and none is named.
     """
-    only = set()
-    for place, column in track.described.items():
-        words = sheet.words(place) if column.role == TOOL else []
+    for place, column in ((place, column) for place, column in track.described.items() if column.role == TOOL):
+        words = sheet.words(place)
         names = list(dict.fromkeys(words))
         # A number of its own in each row tells no tool
-        if len(words) < 3 or not 2 <= len(names) <= max(len(words) // 2, 2):
-            only |= {name.lower() for name in names[:1]}
-            continue
-        number = _chosen(names, tool, by_place=False)
-        if number is None:
-            heading = f"{len(names)} tools, told by its column {column.heading}"
-            raise _which(f"The table holds poses of {heading}: {listed(names[:8])}.", names, tool)
-        chosen = sheet.where([word == names[number] for word in words])
-        which = f"{names[number]}, of {listed(names)} (column {column.heading})"
-        return chosen, [f"tool: {which}; {len(chosen)} of {len(words)} rows"]
-    if tool is not None and tool.lower() not in only:
+        if len(words) > 2 and 2 <= len(names) <= max(len(words) // 2, 2):
+            number = _chosen(names, tool, by_place=False)
+            if number is None:
+                heading = f"{len(names)} tools, told by its column {column.heading}"
+                raise _which(f"The table holds poses of {heading}: {listed(names[:8])}.", names, tool)
+            chosen = sheet.where([word == names[number] for word in words])
+            which = f"{names[number]}, of {listed(names)} (column {column.heading})"
+            return chosen, [f"tool: {which}; {len(chosen)} of {len(words)} rows"]
+        tool = None if tool and tool.lower() == names[0].lower() else tool
+    if tool is not None:
         raise SettingsError(f"The table holds poses of one tool. There is none called {tool!r}.", "Leave out {tool}.")
     return sheet, []
 
@@ -166,33 +164,27 @@ def _tracks(columns: Sequence[Column], sheet: Sheet, is_known: bool) -> list[Tra
     unread = [column for column in columns if column.words and not column.readings()]
     if len(unread) >= _MOST_UNREAD and not is_known:
         raise name_the_columns(f"{len(unread)} headings are not known.", sheet)
-    roles: dict[_Name, set[str]] = {}
-    for column in columns:
-        for name, role in column.readings():
-            roles.setdefault(name, set()).add(role)
-    whole = {name: named for name, had in roles.items() if is_whole({(named := numbered(had)).get(role, role) for role in had})}
-    tools: dict[_Name, dict[int, Column]] = {name: {} for name in whole}
-    beside: dict[int, Column] = {}
-    left = 0
-    for place, column in enumerate(columns):
-        readings = column.readings()
-        owned = [(name, whole[name].get(role, role)) for name, role in readings if name in whole]
-        owned = [(name, role) for name, role in owned if any(name) or role in _OF_ONE_TOOL]
-        if len({name for name, _ in owned}) > 1:
-            raise name_the_columns(f"The heading {column.heading} can be read in several ways.", sheet)
-        if owned:
-            tools[owned[0][0]][place] = replace(column, role=owned[0][1])
-        elif readings and not readings[0][0][2]:  # Tool2 Mean Marker Error names no tool
-            beside[place] = replace(column, role=readings[0][1])
-        left += not owned and any(is_of_pose(role) for _, role in readings)
+    tools: dict[_Name, dict[int, Column]] = {}
+    for name in dict.fromkeys(name for column in columns for name, _ in column.readings()):
+        roles = {place: role for place, column in enumerate(columns) for each, role in column.readings() if each == name}
+        held = {place: numbered(roles.values()).get(role, role) for place, role in roles.items()}
+        if is_whole(held.values()):
+            own = {place: role for place, role in held.items() if any(name) or role in _OF_ONE_TOOL}
+            tools[name] = {place: replace(columns[place], role=role) for place, role in own.items()}
+    owned = Counter(place for own in tools.values() for place in own)
+    for place in (place for place, count in owned.items() if count > 1):
+        raise name_the_columns(f"The heading {columns[place].heading} can be read in several ways.", sheet)
+    rest = {place: column.readings() for place, column in enumerate(columns) if place not in owned and column.readings()}
+    left = sum(any(is_of_pose(role) for _, role in readings) for readings in rest.values())
     if not tools or (left > _MOST_LEFT and not is_known):
         known = dict.fromkeys(column.role for column in columns if column.role and not column.role.startswith("#"))
         raise name_the_columns(NEEDED.format(listed(known) or "none"), sheet)
+    # Tool2 Mean Marker Error names no tool
+    beside = {place: (whose[0], role) for place, ((whose, role), *_) in rest.items() if not whose[2] and not is_of_pose(role)}
     tracks = []
     for number, (name, of_tool) in enumerate(sorted(tools.items(), key=lambda each: min(each[1])), start=1):
-        own = {column.role for column in of_tool.values()}
-        more = {p: c for p, c in beside.items() if c.role not in own and not is_of_pose(c.role) and c.tool in ("", name[0])}
-        called = " ".join(filter(None, name))
+        own_roles = {column.role for column in of_tool.values()}
+        more = {p: replace(columns[p], role=r) for p, (whose, r) in beside.items() if r not in own_roles and whose in ("", name[0])}
         unnamed = f"unnamed {number}" if any(str(number) in each for each in tools) else str(number)
-        tracks.append(Track(called or unnamed, dict(sorted({**of_tool, **more}.items()))))
+        tracks.append(Track(" ".join(filter(None, name)) or unnamed, dict(sorted({**of_tool, **more}.items()))))
     return tracks
