@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Numbers
 from .volume import Volume
 
 
@@ -18,19 +19,12 @@ def level_surface(field: Volume, level: float, beyond: float) -> Any:
     ----------
     Schroeder W, Maynard R, Geveci B (2015), "Flying edges: A high-performance scalable isocontouring algorithm", LDAV.
     """
-    from vtkmodules.util.numpy_support import numpy_to_vtk
-    from vtkmodules.vtkCommonDataModel import vtkImageData
     from vtkmodules.vtkCommonTransforms import vtkTransform
     from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkReverseSense
     from vtkmodules.vtkFiltersGeneral import vtkTransformPolyDataFilter
 
-    array = np.pad(field.array, 1, constant_values=beyond)
-    image = vtkImageData()
-    image.SetDimensions(*array.shape[::-1])
-    image.SetOrigin(-1.0, -1.0, -1.0)
-    image.GetPointData().SetScalars(numpy_to_vtk(array.ravel(), deep=True))
     edges = vtkFlyingEdges3D()
-    edges.SetInputData(image)
+    edges.SetInputData(padded_image(field.array, beyond))
     edges.SetValue(0, level)
     edges.ComputeNormalsOff()
     edges.ComputeScalarsOff()
@@ -39,13 +33,24 @@ def level_surface(field: Volume, level: float, beyond: float) -> Any:
     placed = vtkTransformPolyDataFilter()
     placed.SetInputConnection(edges.GetOutputPort())
     placed.SetTransform(place)
-    if np.linalg.det(field.ijk_to_reference[:3, :3]) > 0:
-        placed.Update()
-        return placed.GetOutput()
-    turned = vtkReverseSense()
-    turned.SetInputConnection(placed.GetOutputPort())
-    turned.Update()
-    return turned.GetOutput()
+    last: Any = placed
+    if np.linalg.det(field.ijk_to_reference[:3, :3]) < 0:
+        last = vtkReverseSense()
+        last.SetInputConnection(placed.GetOutputPort())
+    last.Update()
+    return last.GetOutput()
+
+
+def padded_image(array: Numbers, beyond: float) -> Any:
+    """An array [k, j, i] as a `vtkImageData`, whose points are voxel numbers, with a rim of one more voxel that closes surfaces."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+
+    padded, image = np.pad(array, 1, constant_values=beyond), vtkImageData()
+    image.SetDimensions(*padded.shape[::-1])
+    image.SetOrigin(-1.0, -1.0, -1.0)
+    image.GetPointData().SetScalars(numpy_to_vtk(padded.ravel(), deep=True))
+    return image
 
 
 def triangles_of(surface: Any) -> tuple[Any, Any]:

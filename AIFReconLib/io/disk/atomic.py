@@ -149,14 +149,14 @@ def _target(path: str | Path) -> Path:
     """Where `path` leads to, links followed, so that a link stays a link; only a regular file may be replaced."""
     target = Path(os.path.realpath(path))
     with output_errors(path):
-        if target.is_dir():
-            raise OutputError(f"Cannot write {path}: it is a folder. Give the name of a file.")
-        if target.exists() and not target.is_file():
-            raise OutputError(f"Cannot write {path}: it is a device or a pipe. Give the name of a regular file.")
-        if target.exists() and not os.access(target, os.W_OK):
-            raise OutputError(f"Cannot write {path}: it is write-protected. Remove the protection, or choose another name.")
-        if not target.parent.exists():
-            raise OutputError(f"Cannot write {path}: the folder {target.parent} does not exist. Create it, or choose another path.")
+        problems = {
+            "it is a folder. Give the name of a file.": target.is_dir(),
+            "it is a device or a pipe. Give the name of a regular file.": target.exists() and not target.is_file(),
+            "it is write-protected. Remove the protection, or choose another name.": target.exists() and not os.access(target, os.W_OK),
+            f"the folder {target.parent} does not exist. Create it, or choose another path.": not target.parent.exists(),
+        }
+    for problem in (problem for problem, is_so in problems.items() if is_so):
+        raise OutputError(f"Cannot write {path}: {problem}")
     return target
 
 

@@ -84,19 +84,13 @@ class Metafile:
             `error`, for every PayloadError and OSError of the block too: a network disk that goes away shows even when the file is closed.
         """
         try:
-            file = open(self.data_path, "rb")  # noqa: SIM115 (closed below)
-        except OSError as error:
-            raise self.failure(
-                f"data file {self.data_path.name} cannot be read ({error.strerror}). Put it back beside the header."
-            ) from error
-        try:
-            with file:
+            with open(self.data_path, "rb") as file:
                 self.require_unchanged(file)
                 yield file
         except PayloadError as error:
             raise self.failure(f"the pixel data {error}. Copy the file again, or write it again.") from error
         except OSError as error:
-            raise self.failure(f"the pixel data cannot be read ({error.strerror}). Copy the file again.") from error
+            raise self.failure(f"data file {self.data_path.name} cannot be read ({error.strerror}). Copy the file again.") from error
 
     def require_unchanged(self, file: BinaryIO) -> None:
         """Raise `error` unless the open data file is still as it was when the header was read."""

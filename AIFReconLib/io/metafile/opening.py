@@ -153,20 +153,17 @@ def _data_path(lines: HeaderLines, key: str, text: str) -> Path:
 
 def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) -> None:
     """Compare the length of the payload with what the header promises."""
-    size = " ".join(str(n) for n in metafile.size)
     there, needed = metafile.data_length, metafile.pixel_bytes
+    size = f"{size_key} {' '.join(str(n) for n in metafile.size)} needs {needed} bytes"
     if metafile.encoding == RAW:
         if there < needed:
             complete = there // (needed // metafile.size[-1])
             raise metafile.failure(
-                f"the pixel data are cut short: {size_key} {size} needs {needed} bytes, there are {there} ({complete} of "
-                f"{metafile.size[-1]} frames or slices). Copy the file again, or correct {size_key}."
+                f"the pixel data are cut short: {size}, there are {there} ({complete} of {metafile.size[-1]} frames or slices). Copy the "
+                f"file again, or correct {size_key}."
             )
         if there > needed and UNFINISHED not in metafile.fields:
-            raise metafile.failure(
-                f"there are {there - needed} bytes more than {size_key} {size} needs ({needed}). Correct {size_key}, or write the file "
-                "again."
-            )
+            raise metafile.failure(f"{size}, there are {there - needed} bytes more. Correct {size_key}, or write the file again.")
     elif stored_length is not None and there != stored_length:
         what = "are cut short" if there < stored_length else "go on behind their end"
         raise metafile.failure(

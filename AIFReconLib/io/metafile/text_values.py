@@ -12,9 +12,6 @@ from ...arrays import Matrix
 from ...errors import AIFReconError
 from ...message import shorten
 
-__all__ = ["NotANumberError", "format_number", "parse_matrix", "parse_number", "parse_numbers", "shorten"]
-
-
 # Written so that there is one way to match a run of digits: with two, a long run takes the square of its length
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _PLAIN_NUMBERS = re.compile(r"[-+.eE0-9 ]*")

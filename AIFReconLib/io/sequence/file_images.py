@@ -73,33 +73,34 @@ class FileImages(ImagesOnDemand):
         """The stored bytes of one frame."""
         if index in self._kept:
             return self._kept[index]
+        start = index * self._frame_bytes
         with self._metafile.open_payload() as file:
+            stream, kept = self._stream, self._kept if self._keeps_all else {}
+            if stream.position > start:
+                stream = PayloadStream(self._metafile)
+            # After a failure the next one begins anew
+            self._stream, self._kept = PayloadStream(self._metafile), {}
             try:
-                if self._stream.position > index * self._frame_bytes:
-                    self._stream = PayloadStream(self._metafile)
                 if not self._keeps_all:
-                    self._kept.clear()
-                    self._stream.skip(file, index * self._frame_bytes - self._stream.position)
-                for number in range(self._stream.position // self._frame_bytes, index + 1):
-                    self._kept[number] = self._stream.read(file, self._frame_bytes)
+                    stream.skip(file, start - stream.position)
+                for number in range(stream.position // self._frame_bytes, index + 1):
+                    kept[number] = stream.read(file, self._frame_bytes)
                 if index == len(self) - 1:
-                    self._stream.finish(file)
-                self._metafile.require_unchanged(file)
-            except BaseException as error:
-                broken = min(self._stream.position // self._frame_bytes, len(self) - 1)
-                self._stream, self._kept = PayloadStream(self._metafile), {}
-                if isinstance(error, PayloadError):
-                    raise PayloadError(f"{error}, in frame {broken}") from error
-                raise
-        return self._kept[index]
+                    stream.finish(file)
+            except PayloadError as error:
+                broken = min(stream.position // self._frame_bytes, len(self) - 1)
+                raise PayloadError(f"{error}, in frame {broken}") from error
+            self._metafile.require_unchanged(file)
+        self._stream, self._kept = stream, kept
+        return kept[index]
 
     def _interleaved_image(self, index: int) -> Numbers:
         """The pixels of one frame of a file in which those of all frames lie together."""
         if self._all is None:
-            stream, pixels = PayloadStream(self._metafile), np.empty(self._metafile.pixel_bytes, np.uint8)
+            stream, pixels = PayloadStream(self._metafile), np.empty((len(self), self._frame_bytes), np.uint8)
             with self._metafile.open_payload() as file:
-                for place in range(0, len(pixels), self._frame_bytes):
-                    pixels[place : place + self._frame_bytes] = np.frombuffer(stream.read(file, self._frame_bytes), np.uint8)
+                for piece in pixels:
+                    piece[:] = np.frombuffer(stream.read(file, self._frame_bytes), np.uint8)
                 stream.finish(file)
             self._all = pixels.view(self._metafile.dtype).reshape(-1, len(self), self._metafile.channels)
         return np.ascontiguousarray(self._all[:, index])

@@ -158,10 +158,10 @@ def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[f
         return None, (note,)
     try:
         times = [seconds * parse_number(word) for word in words]
+        if not all(map(math.isfinite, times)):
+            raise NotANumberError("they are not finite")
     except NotANumberError as error:
         raise metafile.failure(f"{key} must be times; {error}. Save the sequence from Slicer again.") from error
-    if not all(map(math.isfinite, times)):
-        raise metafile.failure(f"{key} must be finite times. Save the sequence from Slicer again.")
     return times, ()
 
 

@@ -123,22 +123,17 @@ def _series_in(folder: Path) -> tuple[dict[str, dict[Path, sitk.ImageFileReader]
 
 def _series(folder: Path, wanted: str | None) -> Volume:
     """The series of that UID in a folder; without one, the CT of most slices."""
-    series, others = _series_in(folder)
+    series, kinds = _series_in(folder)
+    if not series and kinds:
+        raise VolumeFormatError(f"{folder}: it is of the kind {', '.join(sorted(kinds))}, not CT. Give the CT.")
     if not series:
-        raise VolumeFormatError(
-            f"{folder}: it is of the kind {', '.join(sorted(others))}, not CT. Give the CT."
-            if others
-            else f"{folder}: it holds no DICOM images. Give the folder whose files are the slices of the CT; a folder of masks is one of "
-            "labels."
-        )
+        hint = "Give the folder whose files are the slices of the CT; a folder of masks is one of labels."
+        raise VolumeFormatError(f"{folder}: it holds no DICOM images. {hint}")
     files = series.pop(max(series, key=lambda uid: len(series[uid])) if wanted is None else wanted)
     if wanted is None and series:
-        logger.warning(
-            "%s: the series %s is taken. Also there: %s. To take another, give one of its files",
-            folder,
-            _called(files),
-            "; ".join(map(_called, series.values())),
-        )
+        others = "; ".join(map(_called, series.values()))
+        text = "%s: the series %s is taken. Also there: %s. To take another, give one of its files"
+        logger.warning(text, folder, _called(files), others)
     if len(files) == 1 and next(iter(files.values())).GetSize()[2:] > (1,):
         return read_ct(next(iter(files)))
     if len(files) < 3:

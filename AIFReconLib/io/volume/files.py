@@ -21,19 +21,10 @@ from ..disk.tables import read_table
 from ..metafile.metaimage import LAST_KEY, check_pair_name
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
-from ..transform.files import read_transform, write_transform
 from .dicom_writer import SUFFIX as DICOM_SUFFIX
 from .dicom_writer import check_dicom, write_dicom
 from .itk_images import to_sitk
 from .itk_reading import StoredVolume, nifti_header, read_metafile_volume, read_nifti
-
-__all__ = [
-    "check_volume_path",
-    "read_transform",
-    "read_volume",
-    "write_transform",
-    "write_volume",
-]
 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
@@ -185,8 +176,8 @@ def _read_stored(path: Path) -> StoredVolume:
         )
     if suffix not in NIFTI_SUFFIXES:
         return read_metafile_volume(path)
-    stored = read_nifti(path)
-    return stored._replace(fields={**stored.fields, **_beside(sidecar_of(path))})
+    array, ijk_to_lps, _ = read_nifti(path)
+    return array, ijk_to_lps, _beside(sidecar_of(path))
 
 
 def sidecar_of(path: Path) -> Path:

@@ -10,7 +10,6 @@ import math
 import re
 import zlib
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -53,12 +52,8 @@ _SPACE = re.compile(r"(left|right)-(anterior|posterior)-(superior|inferior)|[LR]
 """A frame of the patient, as an NRRD header names it."""
 
 
-class StoredVolume(NamedTuple):
-    """Voxels [k, j, i], or [k, j, i, n] for several values each, their place (not checked yet, mm), and the file's own fields."""
-
-    array: Numbers
-    ijk_to_lps: Matrix
-    fields: dict[str, str]
+StoredVolume = tuple[Numbers, Matrix, dict[str, str]]
+"""Voxels [k, j, i], or [k, j, i, n] for several values each, their place in LPS (not checked yet, mm), and the file's own fields."""
 
 
 def read_nifti(path: Path) -> StoredVolume:
@@ -69,7 +64,7 @@ def read_nifti(path: Path) -> StoredVolume:
     header = nifti_header(path, VolumeFormatError)
     image = _read(path, "NiftiImageIO")
     _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(image), image.GetSize())
-    return StoredVolume(array_of(image), ijk_to_lps(image), {})
+    return array_of(image), ijk_to_lps(image), {}
 
 
 def nifti_header(path: Path, error: type[FileFormatError]) -> dict[str, str]:
@@ -125,7 +120,7 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     array = array_of(image)
     if array.nbytes != metafile.pixel_bytes:
         raise metafile.failure("SimpleITK takes it for another size. Save the volume from Slicer again.")
-    return StoredVolume(array, ijk_to_lps(image), metafile.fields)
+    return array, ijk_to_lps(image), metafile.fields
 
 
 def _read(path: Path, reader: str, *beside: Path) -> sitk.Image:
@@ -172,12 +167,8 @@ def _check_nrrd(metafile: Metafile) -> None:
 
 
 def _note_no_frame(path: Path, said: str, taken: str) -> None:
-    logger.warning(
-        "%s: of the frame that its place is in, RAS or LPS, it %s; it is taken to be %s. If it lies wrong, save it from Slicer as .nrrd",
-        path,
-        said,
-        taken,
-    )
+    text = "%s: of the frame that its place is in, RAS or LPS, it %s; it is taken to be %s. If it lies wrong, save it from Slicer as .nrrd"
+    logger.warning(text, path, said, taken)
 
 
 def _note_contradiction(path: Path, header: dict[str, str], ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:
@@ -189,12 +180,8 @@ def _note_contradiction(path: Path, header: dict[str, str], ijk_to_ras: Matrix, 
     with np.errstate(all="ignore"):
         off = {name: float(np.linalg.norm((form - ijk_to_ras[:3]) @ corners, axis=0).max()) for name, form in forms.items()}
     if len(off) == 2 and max(off.values()) > FORMS_APART:
-        logger.warning(
-            "%s: its qform and sform place voxels up to %.3g mm apart. The %s is taken, as ITK does; if it lies wrong, export it again",
-            path,
-            max(off.values()),
-            min(off, key=lambda name: off[name]),
-        )
+        text = "%s: its qform and sform place voxels up to %.3g mm apart. The %s is taken, as ITK does; if it lies wrong, export it again"
+        logger.warning(text, path, max(off.values()), min(off, key=lambda name: off[name]))
 
 
 def _nifti_forms(header: dict[str, str]) -> dict[str, Matrix]:

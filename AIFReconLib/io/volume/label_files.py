@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import itertools
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -215,7 +214,6 @@ def _labels_in(file: Path) -> Labels:
 
 def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
     """One label of a file."""
-    corners = np.array([*itertools.product(*((part.start, part.stop - 1.0) for part in labels.boxes[number][::-1]))])
 
     def on(grid: VoxelGrid) -> Mask:
         mask: Mask = labels.array == number
@@ -226,7 +224,7 @@ def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
         moved: Mask = scipy.ndimage.affine_transform(mask.view(np.uint8), turned, to_mask[::-1, 3], grid.shape, order=0).view(bool)
         return moved
 
-    return _Bone(name, transform_points(labels.ijk_to_reference, corners), on, labels.grid)
+    return _Bone(name, labels[labels.boxes[number]].grid.corners(), on, labels.grid)
 
 
 def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tuple[_Bone, bool]:

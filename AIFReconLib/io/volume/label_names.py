@@ -5,6 +5,7 @@ The programs' own class maps, the codes of Slicer's terminology and the words of
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import re
@@ -150,14 +151,13 @@ def _told(labels: Labels, numbers: Sequence[int]) -> str:
 
 def _chosen(labels: Labels, readings: Sequence[Mapping[int, str]], choice: str) -> Labels:
     """The labels that a choice names, by the names of any reading in which all its words are found."""
-    found, first = [], None
-    for names in [*readings, {}]:
-        try:
-            found.append(replace(labels, names={n: bone_name(name) for n, name in names.items()}).chosen(choice))
-        except GeometryError as error:
-            first = first or error
-    if not found and first is not None:
-        raise first
+    named = [replace(labels, names={n: bone_name(name) for n, name in names.items()}) for names in [*readings, {}]]
+    found = []
+    for each in named:
+        with contextlib.suppress(GeometryError):
+            found.append(each.chosen(choice))
+    if not found:
+        return named[0].chosen(choice)  # which says why not
     if any(set(each.boxes) != set(found[0].boxes) for each in found):
         raise ask_for_bones(f"The labels called {choice} differ between the programs whose numbers these can be. Give numbers.")
     return found[0]

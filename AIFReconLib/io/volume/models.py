@@ -14,6 +14,7 @@ import numpy as np
 
 from ...arrays import Floats, Integers
 from ...errors import VolumeFormatError
+from ...geometry.level_surface import triangles_of
 from ..disk.regular_files import require_regular_file
 from ..disk.small_files import read_bytes
 from .surfaces import polydata
@@ -159,9 +160,7 @@ def _triangles(path: Path, surface: vtkPolyData) -> tuple[Floats, Integers]:
         places = vtk_to_numpy(cells.GetConnectivityArray())
         if len(places) and not 0 <= places.min() <= places.max() < surface.GetNumberOfPoints():
             raise VolumeFormatError(f"{path}: its points are not all there. Export the model again.")
-    if not surface.GetNumberOfPolys() + surface.GetNumberOfStrips():
-        raise VolumeFormatError(f"{path}: it holds no triangles. Export the closed surface of the bone.")
-    if not np.isfinite(vtk_to_numpy(surface.GetPoints().GetData())).all():
+    if surface.GetNumberOfPoints() and not np.isfinite(vtk_to_numpy(surface.GetPoints().GetData())).all():
         raise VolumeFormatError(f"{path}: its points are no numbers. Export the model again.")
     split, joined, alike = vtkTriangleFilter(), vtkCleanPolyData(), vtkPolyDataNormals()
     split.PassVertsOff()
@@ -173,11 +172,10 @@ def _triangles(path: Path, surface: vtkPolyData) -> tuple[Floats, Integers]:
     joined.SetInputConnection(split.GetOutputPort())
     alike.SetInputConnection(joined.GetOutputPort())
     alike.Update()
-    whole = alike.GetOutput()
-    if not whole.GetNumberOfPolys():
+    points, triangles = triangles_of(alike.GetOutput())
+    if not len(triangles):
         raise VolumeFormatError(f"{path}: it holds no triangles. Export the closed surface of the bone.")
-    points = vtk_to_numpy(whole.GetPoints().GetData()).astype(np.float64)
-    return points, vtk_to_numpy(whole.GetPolys().GetConnectivityArray()).reshape(-1, 3).astype(np.int64)
+    return points.astype(np.float64), triangles.astype(np.int64)
 
 
 def _unreadable(path: Path) -> VolumeFormatError:

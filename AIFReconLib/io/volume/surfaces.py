@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Floats, Numbers
 from ...errors import OutputError
+from ...geometry.level_surface import padded_image, triangles_of
 from ...geometry.transforms import transform_points
 from ...geometry.volume import Volume
 from ..disk.atomic import atomic_output, check_writable
@@ -128,23 +129,14 @@ def write_labels_surface(labels: Volume, path: str | Path) -> None:
 
 def _surface_nets(labels: Volume) -> tuple[Floats, Numbers, Numbers]:
     """Points (n, 3) in Reference, triangles (m, 3), and the label at each point (n,)."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkSurfaceNets3D
 
-    # A rim of nothing closes what the edge of the volume would cut open
-    padded = np.pad(labels.array, 1).astype(np.int32)
-    image = vtkImageData()
-    image.SetDimensions(*padded.shape[::-1])
-    image.SetOrigin(-1.0, -1.0, -1.0)
-    image.GetPointData().SetScalars(numpy_to_vtk(padded.ravel(), deep=True))
     nets = vtkSurfaceNets3D()
-    nets.SetInputData(image)
+    nets.SetInputData(padded_image(labels.array.astype(np.int32), 0))
     nets.SetBackgroundLabel(0)
-    values = np.unique(padded)
-    values = values[values != 0]
-    nets.SetNumberOfLabels(len(values))
-    for place, value in enumerate(values.tolist()):
+    values = np.unique(labels.array)
+    for place, value in enumerate(values[values != 0].tolist()):
         nets.SetLabel(place, value)
     nets.SetOutputMeshTypeToTriangles()
     nets.SmoothingOn()
@@ -154,10 +146,9 @@ def _surface_nets(labels: Volume) -> tuple[Floats, Numbers, Numbers]:
     nets.GetSmoother().SetConstraintDistance(HALF_A_VOXEL)
     nets.Update()
     surface = nets.GetOutput()
-    if not surface.GetNumberOfPolys():
-        return np.empty((0, 3)), np.empty((0, 3), np.int64), np.empty(0, np.int32)
-    ijk = vtk_to_numpy(surface.GetPoints().GetData())
-    triangles = vtk_to_numpy(surface.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    ijk, triangles = triangles_of(surface)
+    if not len(triangles):
+        return ijk, triangles, np.empty(0, np.int32)
     sides = vtk_to_numpy(surface.GetCellData().GetScalars()).astype(np.int32)
     # Each triangle has a label on either side; the one that is not nothing owns it, where two meet the higher one
     owner = np.zeros(len(ijk), np.int32)

@@ -67,7 +67,7 @@ def test_a_header_without_end_is_refused(tmp_path, make):
         ({"DimSize": "4 3 2.5"}, "DimSize must be 3 whole numbers"),
         ({"DimSize": "4 3 0"}, "holds no image"),
         ({"DimSize": "4 3 3"}, r"cut short: DimSize 4 3 3 needs 36 bytes, there are 24 \(2 of 3"),
-        ({"DimSize": "4 3 1"}, "12 bytes more than DimSize 4 3 1 needs"),
+        ({"DimSize": "4 3 1"}, "DimSize 4 3 1 needs 12 bytes, there are 12 bytes more"),
         ({"DimSize": "999999999999 999999999999 999999999999"}, "cut short"),
         ({"BinaryData": "False"}, "ASCII data are not supported"),
         ({"BinaryData": "perhaps"}, "BinaryData must be True or False"),
