@@ -18,6 +18,7 @@ from ...remedies import (
     NAME_THE_CALIBRATION,
     NO_PIXEL_SIZE,
     PIXEL_SIZE,
+    SAME_MOVEMENT,
     SURE,
     TIME_OFFSET,
     TIME_UNIT,
@@ -37,6 +38,9 @@ from .poses.sheet import has_none
 from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
+
+BEGUN_MM, BEGUN_TURN, LOOKED_AT, IN_STEP = 1.0, 0.02, 300, 0.2
+"""mm and part of a turn by which a tool has begun to move, the images that are looked at for it, and s that both may differ unsaid."""
 
 LONGER = 1.0
 """s by which poses may last longer than images at a steady rate before it is said."""
@@ -141,10 +145,37 @@ def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[fl
     if apart and len(from_zero) > 1 and not (len(taken) == len(poses.times) and _in_step(poses.times, taken)):
         told = f"note: images and poses count from different moments; the images were taken to begin {offset:g} s after the poses."
         return first - begin, [Sentence(told, TIME_OFFSET)]
-    if offset or from_zero != {True}:
+    if from_zero != {True}:
         return 0.0, []
     told = "note: images and poses both count from 0, and were taken to begin at one moment."
-    return 0.0, [Sentence(told, TIME_OFFSET)]
+    if offset:
+        told = f"note: the images were taken to begin {offset:g} s after the poses."
+    moves, changes = _first_motion(poses), _first_change(images)
+    if moves is not None and changes is not None and abs(moves - changes - offset) > IN_STEP:
+        told += f" The tool begins to move at {moves:.2f} s, and the images to change at {changes:.2f} s."
+        return 0.0, [Sentence(told, SAME_MOVEMENT, offset=f"{moves - changes:.2f}")]
+    return 0.0, [] if offset else [Sentence(told, TIME_OFFSET)]
+
+
+def _first_motion(poses: PoseTable) -> float | None:
+    """s until the tool leaves the place where it was at first; None where that is not seen."""
+    known = np.isfinite(poses.matrices).all(axis=(1, 2))
+    if poses.times is None or not known.any():
+        return None
+    matrices = in_millimeters(poses.matrices[known], poses.length_unit, takes_pixels=False)
+    turned = np.linalg.norm(matrices[:, :3, :3] - matrices[0, :3, :3], axis=(1, 2))
+    gone = np.flatnonzero((np.linalg.norm(matrices[:, :3, 3] - matrices[0, :3, 3], axis=1) > BEGUN_MM) | (turned > BEGUN_TURN))
+    return float(poses.times[known][gone[0]]) if gone.size else None
+
+
+def _first_change(images: ImportedImages) -> float | None:
+    """s until the images show something else than at first: half of what they change in the end; None where that is not seen."""
+    if images.times is None:
+        return None
+    first = np.asarray(images.stack[0], np.float32)
+    changes = np.array([np.abs(np.asarray(images.stack[n], np.float32) - first).mean() for n in range(min(len(images.stack), LOOKED_AT))])
+    gone = np.flatnonzero(changes > np.median(changes) / 2)
+    return float(images.times[gone[0]]) if gone.size else None
 
 
 def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) -> list[str]:

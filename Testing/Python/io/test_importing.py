@@ -500,3 +500,12 @@ def test_no_pose_is_made_up_where_the_tracker_lost_the_tool(tmp_path):
     sequence, _ = import_sequence(images, read_poses(tmp_path / "poses.csv"), options)
     counts = sequence.status_counts(TransformName("Probe", "Tracker"))
     assert (counts[TransformStatus.OK], counts[TransformStatus.MISSING]) == (2, 2)
+
+
+def test_when_tool_and_images_begin_to_move_is_told(tmp_path, results, capsys):
+    still, shown = [[f"{0.02 * n:.2f}", 10, 20, 30, 0, 0, 0, 1] for n in range(65)], np.random.default_rng(1).integers(0, 255, (40, 24, 32))
+    poses = table(tmp_path / "p.csv", COLUMNS, [*still, *moving(count=60, step=0.02, speed=100.0, start=1.3)])
+    np.save(tmp_path / "a.npy", shown.astype(np.uint8)[np.maximum(np.arange(40) - 6, 0)])
+    imported(results, tmp_path / "a.npy", "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
+    begun = re.search(r"begins to move at (\S+) s, and the images to change at (\S+) s. .* --time-offset (\S+);", capsys.readouterr().out)
+    assert [float(each) for each in begun.groups()] == pytest.approx([1.3, 0.35, 0.95], abs=0.03)
