@@ -189,7 +189,7 @@ def plan(
 def planned(job: ReconstructionJob, progress: Progress | None = None) -> ReconstructionPlan:
     """Everything that a job leaves open, decided: where bone is, first of all."""
     report(progress, 0.0, "Looking at the sweep")
-    job, motion = without_motion(job, progress)
+    job, motion = without_motion(replace(job, sequence=joined(job.sequence, job.recipe)), progress)
     sequence, asked = job.sequence, job.recipe
     said: tuple[str, ...] = ()
     with _about(job.bone.name if isinstance(job.bone, BoneSource) else ""):

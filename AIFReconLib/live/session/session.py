@@ -143,7 +143,8 @@ class LiveSession:
         # Gray levels are learned from the first frames, where nobody has told them
         self._learns = self._judges and asked.gray_levels is None
         self._asked, self._made_before = asked, False
-        self._imaging = known_imaging(configuration, self._needs_probe, region, probe)
+        known = known_imaging(configuration, self._needs_probe, region, probe)
+        self._imaging = None if known is None else known.judging((), asked)
         self._synchronizer = Synchronizer(synchronizer, configuration)
         self.recorder = record if record is None or isinstance(record, Recorder) else Recorder(record)
         self.recorded: Path | None = None

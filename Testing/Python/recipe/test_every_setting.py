@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from files import tracked_sequence, write_patient
+from live_messages import streamed
 
 from AIFReconLib import BoneMap, LabeledBone, Reconstructor, VoxelGrid, read_labels, read_sequence, read_transform, reconstruct
 from AIFReconLib.batch.columns import Columns
@@ -23,11 +24,15 @@ from AIFReconLib.errors import AIFReconError, GeometryError, SettingsError
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.provenance.record import settings_of
 from AIFReconLib.recipe.recipe import OF_LABELS, OF_READING, RULES, Recipe
 from AIFReconLib.recipe.rules import FLAG
 from AIFReconLib.sweep.poses import sweep_poses, tracked_frames
 from AIFReconLib.terminal.arguments import OneLineParser
+from AIFReconLib.worker.reconstructing import reconstructed
+from AIFReconLib.workflows.job import ReconstructionJob
 
 UP, ASIDE = np.diag([2.0, 2.0, 2.0, 1.0]).tolist(), [[2.0, 0, 0, -9], [0, 2.0, 0, -8], [0, 0, 2.0, -7], [0, 0, 0, 1.0]]
 SECTOR, FAN = {"apex_px": [19.3, -30.1]}, {"fan_angles_deg": [-20, 25], "fan_radius_px": [31, 57]}
@@ -282,6 +287,60 @@ def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, patient):
     else:
         beside = {each: value for each, value in beside.items() if each not in ("method", "bone_sigma_mm")}
         assert _voxels(made(**{**beside, name: one})) != _voxels(made(**{**beside, name: other}))
+
+
+@pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
+@pytest.mark.parametrize("name", sorted({*VALUES} - {"orientation"}))
+def test_a_window_s_job_is_that_of_python(name, patient, in_python):
+    """The panel's sequence is one that nobody has read as the recipe asks."""
+    settings = {"method": SOME_METHODS.get(name, ("average",))[-1], **VALUES[name][2], name: VALUES[name][1]}
+    labels = LabeledBone(read_labels(patient.labels), read_transform(patient.transform), recipe=Recipe(bone_sigma_mm=1.6))
+    width = {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings)
+    bone = LabeledBone(labels.labels, labels.place, recipe=Recipe()) if width else labels
+    job = ReconstructionJob(
+        read_sequence(patient.sweep, config=patient.config), Recipe(**settings), bone if settings["method"] in BONE_METHODS else None
+    )
+    outcomes = []
+    for make in (lambda: reconstructed(job, ("score",)).result, lambda: in_python(**settings)):
+        try:
+            outcomes.append(_voxels(make()))
+        except AIFReconError as error:
+            assert name in WITH_NOTHING_LEFT
+            outcomes.append(str(error))
+    assert outcomes[0] == outcomes[1]
+
+
+REFUSED_LIVE = ("orientation", "probe")
+"""Settings that a stream's server says itself, and of which the configuration says otherwise."""
+
+LIVE_BOX = ("spacing", "grid_size", "grid_to_reference")
+"""Settings that say which voxels a scan has, as its grid here does."""
+
+
+@pytest.mark.parametrize("name", sorted({*VALUES} - {*LIVE_BOX, "bone_sigma_mm", "bone_sigma_voxels", "bone_belief", "method"}))
+def test_a_live_scan_obeys_it_or_refuses_it(name, patient):
+    one, other, beside = VALUES[name]
+    method = SOME_METHODS.get(name, ("average",))[-1]
+    sequence = read_sequence(patient.sweep, config=patient.config)
+    labels = read_labels(patient.labels).placed_by(read_transform(patient.transform))
+    bone = BoneMap.from_labels(labels, sigma_mm=1.6) if method in BONE_METHODS else None
+
+    def made(value):
+        settings = {each: known for each, known in {**beside, "method": method, name: value}.items() if known is not None}
+        settings = {each: known for each, known in settings.items() if each != "bone_sigma_mm"}
+        source = QueueSource(limit=10_000)
+        for message in streamed(sequence):
+            source.put(message)
+        session = LiveSession(source, Recipe(**settings), bone, GRID, configuration=sequence.configuration, longest_delay=None)
+        session.start()
+        result = session.finish()
+        return None if result is None or not result.frames_inserted else _voxels(result)
+
+    if name in REFUSED_LIVE:
+        with pytest.raises(SettingsError, match=name):
+            made(other)
+    else:
+        assert made(one) != made(other)
 
 
 # ---- doors
