@@ -91,6 +91,7 @@ def _header(path: Path) -> sitk.ImageFileReader | None:
     """What the headers of a DICOM image say; None where it is none."""
     reader = sitk.ImageFileReader()
     reader.SetImageIO("GDCMImageIO")
+    itk_path(path, VolumeFormatError)  # a name that cannot be said is no reason to take the file for another
     try:
         with itk_reads(path, VolumeFormatError, "") as name:
             reader.SetFileName(name)
