@@ -57,7 +57,7 @@ class TransformError(AIFReconError, LookupError):
 
 
 class FileFormatError(AIFReconError, ValueError):
-    """A file cannot be understood: cut short, of a wrong size, or of a kind that is not supported."""
+    """A file cannot be understood: cut short, of a wrong size, or of a kind that is not supported; a network cannot be run."""
 
 
 class SequenceFormatError(FileFormatError):
@@ -70,18 +70,6 @@ class VolumeFormatError(FileFormatError):
 
 class ConfigurationError(FileFormatError):
     """A Plus configuration file cannot be understood."""
-
-
-class TransformFileError(FileFormatError):
-    """A transform file cannot be understood."""
-
-
-class SettingsFileError(FileFormatError):
-    """A settings file, or what a volume says of how it was made, cannot be understood."""
-
-
-class ModelError(FileFormatError):
-    """A network's model cannot be understood or run, or does not fit."""
 
 
 class NoUsableFramesError(AIFReconError, ValueError):

@@ -77,7 +77,7 @@ def ensureModelPackages() -> None:
 
 def ensurePagePackages() -> None:
     """Make sure that jinja2 is there, asking the user first; errors as for `ensureLivePackages`."""
-    question = _("A page needs the Python package jinja2, a small download from the internet. Install it now?")
+    question = _("A page needs the Python package jinja2, a small download. Install it now?")
     _ensure(lambda: [] if isInstalled(PAGE) else [PAGE], question, "a page needs it")
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..arrays import Bytes, Floats, Integers, Mask, Singles
+from ..arrays import Floats, Integers, Mask, Singles
 from ..errors import GeometryError
-from ..geometry.box import box_around
+from ..geometry.box import block_sums, box_around
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from ..machine.memory import LARGEST_GRID, require_memory
@@ -64,7 +64,7 @@ class BoneField:
         padded = np.zeros((blocks * factors)[::-1], dtype=np.uint8)
         start = margin * factors
         padded[tuple(slice(a, a + n) for a, n in zip(start[::-1], size[::-1]))] = bone[found]
-        share = np.divide(_counted_in_blocks(padded, factors[::-1]), factors.prod(), dtype=np.float32)
+        share = np.divide(block_sums(padded, factors[::-1], np.int32), factors.prod(), dtype=np.float32)
         for axis in range(3):
             if more[axis] > 1:
                 share = _between_slices(share, spacing[::-1], 2 - axis, more[axis])
@@ -126,14 +126,6 @@ class BoneField:
             i, j, k = np.where(known[:, None], ijk, 0).T
             result[open_] = np.where(known, self.labels.array[k, j, i], 0)
         return result
-
-
-def _counted_in_blocks(mask: Bytes, factors: Integers) -> Integers:
-    """How many voxels of 1 each block of `factors` [k, j, i] voxels of a mask holds; the blocks fill it."""
-    counts = np.zeros(np.array(mask.shape) // factors, dtype=np.int32)
-    for k, j, i in np.ndindex(*factors):
-        counts += mask[k :: factors[0], j :: factors[1], i :: factors[2]]
-    return counts
 
 
 def _between_slices(share: Singles, spacing_kji: Floats, axis: int, more: int) -> Singles:

@@ -237,7 +237,7 @@ class BoneMap(Described):
         """
         placed = self.at_voxels(grid, direction, part(progress, 0.0, 0.1), planes)
         within = placed.coordinates
-        _ = placed.occupied  # made once, before several threads ask for it
+        _ = placed.all_slopes  # made once, before several threads ask for it
         (first, stop), rows, columns = within.planes, slice(*within.rows), slice(*within.columns)
         line = np.arange(rows.start, rows.stop)[:, None] * within.shape[2] + np.arange(columns.start, columns.stop)
         probability, directions = np.zeros(within.shape, np.float32), np.zeros((*within.shape, 3), np.float32)
@@ -257,15 +257,12 @@ class BoneMap(Described):
         return BoneOnGrid(probability, directions, placed.map_probability, placed.ijk_to_map)
 
 
-def _edges_of_slabs(count: int) -> Integers:
-    return np.linspace(0, count, min(SLABS, count) + 1).astype(int)
-
-
 def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
     """A float32 array after a Gaussian, in place; axis by axis in slabs, which share no line along it."""
     for axis, sigma in enumerate(sigma_kji):
         across = 1 if axis == 0 else 0
-        edges = _edges_of_slabs(array.shape[across])
+        count = array.shape[across]
+        edges = np.linspace(0, count, min(SLABS, count) + 1).astype(int)
 
         def smooth(slab: int, axis: int = axis, sigma: float = sigma, across: int = across, edges: Integers = edges) -> None:
             lines = array[(slice(None),) * across + (slice(edges[slab], edges[slab + 1]),)]
@@ -276,20 +273,8 @@ def _smoothed(array: Singles, sigma_kji: Floats) -> Singles:
 
 
 def _sobel_magnitude(array: Singles) -> Singles:
-    """How long the Sobel gradient [k, j, i] is, in slabs, each with a plane of its neighbors on either side."""
-    length = np.zeros_like(array)
-    planes = len(array)
-    edges = _edges_of_slabs(planes)
-
-    def measure(slab: int) -> None:
-        first, stop = int(edges[slab]), int(edges[slab + 1])
-        low, high = max(first - 1, 0), min(stop + 1, planes)
-        squared = length[first:stop]
-        for axis in range(3):
-            slope = scipy.ndimage.sobel(array[low:high], axis=axis, mode="nearest")[first - low : stop - low]
-            slope *= slope
-            squared += slope
-        np.sqrt(squared, out=squared)
-
-    in_parts(measure, len(edges) - 1, usable_cores())
-    return length
+    """How long the Sobel gradient [k, j, i] is."""
+    squared = np.zeros_like(array)
+    for axis in range(3):
+        squared += scipy.ndimage.sobel(array, axis=axis, mode="nearest") ** 2
+    return np.sqrt(squared, out=squared)

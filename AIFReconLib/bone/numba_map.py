@@ -30,7 +30,7 @@ def look_up(
     box: tuple[tuple[int, int, int], tuple[int, int], tuple[int, int], tuple[int, int]],
     coordinates: tuple[Floats, Floats],
     voxels: Integers,
-    occupied: Integers | None,
+    everywhere: bool,
     found: tuple[Singles, Singles],
 ) -> None:
     """Probability and direction of bone at some voxels.
@@ -46,9 +46,8 @@ def look_up(
     box : shape, planes, rows and columns of the `MapCoordinates`
     coordinates : starts and matrix, float64, of the `MapCoordinates`
     voxels : (m,) int64 array, flat [k, j, i]
-    occupied : (planes + 1, rows + 1, 2) int32 array, of `BoneAtVoxels`, or None
-        Directions are wanted where the probability is 0, too, and these are the places at which anything is not 0. Without it they are 0
-        there.
+    everywhere : bool
+        Whether directions are wanted where the probability is 0, too; else they are 0 there.
     found : probability (m,) and directions (m, 3), float32
         Results.
     """
@@ -83,10 +82,6 @@ def look_up(
         at_j = (starts[k, 1] + row * matrix[1, 1]) + column * matrix[1, 2]
         at_i = (starts[k, 2] + row * matrix[2, 1]) + column * matrix[2, 2]
         a, b, c = int(np.floor(at_k)), int(np.floor(at_j)), int(np.floor(at_i))
-        if occupied is not None and not (
-            -1 <= a < planes and -1 <= b < rows and occupied[a + 1, b + 1, 0] <= c <= occupied[a + 1, b + 1, 1]
-        ):
-            continue
         wk, wj, wi = at_k - a, at_j - b, at_i - c
         vk, vj, vi = 1.0 - wk, 1.0 - wj, 1.0 - wi
         inner, one = 0 <= a < planes - 1 and 0 <= b < rows - 1 and 0 <= c < columns - 1, (a * rows + b) * columns + c
@@ -128,9 +123,9 @@ def look_up(
                 slope[term - 1] = total
                 continue
             probability[n] = total
-            if occupied is None and probability[n] == 0:
+            if not everywhere and probability[n] == 0:
                 break
-        if occupied is None and probability[n] == 0:
+        if not everywhere and probability[n] == 0:
             continue
         for component in range(3):
             directions[n, component] = (turn[component, 0] * slope[0] + turn[component, 1] * slope[1]) + turn[component, 2] * slope[2]

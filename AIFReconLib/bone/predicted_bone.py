@@ -21,9 +21,9 @@ from .echoes.finder import BoneEchoFinder
 from .echoes.found import BoneEchoes, SweepEchoes
 from .echoes.surface import LEAST_SCORE, surface_of
 from .map import BoneMap
-from .predictions import Prediction, PredictionReader
+from .predictions import Prediction, points_of
 from .recorded_predictions import RecordedPredictions, as_prediction
-from .scan_line_reader import ForEachKind
+from .scan_line_reader import ForEachKind, ScanLineReader
 
 MOST_BONE = 0.5
 """Share of the pixels that masks may call bone: its surface is thin."""
@@ -85,15 +85,17 @@ class PointsOfFrames:
     """What an estimator says of frames, as points in Reference; `imaging` must know region and probe."""
 
     def __init__(self, imaging: Imaging):
-        self._readers = ForEachKind(PredictionReader, imaging)
+        self._readers = ForEachKind(ScanLineReader, imaging)
 
     def of(self, frame: TrackedFrame, said: Prediction | BoneEchoes | Numbers) -> SweepEchoes:
         """Of a frame that has an image and a pose; an InputTypeError where an estimator of one's own answers something else."""
         if isinstance(said, np.ndarray):
             said = as_prediction(said, f"frame {frame.number}")
         require_kind("estimate", said, (Prediction, BoneEchoes), "An estimator answers with an array (rows, columns) of 0 to 1, or None.")
-        found = self._readers.of(frame).find(said) if isinstance(said, Prediction) else said
-        return found.placed(frame.placed()[1], frame.number)
+        image, pose = frame.placed()
+        if isinstance(said, Prediction):
+            said = points_of(said, self._readers.of(frame), (0.0, 0.0, float(image.shape[1]), float(image.shape[0])))
+        return said.placed(pose, frame.number)
 
 
 def bone_from_frames(

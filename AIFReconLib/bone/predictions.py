@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Numbers, Singles
-from ..effective_settings import Imaging
 from .echoes.found import BoneEchoes
 from .scan_line_reader import Rectangle, ScanLineReader
 
@@ -32,23 +31,17 @@ class Prediction:
     """(x, y, width, height). What it covers, in pixels of the frame; None: all of it."""
 
 
-class PredictionReader:
-    """Reads predictions along scan lines, for images of one size, spacing and probe.
+def points_of(prediction: Prediction, reader: ScanLineReader, whole: Rectangle) -> BoneEchoes:
+    """Where each scan line is surest of bone, if it is by `SURE`: the middle of the stretch there, weighted by its probabilities.
 
-    `size` is (columns, rows), `spacing` (x, y) in mm; `imaging` must know region and probe.
+    `whole` is the rectangle of all of the frame that the reader reads.
     """
-
-    def __init__(self, size: tuple[int, int], spacing: tuple[float, float], imaging: Imaging):
-        self._lines, self._whole = ScanLineReader(size, spacing, imaging), (0.0, 0.0, float(size[0]), float(size[1]))
-
-    def find(self, prediction: Prediction) -> BoneEchoes:
-        """Where each scan line is surest of bone, if it is by `SURE`: the middle of the stretch there, weighted by its probabilities."""
-        said = self._lines.read_rectangle(prediction.probability, prediction.rectangle or self._whole)
-        lines = np.flatnonzero(said.max(axis=1) >= SURE)
-        said, sample = said[lines], np.arange(said.shape[1])
-        scores, top = said.max(axis=1), said.argmax(axis=1)[:, None]
-        ends = said < AS_SURE * scores[:, None]
-        first = np.where(ends & (sample < top), sample, -1).max(axis=1, keepdims=True)
-        stop = np.where(ends & (sample > top), sample, len(sample)).min(axis=1, keepdims=True)
-        stretch = np.where((sample > first) & (sample < stop), said, 0.0)
-        return BoneEchoes(*self._lines.places(lines, stretch @ sample / stretch.sum(axis=1)), scores, np.ones(len(scores), dtype=bool))
+    said = reader.read_rectangle(prediction.probability, prediction.rectangle or whole)
+    lines = np.flatnonzero(said.max(axis=1) >= SURE)
+    said, sample = said[lines], np.arange(said.shape[1])
+    scores, top = said.max(axis=1), said.argmax(axis=1)[:, None]
+    ends = said < AS_SURE * scores[:, None]
+    first = np.where(ends & (sample < top), sample, -1).max(axis=1, keepdims=True)
+    stop = np.where(ends & (sample > top), sample, len(sample)).min(axis=1, keepdims=True)
+    stretch = np.where((sample > first) & (sample < stop), said, 0.0)
+    return BoneEchoes(*reader.places(lines, stretch @ sample / stretch.sum(axis=1)), scores, np.ones(len(scores), dtype=bool))

@@ -11,6 +11,7 @@ import scipy
 from ..arrays import Array, Floats, Integers, Mask, Numbers, Singles
 from ..effective_settings import Imaging
 from ..errors import BeamGeometryError
+from ..geometry.box import block_sums
 from ..geometry.transforms import pixel_spacing
 from ..imaging.scan_lines import scan_line_samples
 from ..remedies import NAME_THE_PROBE
@@ -74,7 +75,7 @@ class ScanLineReader:
         self._spacing, self._samples = np.asarray(spacing), (columns, rows, known, together)
         self._read = _reading_matrix(columns, rows, known, size, together)
         self._others: dict[tuple[tuple[int, int], Rectangle], scipy.sparse.csr_matrix[np.float32]] = {}
-        self.columns, self.rows, share = (_mean_of_blocks(values, together) for values in (columns, rows, known))
+        self.columns, self.rows, share = (block_sums(each, together, np.float64) / np.prod(together) for each in (columns, rows, known))
         self.known: Mask = share > 0.5
         self.pitch, self.step = apart * together[0], lines.step * together[1]
 
@@ -122,14 +123,6 @@ def _within(columns: Floats, rows: Floats, mask: Mask) -> Mask:
     within: Mask = (column >= 0) & (column < mask.shape[1]) & (row >= 0) & (row < mask.shape[0])
     within &= mask[np.clip(row, 0, mask.shape[0] - 1), np.clip(column, 0, mask.shape[1] - 1)]
     return within
-
-
-def _mean_of_blocks(values: Floats | Mask, together: tuple[int, int]) -> Floats:
-    """Means over blocks of so many lines and samples; lines and samples that fill no block are left out."""
-    lines, samples = (n // block for n, block in zip(values.shape, together))
-    whole = values[: lines * together[0], : samples * together[1]]
-    means: Floats = whole.reshape(lines, together[0], samples, together[1]).mean(axis=(1, 3))
-    return means
 
 
 def _reading_matrix(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,93 +19,37 @@ from ..registration.agreement import Agreement
 from ..registration.comparison import check
 from ..registration.registration import LEAST_CLOSENESS
 from ..registration.search import anywhere, search
-from ..remedies import ADD_TIME_OFFSET, SCAN_AGAIN
+from ..remedies import SCAN_AGAIN
 from ..sweep.frames import TrackedSequence
 from .certainty import HELD, Halves, compared_halves, deviations, placed_by, spread_of
-from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
-from .solve import ALL, COARSE, EXPECTED, FINE, FINE_ECHOES, PARAMETERS, UNITS, Solved, as_correction, as_vector, descend, in_words, solve
+from .echoes import Correction, ImagedEchoes, imaged_echoes
+from .mending import FEWEST_ANGLES, ONE_ANGLE, Mending, advice_for, doubt_of
+from .solve import ALL, COARSE, EXPECTED, FINE, FINE_ECHOES, PARAMETERS, Solved, as_correction, as_vector, descend, named, solve
 
 PLACES = 3
 """Places of the CT from which is started where none is given."""
 
-FEWEST_ANGLES = 2
-
-ONE_ANGLE = Sentence(
-    "The sweep shows bone from one angle alone, and one angle says nothing of a calibration. Scan the same bone there and back with the "
-    "probe tilted to all sides and turned by 90 degrees."
-)
-
-FARTHEST = 4.0
-"""Times `EXPECTED`: a calibration that is more wrong than that is wrong in another way, see check.py."""
-
-HALVES_APART = 0.8
-"""mm. Farther apart the calibrations of two halves of a sweep do not tell the same."""
-
 AS_GOOD, ELSEWHERE = 0.05, 1.5
 """Cost by which another solution may be worse, and mm by which it must place echoes elsewhere, to make the answer ambiguous."""
-
-DEPTHS = 10.0
-"""mm. Echoes are told of in steps of that depth."""
-
-MOVEMENTS = {
-    "there and back": ("delay",),
-    "tilted within its image plane": ("shift across", "shift along"),
-    "tilted out of its image plane": ("shift out of the image", "shift along"),
-    "turned by 90 degrees": ("turn about across", "turn about along", "turn in the image"),
-    "so that bone is seen at both sides of the image": ("size across",),
-    "so that bone is seen near and deep": ("size along",),
-}
-"""How to move the probe over the same bone, and what that would tell."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Calibration(Mending):
     """What a sweep and a CT say of the calibration that the sweep came with."""
 
-    correction: Correction
     labels_to_reference: Floats  #: (4, 4), mm. Where the CT lies, by the new calibration.
-    held: Mask  #: (9,). Which numbers of the correction the sweep holds, in the order of `solve.PARAMETERS`; the others stay as given.
-    deviation: Floats  #: (9,). Standard deviation of each, in mm, radians, parts and s; NaN where it is not held.
     before: Agreement  #: Of the calibration as given, the CT's place refined
     after: Agreement
-    halves: Halves
     uncertainty: float  #: mm. Echoes are placed on the bone within this in the median, 9 times in 10.
-    changed: float  #: mm. How far the correction moves the echoes on the bone, in the median.
-    said: str | None  #: Why it must not be used; None where it may be
     given: Solved  #: The CT's place by the calibration as given
-    bone: BoneField = field(repr=False)
-    echoes: ImagedEchoes = field(repr=False)
 
     def _facts(self) -> list[tuple[str, str]]:
-        return [("accepted", str(self.accepted)), ("held", listed(self.names(self.held)) or "nothing")]
-
-    @property
-    def values(self) -> Floats:
-        """(9,): the correction in the order of `solve.PARAMETERS`, mm, radians, parts, s."""
-        return as_vector(self.correction)
+        return [("accepted", str(self.accepted)), ("held", listed(named(self.held)) or "nothing")]
 
     @property
     def echoes_on_bone(self) -> tuple[Floats, Floats]:
         """Where the echoes lie in the labels' frame by the calibration as given and by the new one, (n, 3) mm each."""
         return placed_by(self.given, self.echoes), placed_by(Solved(self.labels_to_reference, self.correction, 0.0), self.echoes)
-
-    @staticmethod
-    def names(chosen: Mask) -> list[str]:
-        """Words for some of the nine numbers."""
-        return [name for name, one in zip(PARAMETERS, chosen, strict=True) if one]
-
-    @property
-    def advice(self) -> str | None:
-        """Which movement of the probe would tell what this sweep does not; None where it tells all."""
-        return advice_for(self.names(~self.held))
-
-
-def advice_for(missing: list[str]) -> str | None:
-    """What is said of numbers, by their names, that a sweep does not hold; None of none."""
-    moves = [move for move, tells in MOVEMENTS.items() if set(tells) & set(missing)]
-    if not missing:
-        return None
-    return f"Not determined by this sweep, and left as given: {listed(missing)}. Scan the same bone with the probe also {listed(moves)}."
 
 
 def calibrate(
@@ -173,21 +117,9 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
     changed = float(np.median(np.linalg.norm(placed_by(best, echoes) - placed_by(given, echoes), axis=1)))
     said = _refusal(echoes, best, solutions[1:], free, after, sides)
     report(progress, 1.0, "Calibrated")
-    return Calibration(
-        best.correction,
-        best.labels_to_reference,
-        free,
-        deviation,
-        before,
-        after,
-        sides,
-        spread_of(many, bone, best, asked, sides.apart),
-        changed,
-        said,
-        given,
-        bone,
-        echoes,
-    )
+    uncertainty = spread_of(many, bone, best, asked, sides.apart)
+    place = best.labels_to_reference
+    return Calibration(best.correction, free, deviation, sides, changed, said, echoes, place, before, after, uncertainty, given)
 
 
 def _only(free: Mask, correction: Correction) -> Correction:
@@ -205,7 +137,7 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     if angles < FEWEST_ANGLES:
         return ONE_ANGLE
     if not free.any():
-        return Sentence(advice_for(list(PARAMETERS)) or "")
+        return Sentence(advice_for(ALL) or "")
     if not after.enough or after.closeness > LEAST_CLOSENESS:
         return Sentence(
             f"No calibration near this one lays the sweep on the CT's bone. {after.sentence()}",
@@ -215,23 +147,7 @@ def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mas
     rival = next((one for one in others if one.cost < best.cost + AS_GOOD and _apart(best, one, echoes) > ELSEWHERE), None)
     if rival is not None:
         return Sentence(f"Two calibrations fit as well and lie {_apart(best, rival, echoes):.1f} mm apart.", SCAN_AGAIN)
-    return doubt_of_halves(sides.apart) or doubt_of_size(best.correction, free)
-
-
-def doubt_of_halves(apart: float) -> Sentence | None:
-    """Why a calibration must not be used whose halves of the sweep place echoes so many mm apart; None where they agree."""
-    if apart <= HALVES_APART:
-        return None
-    return Sentence(f"The halves of this sweep give calibrations that lie {apart:.1f} mm apart.", SCAN_AGAIN)
-
-
-def doubt_of_size(correction: Correction, free: Mask) -> Sentence | None:
-    """Why a correction must not be used of which a number that is free, (9,), is larger than calibrations are wrong; None where none is."""
-    far = (np.abs(as_vector(correction)) > FARTHEST * EXPECTED) & free
-    if not far.any():
-        return None
-    name, value = PARAMETERS[int(far.argmax())], in_words(as_vector(correction))[int(far.argmax())]
-    return Sentence(f"The calibration would have to change by more than calibrations are wrong by ({name} {value:+.1f}).")
+    return doubt_of(sides.apart, best.correction, free)
 
 
 def _apart(one: Solved, other: Solved, echoes: ImagedEchoes) -> float:
@@ -240,59 +156,26 @@ def _apart(one: Solved, other: Solved, echoes: ImagedEchoes) -> float:
 
 def findings(found: Calibration) -> list[str]:
     """What a user should know, one line each."""
-    values, deviations = in_words(found.values), in_words(found.deviation)
     lines = [
         f"as given: {found.before.median_distance:.2f} mm off the bone in the median, {found.before.share:.0%} of the echoes agree; "
         f"calibrated: {found.after.median_distance:.2f} mm, {found.after.share:.0%}",
-        f"calibrated on one half of the sweep, the other half lies {found.halves.after:.2f} mm off instead of {found.halves.before:.2f} mm",
+        found.by_halves,
     ]
     if found.accepted:
         within = f"image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median"
         lines.append(f"{within}; the change is {found.changed:.1f} mm")
         if found.changed <= found.uncertainty:
             lines.append("the calibration as given agrees with this sweep: there is no need to change it")
-    for name, value, deviation, unit, held in zip(PARAMETERS, values, deviations, UNITS, found.held, strict=True):
-        if held:
-            lines.append(f"{name}: {value:+.2f} {unit}, give or take {deviation:.2f}")
-    if found.held[-1] and abs(found.values[-1]) > 2 * found.deviation[-1]:
-        lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.values[-1]:.3f}"))
-    if found.advice:
-        lines.append(found.advice)
-    return lines
+    return [*lines, *found.lines()]
 
 
 def as_report(found: Calibration) -> dict[str, object]:
-    """The calibration as JSON holds it: mm, degrees, percent, ms; matrices as nested lists, row by row."""
-    values, deviations = in_words(found.values), in_words(found.deviation)
-    numbers = {
-        f"{name} ({unit})": {"change": round(float(value), 4), "deviation": round(float(deviation), 4), "held": bool(held)}
-        for name, value, deviation, unit, held in zip(PARAMETERS, values, deviations, UNITS, found.held, strict=True)
-        if np.isfinite(deviation)
-    }
-    residuals = {
-        "by_depth_mm": _residuals(found, np.floor(found.echoes.points[:, 1] / DEPTHS) * DEPTHS),
-        "by_angle": _residuals(found, found.echoes.angles[found.echoes.frames].astype(np.float64)),
-    }
+    """The calibration as JSON holds it, see `Mending.report`."""
+    sides = {"before": found.before, "after": found.after}
     return {
-        "accepted": found.accepted,
-        "refusal": found.refusal,
-        "image_correction": found.image_correction.tolist(),
+        **found.report(),
         "transform": found.labels_to_reference.tolist(),
-        "numbers": numbers,
-        "agreement": {"before": round(found.before.share, 4), "after": round(found.after.share, 4)},
-        "median_distance_mm": {"before": round(found.before.median_distance, 4), "after": round(found.after.median_distance, 4)},
-        "other_half_mm": {"before": round(found.halves.before, 4), "after": round(found.halves.after, 4)},
-        "halves_apart_mm": round(found.halves.apart, 4),
+        "agreement": {name: round(side.share, 4) for name, side in sides.items()},
+        "median_distance_mm": {name: round(side.median_distance, 4) for name, side in sides.items()},
         "uncertainty_mm": round(found.uncertainty, 4),
-        "changed_mm": round(found.changed, 4),
-        "residuals": residuals,
     }
-
-
-def _residuals(found: Calibration, of: Floats) -> dict[str, list[float]]:
-    """Median distances before and after, mm, of the echoes of each group; `of` (n,) says which."""
-    result = {}
-    sides = [np.abs(found.bone.sample(points)[0]) for points in found.echoes_on_bone]
-    for group in np.unique(of):
-        result[f"{group:g}"] = [round(float(np.median(side[of == group])), 3) for side in sides]
-    return result

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import contextlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import scipy
@@ -13,8 +13,7 @@ from ..arrays import Floats, Matrix
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
 from ..errors import AIFReconError, require_kind
-from ..geometry.transform_graph import TransformName
-from ..geometry.transforms import as_matrix, invert, with_unit_depth
+from ..geometry.transforms import affine, as_matrix, invert, with_unit_depth
 from ..geometry.volume import Volume
 from ..message import Sentence, listed, said
 from ..progress import Progress, part, report
@@ -25,9 +24,10 @@ from ..sweep.edits import inverted, with_configured_transforms
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
-from .calibration import FARTHEST, Calibration, calibrate_echoes
+from .calibration import Calibration, calibrate_echoes
 from .crossing import GAIN, calibrate_crossing_echoes, contradiction, crossing, off_the_surface
 from .echoes import Correction, ImagedEchoes, imaged_echoes, replaced
+from .mending import FARTHEST
 from .solve import EXPECTED, PARAMETERS, UNITS, as_vector, in_words
 
 SURE = 3.0
@@ -44,10 +44,6 @@ looks of a scanner. Images 0.1 s late are at 0.7, passes of a patient who moved 
 
 DENSE = 6
 """Frames of an angle, on the mean, from which on that is so: with 4 it is 0.7 to 0.8 of right recordings."""
-
-
-Repair = tuple[Sentence, Callable[[], ImagedEchoes]]
-"""One thing that may be wrong, in words as in "the images look ..." with what to do, and the echoes as they would lie were it mended."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +98,8 @@ def checked(
         return CalibrationCheck(None, "cannot be told from this sweep, which shows bone from one angle.")
     report(progress, 0.2, "Trying repairs")
     given = crossing(echoes)
-    better = sorted(_better(echoes, list(repairs(echoes, sweeps, recipe)), given), key=lambda one: one[0])
+    tried = [(crossing(mended), repair, mended) for repair, mended in repairs(echoes, sweeps, recipe)]
+    better = sorted((one for one in tried if one[0] < CLEARLY * given), key=lambda one: one[0])
     if bone is None:
         # Fewer echoes may lie near each other for chance: the surface that they show must be the better one, too
         none = Correction.none(echoes.center)
@@ -165,18 +162,6 @@ def _off_each_other(echoes: ImagedEchoes) -> str:
     return f"echoes of different angles lie {apart:.1f} mm off each other's surface" if apart == apart else "bone is shown from one angle"
 
 
-def _better(echoes: ImagedEchoes, tried: list[Repair], given: float) -> Iterator[tuple[float, Sentence, ImagedEchoes]]:
-    """The repairs with which angles agree clearly better than as given."""
-    for repair, make in tried:
-        try:
-            mended = make()
-        except AIFReconError:
-            continue
-        apart = crossing(mended)
-        if apart < CLEARLY * given:
-            yield apart, repair, mended
-
-
 def _by_crossing(echoes: ImagedEchoes, progress: Progress | None) -> CalibrationCheck:
     """What is said without a CT: the yardstick is how near to each other another calibration lays the echoes."""
     contradicted = contradiction(echoes)
@@ -228,21 +213,22 @@ def _near(found: Calibration) -> CalibrationCheck:
     return CalibrationCheck(False, Sentence(off, CALIBRATE_NOW), tuple(more))
 
 
-def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[Repair]:
-    """All that is tried."""
-    yield Sentence("the images look mirrored", "Mend recordings with {convert} {mirror}."), partial(mirrored, echoes)
+def repairs(echoes: ImagedEchoes, sweeps: list[TrackedSequence], recipe: Recipe) -> Iterator[tuple[Sentence, ImagedEchoes]]:
+    """All that may be wrong, in words as in "the images look ..." with what to do, and the echoes as they would lie were it mended."""
+    yield Sentence("the images look mirrored", "Mend recordings with {convert} {mirror}."), mirrored(echoes)
     whole = [with_configured_transforms(sweep) for sweep in sweeps]
     recorded = whole[0].transform_names()
     for step in sweep_poses(sweeps[0], recipe.image_to_reference, recipe.reference).path:
         name = step if step in recorded else step.inverse
         if name in recorded and name not in (CROPPED, CROPPED.inverse):
             words = Sentence(f"{name} looks recorded as its inverse", "Mend recordings with {convert} {invert:{name}}.", name=str(name))
-            yield words, partial(_inverted, echoes, whole, name, recipe)
+            with contextlib.suppress(AIFReconError):  # where it places nothing
+                yield words, replaced(echoes, [inverted(sweep, name) for sweep in whole], recipe)
     calibration = _calibration(whole[0], recipe)
     if calibration is not None:
         for way, turn in quarter_turns():
             words = Sentence(f"the probe's marker looks turned {way} since it was calibrated", CALIBRATE)
-            yield words, partial(_turned, echoes, calibration, turn)
+            yield words, _turned(echoes, calibration, turn)
 
 
 def mirrored(echoes: ImagedEchoes) -> ImagedEchoes:
@@ -250,10 +236,6 @@ def mirrored(echoes: ImagedEchoes) -> ImagedEchoes:
     points, beams = echoes.points.copy(), echoes.beams * [-1.0, 1.0, 1.0]
     points[:, 0] = (echoes.frame_size[0] - 1) * echoes.spacing[0] - points[:, 0]
     return replace(echoes, points=points, beams=beams)
-
-
-def _inverted(echoes: ImagedEchoes, sweeps: list[TrackedSequence], name: TransformName, recipe: Recipe) -> ImagedEchoes:
-    return replaced(echoes, [inverted(sweep, name) for sweep in sweeps], recipe)
 
 
 def _calibration(sweep: TrackedSequence, recipe: Recipe) -> Matrix | None:
@@ -266,9 +248,7 @@ def _calibration(sweep: TrackedSequence, recipe: Recipe) -> Matrix | None:
 def _turned(echoes: ImagedEchoes, image_to_probe: Matrix, turn: Matrix) -> ImagedEchoes:
     """The echoes with the marker turned against the image: poses @ turn @ calibration."""
     plane_to_probe = with_unit_depth(image_to_probe @ invert(np.diag([*echoes.spacing, 1.0, 1.0])))
-    change = invert(plane_to_probe) @ turn @ plane_to_probe
-    tracks = tuple(replace(track, planes=track.planes @ change) for track in echoes.tracks)
-    return replace(echoes, planes=echoes.planes @ change, tracks=tracks)
+    return echoes.moved(invert(plane_to_probe) @ turn @ plane_to_probe)
 
 
 def quarter_turns() -> Iterator[tuple[str, Matrix]]:
@@ -278,8 +258,7 @@ def quarter_turns() -> Iterator[tuple[str, Matrix]]:
         if angle == 0:
             continue
         axis = turn.as_rotvec() / turn.magnitude()
-        matrix = np.eye(4)
-        matrix[:3, :3] = np.rint(turn.as_matrix())
+        matrix = affine(np.rint(turn.as_matrix()))
         along = np.rint(axis / np.abs(axis).max()).astype(int)
         name = "xyz"[int(np.abs(along).argmax())] if np.abs(along).sum() == 1 else f"({', '.join(map(str, along))})"
         yield f"by {int(np.sign(along.sum()) or 1) * angle if np.abs(along).sum() == 1 else angle} degrees about its {name} axis", matrix

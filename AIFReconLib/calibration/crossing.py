@@ -10,8 +10,8 @@ Vision Computing 10:145-155.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
-from typing import Any, cast
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, cast
 
 import numpy as np
 import scipy
@@ -21,12 +21,15 @@ from ..message import Sentence
 from ..progress import Progress, part, report
 from ..recipe.recipe import Recipe
 from ..registration.refine import welsch
-from ..remedies import ADD_TIME_OFFSET, SCAN_AGAIN
+from ..remedies import SCAN_AGAIN
 from ..sweep.frames import TrackedSequence
-from .calibration import FEWEST_ANGLES, ONE_ANGLE, advice_for, doubt_of_halves, doubt_of_size
 from .certainty import Halves, halves
-from .echoes import Correction, ImagedEchoes, Mending, imaged_echoes
-from .solve import EXPECTED, FINE_ECHOES, KNOWN, NOISE, PARAMETERS, SEEN_TOGETHER, UNITS, as_correction, as_vector, in_words
+from .echoes import Correction, ImagedEchoes, imaged_echoes
+from .mending import FEWEST_ANGLES, ONE_ANGLE, Mending, advice_for, doubt_of
+from .solve import EXPECTED, FINE_ECHOES, KNOWN, NOISE, PARAMETERS, SEEN_TOGETHER, as_correction
+
+UNKNOWN: Floats = np.full(len(PARAMETERS), np.nan)
+"""Deviations: that of several angles says nothing of all of them together."""
 
 LAST_CHANGE = 1.0
 """mm. A calibration that changes by more is worth to be started from again."""
@@ -76,18 +79,12 @@ CROSSING_ECHOES = 2000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CrossedCalibration(Mending):
+class _CrossedCalibration(Mending):
     """What the echoes of a sweep's angles say of the calibration that the sweep came with."""
 
-    correction: Correction
+    asked: ClassVar[Mask] = ASKED
     before: float  #: mm. Median distance of an echo to the surface that other angles show, by the calibration as given.
     after: float
-    halves: Halves
-    changed: float  #: mm. How far the correction moves echoes against each other, in the median.
-    said: str | None  #: Why it must not be used; None where it may be
-    echoes: ImagedEchoes = field(repr=False)
-    held: Mask = field(default_factory=lambda: np.zeros(len(ASKED), bool))
-    """(9,). Which numbers of the correction the sweep holds, in the order of `solve.PARAMETERS`; the others stay as given."""
 
     @property
     def placed_echoes(self) -> tuple[Floats, Floats]:
@@ -104,7 +101,7 @@ def calibrate_by_crossing(
     rough: bool = False,
     recipe: Recipe | None = None,
     progress: Progress | None = None,
-) -> CrossedCalibration:
+) -> _CrossedCalibration:
     """What is wrong with a sweep's calibration and delay, but for the sizes of pixels, from bone of any shape seen from several angles.
 
     Parameters
@@ -118,32 +115,31 @@ def calibrate_by_crossing(
     Raises
     ------
     AIFReconError
-        For input that cannot be used. A calibration that must not be used is no error: see `CrossedCalibration.refusal`.
+        For input that cannot be used. A calibration that must not be used is no error: see its `refusal`.
     """
     echoes = imaged_echoes(sequences, recipe, part(progress, 0.0, 0.2 if rough else 0.6))
     return calibrate_crossing_echoes(echoes, part(progress, 0.2 if rough else 0.6, 1.0), rough)
 
 
-def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = None, rough: bool = False) -> CrossedCalibration:
+def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = None, rough: bool = False) -> _CrossedCalibration:
     """`calibrate_by_crossing`, for echoes that are there already."""
     none = Correction.none(echoes.center)
     if len(np.unique(echoes.angles)) < FEWEST_ANGLES:
-        return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, ONE_ANGLE, echoes)
+        return _refused(echoes, ONE_ANGLE)
     report(progress, 0.0, "Solving the calibration")
     if not np.isfinite(off_the_surface(echoes, none)):
-        return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, NOT_IN_COMMON, echoes)
+        return _refused(echoes, NOT_IN_COMMON)
     given, begun = echoes, none
     if rough:
         begun, doubt = _begun(echoes, part(progress, 0.0, 0.7))
         if doubt is not None:
-            return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, doubt, echoes)
-        echoes = echoes.corrected(begun)
+            return _refused(echoes, doubt)
+        echoes = echoes.moved(begun.plane)
     asked = ASKED if echoes.timed else ASKED & (np.arange(len(ASKED)) < len(ASKED) - 1)
     found, deviation = _solve(echoes, asked)
     held = asked & (deviation <= HELD)
     if not held.any():
-        why = Sentence(advice_for(_names(asked)) or "")
-        return CrossedCalibration(none, np.nan, np.nan, Halves(np.nan, np.nan, np.nan), 0.0, why, echoes, held)
+        return _refused(echoes, Sentence(advice_for(asked) or ""))
     if (held != asked).any():
         # Along what is not held, any answer would do
         found, _ = _solve(echoes, held)
@@ -153,7 +149,7 @@ def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = 
     before = float(np.mean([off_the_surface(side, none) for side in halves(given)]))
     after = float(np.mean([off_the_surface(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
     compared = Halves(before, after, _apart(echoes, *ends))
-    said = doubt_of_halves(compared.apart) or doubt_of_size(found, held)
+    said = doubt_of(compared.apart, found, held)
     if not np.isfinite(before + after):
         said = NOT_IN_COMMON
     elif after > GAIN * before:
@@ -163,7 +159,12 @@ def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = 
     report(progress, 1.0, "Calibrated")
     off = off_the_surface(given, none), off_the_surface(echoes, found)
     whole = replace(begun.then(found), delay=found.delay) if rough else found
-    return CrossedCalibration(whole, *off, compared, _apart(given, none, whole), said, given, held)
+    return _CrossedCalibration(whole, held, UNKNOWN, compared, _apart(given, none, whole), said, given, *off)
+
+
+def _refused(echoes: ImagedEchoes, why: Sentence) -> _CrossedCalibration:
+    none, nothing = Correction.none(echoes.center), Halves(np.nan, np.nan, np.nan)
+    return _CrossedCalibration(none, np.zeros(len(ASKED), bool), UNKNOWN, nothing, 0.0, why, echoes, np.nan, np.nan)
 
 
 def _begun(echoes: ImagedEchoes, progress: Progress | None) -> tuple[Correction, Sentence | None]:
@@ -178,10 +179,10 @@ def _begun(echoes: ImagedEchoes, progress: Progress | None) -> tuple[Correction,
         by = Correction.of_plane(start.plane, center)
         for step in range(ROUGH_STEPS):
             report(progress, (number + step / ROUGH_STEPS) / len(starts), "Looking for the calibration from several starts")
-            before, by = by, by.then(_solve(echoes.corrected(by), asked, ROUGH_SCALES, ROUGH_KNOWN)[0])
+            before, by = by, by.then(_solve(echoes.moved(by.plane), asked, ROUGH_SCALES, ROUGH_KNOWN)[0])
             if _apart(echoes, before, by) < STILL:
                 break
-        ends.append((_cost(echoes.corrected(by)), axes, by))
+        ends.append((_cost(echoes.moved(by.plane)), axes, by))
     least, axes, best = min(ends, key=lambda end: end[0])
     if axes:
         words = f"Echoes of other angles lie closer when {axes} to the opposite side. Look at the marker's axes; are the images mirrored?"
@@ -232,10 +233,6 @@ def contradiction(echoes: ImagedEchoes) -> Sentence | None:
         f"WARNING: The {parts} contradict each other: they show the bone {apart:.1f} mm apart, and different angles {alike:.1f} mm. "
         "Check that they are of one patient who did not move against the reference, with one calibration and one depth."
     )
-
-
-def _names(chosen: Mask) -> list[str]:
-    return [name for name, one in zip(PARAMETERS, chosen, strict=True) if one]
 
 
 def _solve(echoes: ImagedEchoes, asked: Mask, scales: tuple[float, ...] = SCALES, known: float = KNOWN) -> tuple[Correction, Floats]:
@@ -318,40 +315,21 @@ def _apart(echoes: ImagedEchoes, one: Correction, other: Correction) -> float:
     return float(np.median(np.linalg.norm(turn.apply(first) - second, axis=1)))
 
 
-def crossing_findings(found: CrossedCalibration) -> list[str]:
+def crossing_findings(found: _CrossedCalibration) -> list[str]:
     """What a user should know, one line each."""
     if not np.isfinite(found.after):
         return []
     lines = [
         f"without a CT: echoes lie {found.before:.2f} mm off the surface that other angles show as given, {found.after:.2f} mm calibrated",
-        f"calibrated on one half of the sweep, the other half lies {found.halves.after:.2f} mm off instead of {found.halves.before:.2f} mm",
+        found.by_halves,
         f"the calibrations of both halves place echoes {found.halves.apart:.1f} mm apart",
         f"the change is {found.changed:.1f} mm; sizes of pixels stay as given, which needs a CT or a phantom",
     ]
-    for name, value, unit, held in zip(PARAMETERS, in_words(as_vector(found.correction)), UNITS, found.held, strict=True):
-        if held:
-            lines.append(f"{name}: {value:+.2f} {unit}")
-    advice = advice_for(_names(ASKED & ~found.held))
-    lines += [] if advice is None else [advice]
     if found.changed > LAST_CHANGE:
         lines.append("a change this large is seldom the last: calibrate again from the new one, until no better one is found")
-    if abs(found.correction.delay) > 0.005:
-        lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{found.correction.delay:.3f}"))
-    return lines
+    return [*lines, *found.lines()]
 
 
-def crossing_report(found: CrossedCalibration) -> dict[str, object]:
-    """The calibration as JSON holds it: mm, degrees, ms; matrices as nested lists, row by row."""
-    return {
-        "accepted": found.accepted,
-        "refusal": found.refusal,
-        "image_correction": found.image_correction.tolist(),
-        "numbers": {
-            f"{name} ({unit})": round(float(value), 4)
-            for name, value, unit in zip(PARAMETERS, in_words(as_vector(found.correction)), UNITS, strict=True)
-        },
-        "between_angles_mm": {"before": round(found.before, 4), "after": round(found.after, 4)},
-        "other_half_mm": {"before": round(found.halves.before, 4), "after": round(found.halves.after, 4)},
-        "halves_apart_mm": round(found.halves.apart, 4),
-        "changed_mm": round(found.changed, 4),
-    }
+def crossing_report(found: _CrossedCalibration) -> dict[str, object]:
+    """The calibration as JSON holds it, see `Mending.report`."""
+    return {**found.report(), "between_angles_mm": {"before": round(found.before, 4), "after": round(found.after, 4)}}

@@ -13,8 +13,7 @@ from ..arrays import Floats, Integers, Mask, Matrix, Singles
 from ..bone.echoes.found import SweepEchoes
 from ..bone.echoes.search import sweep_echoes
 from ..errors import GeometryError, NoUsableFramesError
-from ..geometry.transforms import as_matrix, invert, pixel_spacing, with_unit_depth
-from ..message import Judged
+from ..geometry.transforms import affine, invert, pixel_spacing
 from ..progress import Progress
 from ..recipe.recipe import LONGEST_GAP, Recipe
 from ..sweep.frames import TrackedSequence
@@ -61,10 +60,8 @@ class Correction:
     @property
     def plane(self) -> Matrix:
         """(4, 4): of the image plane in mm, from where the new calibration is applied to where the old one would have it."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = self.turn @ np.diag([*self.scale, 1.0])
-        matrix[:3, 3] = self.center + self.shift - matrix[:3, :3] @ self.center
-        return matrix
+        linear = self.turn @ np.diag([*self.scale, 1.0])
+        return affine(linear, self.center + self.shift - linear @ self.center)
 
     def of_pixels(self, spacing: tuple[float, float]) -> Matrix:
         """(4, 4): old calibration @ this = new calibration, and image_to_reference @ this = the mended pose; `spacing` is the old one."""
@@ -73,7 +70,7 @@ class Correction:
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneTrack:
+class _PlaneTrack:
     """Where the image plane was all through one sweep."""
 
     times: Floats  #: (n,), s, rising
@@ -120,7 +117,7 @@ class ImagedEchoes:
     planes: Matrix  #: (frames, 4, 4). Where the old calibration places each image plane, mm to Reference.
     sweeps: Integers  #: (frames,). Which of `tracks` it belongs to.
     angles: Integers  #: (frames,). Frames of one number were taken from about one angle.
-    tracks: tuple[PlaneTrack, ...]  #: One for each sweep
+    tracks: tuple[_PlaneTrack, ...]  #: One for each sweep
     spacing: tuple[float, float]  #: mm. Of a pixel, by the old calibration.
     frame_size: tuple[int, int]  #: columns, rows
 
@@ -136,10 +133,10 @@ class ImagedEchoes:
         center: Floats = self.points.mean(axis=0)
         return center
 
-    def corrected(self, by: Correction) -> ImagedEchoes:
-        """The same by the calibration that a rigid correction makes."""
-        tracks = tuple(replace(track, planes=track.planes @ by.plane) for track in self.tracks)
-        return replace(self, planes=self.planes @ by.plane, tracks=tracks)
+    def moved(self, plane: Matrix) -> ImagedEchoes:
+        """The same by the calibration after which this rigid motion of the image plane, (4, 4), comes first."""
+        tracks = tuple(replace(track, planes=track.planes @ plane) for track in self.tracks)
+        return replace(self, planes=self.planes @ plane, tracks=tracks)
 
     @property
     def timed(self) -> bool:
@@ -169,11 +166,9 @@ class ImagedEchoes:
         change[:3, :3] = correction.turn
         beams = self.beams * size
         return replace(
-            self,
+            self.moved(change),
             points=self.points * size,
             beams=beams / np.linalg.norm(beams, axis=1, keepdims=True),
-            planes=self.planes @ change,
-            tracks=tuple(replace(track, planes=track.planes @ change) for track in self.tracks),
             spacing=(self.spacing[0] * correction.scale[0], self.spacing[1] * correction.scale[1]),
         )
 
@@ -189,22 +184,6 @@ class ImagedEchoes:
             rows = SweepEchoes(placed.points[mine], placed.beams[mine], placed.scores[mine], mine)
             kept.append(rows.thinned(max(most // len(numbers), 1)).frames)
         return self[np.sort(np.concatenate(kept))]
-
-
-class Mending(Judged):
-    """What is found of the calibration that a sweep came with."""
-
-    correction: Correction
-    echoes: ImagedEchoes
-
-    @property
-    def image_correction(self) -> Matrix:
-        """(4, 4), pixels: old image_to_probe @ this = new image_to_probe, as `mended` has it."""
-        return self.correction.of_pixels(self.echoes.spacing)
-
-    def mended(self, image_to_probe: Matrix) -> Matrix:
-        """The calibration in place of this one, (4, 4), pixels to mm; `image_to_probe` may end in any frame, Reference too."""
-        return with_unit_depth(as_matrix(image_to_probe, "image_to_probe")) @ self.image_correction
 
 
 def imaged_echoes(
@@ -263,7 +242,7 @@ def replaced(echoes: ImagedEchoes, sequences: TrackedSequence | Iterable[Tracked
 
 def _planes(
     sweeps: Sequence[TrackedSequence], poses: Sequence[SweepPoses], spacing: tuple[float, float]
-) -> tuple[Matrix, tuple[PlaneTrack, ...]]:
+) -> tuple[Matrix, tuple[_PlaneTrack, ...]]:
     """Where the image plane of every frame lies, (frames of all, 4, 4), mm to mm, NaN where nothing places it; and that of each in time."""
     tracks, planes = [], []
     for sweep, pose in zip(sweeps, poses, strict=True):
@@ -271,7 +250,7 @@ def _planes(
         matrices[:, :3, 2] = np.cross(matrices[:, :3, 0], matrices[:, :3, 1])
         usable = pose.usable
         usable = usable[np.argsort(sweep.timestamps[usable], kind="stable")]
-        tracks.append(PlaneTrack(sweep.timestamps[usable], matrices[usable]))
+        tracks.append(_PlaneTrack(sweep.timestamps[usable], matrices[usable]))
         planes.append(matrices)
     return np.concatenate(planes), tuple(tracks)
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..errors import SettingsError
+from ..geometry.transforms import affine
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -37,10 +38,8 @@ def measured_calibration(pixel: float, face_px: tuple[float, float], face_mm: tu
         raise SettingsError("A pixel has a size above 0 mm, and places are finite numbers.")
     ways[1] = ways[1] - ways[0] * (ways[0] @ ways[1])
     ways[1] /= np.linalg.norm(ways[1])
-    matrix: Matrix = np.eye(4)
-    matrix[:3, :3] = pixel * np.column_stack([*ways, np.cross(ways[0], ways[1])])
-    matrix[:3, 3] = np.asarray(face_mm) - matrix[:3, :2] @ np.asarray(face_px)
-    return matrix
+    linear = pixel * np.column_stack([*ways, np.cross(ways[0], ways[1])])
+    return affine(linear, np.asarray(face_mm) - linear[:, :2] @ np.asarray(face_px))
 
 
 def _direction(name: str, words: str) -> Floats:

@@ -22,7 +22,7 @@ import scipy
 from ..arrays import Floats, Matrix
 from ..errors import NoUsableFramesError, SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import affine, invert, transform_points
 from ..message import Judged, Sentence, listed
 from ..progress import Progress, part, report
 from ..remedies import MISSING_LINK
@@ -124,8 +124,8 @@ def calibrate_on_wires(
     report(progress, 0.8, "Solving the calibration")
     shown = len(found.numbers)
     starts = sorted((_start(each) for each in _orders(found)), key=lambda one: one[0])[:2]
-    orders = sorted((_ordered(each, start) for _, each, start in starts), key=lambda one: one[0])
-    _, found, solved = orders[0]
+    fits = [(float(np.median(each.distances(end := _solve(each, start)))), each, end) for _, each, start in starts]
+    (best, found, solved), (rival, _, _) = sorted(fits, key=lambda one: one[0])
     off = found.distances(solved).mean(axis=(1, 2))
     found = found[np.flatnonzero(off <= max(OUTLIER * float(np.median(off)), LEAST_OUTLIER))]
     solved = _solve(found, solved)
@@ -140,7 +140,7 @@ def calibrate_on_wires(
     spread = np.sqrt((BLOCKS - 1) / BLOCKS * sum(_apart(found, each, solved) ** 2 for each in without))
     depth = found.points[..., 1].ravel() * np.linalg.norm(solved[:3, 1])
     depths = float(np.quantile(depth, 0.02)), float(np.quantile(depth, 0.98))
-    said = _refusal(found, solved, depths, apart, orders[1][0] < max(TWO_WAYS * orders[0][0], AS_NEAR))
+    said = _refusal(found, solved, depths, apart, rival < max(TWO_WAYS * best, AS_NEAR))
     report(progress, 1.0, "Calibrated")
     uncertainty = math.hypot(1.645 * spread, apart / 2)  # 9 times in 10 of a normal distribution
     before = None if given is None else given.matrix
@@ -192,29 +192,20 @@ def _orders(found: WireFrames) -> list[WireFrames]:
 
 
 def _start(found: WireFrames) -> tuple[float, WireFrames, Matrix]:
-    """A calibration by the middle dots, and by how many mm they disagree with it in the median: linear, without squares (reweighted)."""
+    """A calibration by the middle dots, and by how many mm they disagree with it in the median: linear."""
     targets = np.stack([transform_points(invert(pose), each) for pose, each in zip(found.probe_to_phantom, found.middles(), strict=True)])
     points = np.concatenate([found.points[:, :, 1].reshape(-1, 2), np.ones((targets.shape[0] * targets.shape[1], 1))], axis=1)
-    weights = np.ones(len(points))
-    columns = np.zeros((3, 3))
-    off = weights
-    for _ in range(20):
-        columns = np.asarray(np.linalg.lstsq(points * weights[:, None], targets.reshape(-1, 3) * weights[:, None], rcond=None)[0])
-        off = np.linalg.norm(points @ columns - targets.reshape(-1, 3), axis=1)
-        weights = 1 / np.sqrt(np.maximum(off, 0.1))
+
+    def distances(columns: Floats) -> Floats:
+        return (points @ columns.reshape(3, 3) - targets.reshape(-1, 3)).ravel()
+
+    columns = scipy.optimize.least_squares(distances, np.zeros(9), loss="soft_l1", f_scale=SOFT, x_scale="jac").x.reshape(3, 3)
+    off = np.linalg.norm(distances(columns).reshape(-1, 3), axis=1)
     across, along, origin = columns
     axes = np.stack([unit_vectors(across), unit_vectors(along), unit_vectors(np.cross(across, along))], axis=1)
     left, _, right = np.linalg.svd(axes)
-    matrix = np.eye(4)
-    matrix[:3, :3] = left @ right * [np.linalg.norm(across), np.linalg.norm(along), 1.0]
-    matrix[:3, 3] = origin
+    matrix = affine(left @ right * [np.linalg.norm(across), np.linalg.norm(along), 1.0], origin)
     return float(np.median(off)), found, matrix
-
-
-def _ordered(found: WireFrames, start: Matrix) -> tuple[float, WireFrames, Matrix]:
-    """A calibration for one order of the wires, and by how many mm wires lie off with it in the median."""
-    solved = _solve(found, start)
-    return float(np.median(found.distances(solved))), found, solved
 
 
 def _solve(found: WireFrames, start: Matrix) -> Matrix:

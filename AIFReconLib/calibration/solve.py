@@ -178,6 +178,11 @@ def as_correction(vector: Floats, center: Floats) -> Correction:
     return Correction(turn, vector[:3].copy(), np.exp(vector[6:8]), float(vector[8]), center)
 
 
+def named(chosen: Mask) -> list[str]:
+    """Words for some of the nine numbers."""
+    return [name for name, one in zip(PARAMETERS, chosen, strict=True) if one]
+
+
 def in_words(vector: Floats) -> Floats:
     """A correction in the units that people read, `UNITS`."""
     numbers: Floats = vector * np.array([1.0, 1.0, 1.0, *(3 * [180 / math.pi]), 100.0, 100.0, 1000.0])

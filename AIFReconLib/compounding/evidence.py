@@ -77,7 +77,7 @@ Scales = tuple[np.float32, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class FrameEvidence:
+class _FrameEvidence:
     """Evidence at the pixels of a layout.
 
     Parameters
@@ -209,7 +209,7 @@ class ScanLines:
         read[~inside] = 0.0
         return read
 
-    def evidence(self, values: Numbers, gray_levels: GrayLevels, expected: Singles | None = None) -> FrameEvidence:
+    def evidence(self, values: Numbers, gray_levels: GrayLevels, expected: Singles | None = None) -> _FrameEvidence:
         """Judge one frame.
 
         Parameters
@@ -247,7 +247,7 @@ class ScanLines:
         onset = np.zeros_like(below)
         for line in np.flatnonzero(strength > 0):
             onset[max(place[line] - self.crest, 0) : place[line] + self.crest + 1, line] = strength[line]
-        return FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
+        return _FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
 
     def _brightness(self, values: Singles, scales: Scales) -> Singles:
         """q at the samples, (samples, lines)."""

@@ -12,7 +12,7 @@ from ..errors import GeometryError, require_kind
 from ..geometry.transforms import pixel_spacing, why_not_an_image_pose
 from ..geometry.volume import VoxelGrid
 from ..imaging.beams import ProbeGeometry
-from ..imaging.region import ImageRegion, PixelFilter
+from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_scale
 from ..message import Sentence
 from ..recipe.recipe import Recipe
@@ -131,8 +131,6 @@ class Intake:
 
     Attributes
     ----------
-    filter : PixelFilter
-        Which pixels of an image may enter.
     layout, scan_lines : PixelLayout, ScanLines or None
         Of the frames since `lay_out`.
     laid_out : dict of (x, y) mm by the number of the frame
@@ -153,7 +151,6 @@ class Intake:
     ):
         self.layout: PixelLayout | None = None
         self.scan_lines: ScanLines | None = None
-        self.filter = PixelFilter(settings.pixel_rejection, region)
         self._grid, self._settings, self._region, self._probe = grid, settings, region, probe
         self._needs_beams, self._judges_shadows, self._fixed_point = needs_beams, judges_shadows, fixed_point
         self._stretch: Matrix | None = None

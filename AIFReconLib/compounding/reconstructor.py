@@ -346,7 +346,7 @@ class Reconstructor:
         if not self._intake.fits(image, pose, frame.number):
             self._compute(progress)
             self._intake.lay_out(image, pose, frame.number)
-        layout, kept = self._intake.layout, self._intake.filter.entering(image)
+        layout, kept = self._intake.layout, self._region.entering(image, self.settings.pixel_rejection)
         if kept is not None and layout is not None and not layout.has_any(kept):
             self.counts.skip("nothing bright enough in the image", frame.number)
             return

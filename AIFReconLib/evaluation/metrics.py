@@ -26,6 +26,7 @@ import scipy
 
 from ..arrays import Floats, Integers, Mask, Numbers, Singles
 from ..errors import GeometryError, require_kind
+from ..geometry.box import block_sums
 from ..geometry.transforms import transform_points
 from ..geometry.volume import Volume
 from ..registration.comparison import compared, warn_of_disagreement
@@ -279,17 +280,9 @@ def _shadow(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> 
 def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth) -> float:
     """Median of mean over standard deviation in cubes of soft tissue."""
     side = np.maximum(np.round(SPECKLE_BLOCK / volume.grid.spacing[::-1]), 2).astype(int)
-    blocks = np.array(gray.shape) // side
-    if (blocks == 0).any():
+    if (np.array(gray.shape) < side).any():
         return np.nan
-    cut = tuple(slice(0, b * s) for b, s in zip(blocks, side))
-
-    def by_block(array: Numbers) -> Floats:
-        split = array[cut].reshape(blocks[0], side[0], blocks[1], side[1], blocks[2], side[2])
-        sums: Floats = split.sum(axis=(1, 3, 5), dtype=np.float64)
-        return sums
-
-    count = by_block(measured)
+    count = block_sums(measured, side, np.float64)
     filled = count >= 0.5 * side.prod()
     padded = scipy.ndimage.distance_transform_edt(np.pad(filled, 1), sampling=side * volume.grid.spacing[::-1])
     from_edge = np.asarray(padded, dtype=np.float64)[1:-1, 1:-1, 1:-1]
@@ -302,8 +295,8 @@ def _speckle_snr(gray: Singles, measured: Mask, volume: Volume, truth: BoneTruth
     if truth.shadows is not None:
         is_tissue &= _statuses(truth.shadows, points, outside=REACHED) == REACHED
     cubes = tuple(used[is_tissue.reshape(-1, len(corners)).all(axis=1)].T)
-    mean = by_block(gray)[cubes] / count[cubes]
-    variance = np.maximum(by_block(np.square(gray, dtype=np.float64))[cubes] / count[cubes] - mean**2, 0.0)
+    mean = block_sums(gray, side, np.float64)[cubes] / count[cubes]
+    variance = np.maximum(block_sums(np.square(gray, dtype=np.float64), side, np.float64)[cubes] / count[cubes] - mean**2, 0.0)
     speckled = variance > 1e-9 * mean**2
     return float(np.median(mean[speckled] / np.sqrt(variance[speckled]))) if speckled.any() else np.nan
 

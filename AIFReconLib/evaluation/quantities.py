@@ -114,7 +114,7 @@ class BoneMetrics:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class _Quantity:
     """One number of `BoneMetrics`: its name, how it is printed and judged, and what it is in a sentence.
 
     Parameters
@@ -148,9 +148,9 @@ _NUMBERS = {
 """In the definitions."""
 
 
-def _told(part: str) -> dict[str, Quantity]:
+def _told(part: str) -> dict[str, _Quantity]:
     rows: dict[str, list[str]] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))[part]
-    return {name: Quantity(row[0], row[1], row[2], row[3], row[4].format(**_NUMBERS)) for name, row in rows.items()}
+    return {name: _Quantity(row[0], row[1], row[2], row[3], row[4].format(**_NUMBERS)) for name, row in rows.items()}
 
 
 OF_SURFACE, OF_VOLUME = _told("of_surface"), _told("of_volume")

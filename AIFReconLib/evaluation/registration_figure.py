@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy
 
-from ..arrays import Floats, Integers, Numbers
+from ..arrays import Floats, Integers, Numbers, Singles
 from ..geometry.volume import Volume
 from .figures import new_figure, own_looks, save_figure
 from .lines import values_at
@@ -22,9 +20,6 @@ if TYPE_CHECKING:
 
 SLAB = 2.5
 """mm to either side of a cut from which echoes are drawn."""
-
-WINDOW = 24.0
-"""mm from the middle to the sides of what is shown of two angles."""
 
 FARTHEST = 4.0
 """mm from bone at which the colors end."""
@@ -59,7 +54,7 @@ def registration_figure(path: str | Path, echoes: Floats, labels: Volume, title:
 def calibration_figure(
     path: str | Path, placed: tuple[Floats, Floats], angles: Integers, titles: tuple[str, str], labels: Volume | None = None
 ) -> None:
-    """Draw what two angles show of one place, and the echoes on the bone where there is a CT: before a calibration and after it.
+    """Draw the echoes in three cuts, before a calibration and after it: on the bone of a CT, or in the colors of their angles.
 
     Parameters
     ----------
@@ -68,56 +63,13 @@ def calibration_figure(
     angles : (n,) integer array
         From which angle each was seen.
     """
-    figure = new_figure(13.0, 13.8 if labels is not None else 3.8, layout="constrained")
-    *rows, last = figure.subfigures(3, 1, height_ratios=(5.0, 5.0, 3.8)) if labels is not None else [figure.subfigures(1, 1)]
-    for part in (*rows, last):
+    figure = new_figure(13.0, 10.0, layout="constrained")
+    field_of_bone = None if labels is None else distance_from_labels(labels)
+    for part, echoes, title in zip(figure.subfigures(2, 1), placed, titles, strict=True):
         part.set_facecolor(figure.get_facecolor())
-    if labels is not None:
-        field_of_bone = distance_from_labels(labels)
-        for part, echoes, title in zip(rows, placed, titles, strict=True):
-            draw_cuts(part, echoes, field_of_bone, placed[1])
-            part.suptitle(title, fontsize=12)
-    names = ("before", "after") if labels is not None else titles
-    draw_two_angles(last, placed, angles, names)
+        draw_cuts(part, echoes, field_of_bone, placed[1], angles)
+        part.suptitle(title, fontsize=12)
     save_figure(path, figure)
-
-
-def draw_two_angles(figure: FigureBase, placed: tuple[Floats, Floats], angles: Integers, titles: tuple[str, str]) -> None:
-    """What two angles show of one place, in a panel each: before and after."""
-    points = placed[1]
-    first, second = _crossing_pair(placed[0], angles)
-    seen = (angles == first) | (angles == second)
-    across = int(np.ptp(points[seen], axis=0).argmax())
-    right, up = (axis for axis in range(3) if axis != across)
-    # Where both saw something, and most of it
-    beside = np.asarray(scipy.spatial.cKDTree(points[angles == first]).query(points[angles == second])[0]) < SLAB
-    both = points[angles == second][beside] if beside.any() else points[seen]
-    offset = _densest(both[:, across])
-    shown = seen & (np.abs(points[:, across] - offset) < SLAB)
-    both = both[np.abs(both[:, across] - offset) < SLAB]
-    middle = _densest(both[:, right], WINDOW), float(np.median(both[:, up]))
-    panels = figure.subplots(1, 2)
-    for panel, echoes, title in zip(panels, placed, titles, strict=True):
-        for angle, color, name in ((first, COLORS[0], "one angle"), (second, COLORS[3], "another angle")):
-            mine = shown & (angles == angle)
-            panel.scatter(echoes[mine, right], echoes[mine, up], s=14, color=color, linewidths=0, label=name, rasterized=True)
-        panel.set(xlim=(middle[0] + WINDOW, middle[0] - WINDOW), ylim=(middle[1] - WINDOW / 3, middle[1] + WINDOW / 3), aspect="equal")
-        _dress(panel, title, right, up)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, markerscale=2)
-    figure.suptitle("the same bone seen from two angles", fontsize=12)
-
-
-def _crossing_pair(points: Floats, angles: Integers) -> tuple[int, int]:
-    """Of the angles that see much of the same, the two that place it farthest apart."""
-    trees = {int(number): scipy.spatial.cKDTree(points[angles == number]) for number in np.unique(angles)}
-    near = {}
-    for one, other in itertools.combinations(trees, 2):
-        distances = np.asarray(trees[one].query(trees[other].data, distance_upper_bound=SLAB)[0])
-        distances = distances[np.isfinite(distances)]
-        near[one, other] = (len(distances), float(np.median(distances)) if len(distances) else 0.0)
-    most = max((count for count, _ in near.values()), default=0)
-    first = next(iter(trees))
-    return max((pair for pair in near if near[pair][0] >= most / 3), key=lambda pair: near[pair][1], default=(first, first))
 
 
 def _dress(panel: Axes, title: str, right: int, up: int) -> None:
@@ -146,39 +98,48 @@ def wire_figure(path: str | Path, images: Sequence[Numbers], points: Floats, exp
     save_figure(path, figure)
 
 
-def draw_cuts(figure: FigureBase, points: Floats, field_of_bone: Volume, like: Floats | None = None) -> None:
-    """The echoes on the outline of bone, in three panels of a figure, where most of them are, or most of those that `like` gives."""
+def draw_cuts(
+    figure: FigureBase, points: Floats, field_of_bone: Volume | None, like: Floats | None = None, angles: Integers | None = None
+) -> None:
+    """Echoes in three panels of a figure, where most of them are, or most of those that `like` gives.
+
+    On the outline of bone, by their distance to it; where there is none, by their angles.
+    """
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-    distances = np.abs(values_at(field_of_bone, points, DISTANCE_LIMIT))
-    shown = points if like is None else like
-    close = np.abs(values_at(field_of_bone, shown, DISTANCE_LIMIT)) < NEAR
-    shown = shown[close] if close.any() else shown
+    shown, colors = points if like is None else like, LinearSegmentedColormap.from_list("distance", COLORS)
+    values = np.zeros(len(points)) if angles is None else angles % len(COLORS) * FARTHEST / (len(COLORS) - 1)
+    if field_of_bone is not None:
+        values = np.abs(values_at(field_of_bone, points, DISTANCE_LIMIT))
+        close = np.abs(values_at(field_of_bone, shown, DISTANCE_LIMIT)) < NEAR
+        shown = shown[close] if close.any() else shown
     panels = figure.subplots(1, 3)
-    colors = LinearSegmentedColormap.from_list("distance", COLORS)
     for panel, (name, across, right, up) in zip(panels, CUTS):
         # The cut that shows most: where echoes are densest along its axis
         offset = _densest(shown[:, across])
-        seen = points[np.abs(points[:, across] - offset) < SLAB]
-        own = distances[np.abs(points[:, across] - offset) < SLAB]
+        near = np.flatnonzero(np.abs(points[:, across] - offset) < SLAB)
+        near = near[np.argsort(values[near], kind="stable")]
         low, high = shown.min(axis=0), shown.max(axis=0)
         spans = [np.arange(low[axis] - 12, high[axis] + (45 if axis == 1 else 12), 0.5) for axis in (right, up)]
-        plane = np.zeros((len(spans[1]), len(spans[0]), 3))
-        plane[..., across], plane[..., right], plane[..., up] = offset, spans[0][None, :], spans[1][:, None]
-        field = values_at(field_of_bone, plane, DISTANCE_LIMIT)
-        if (field < 0).any():
-            panel.contourf(*spans, field, levels=[-100, 0], colors=[BONE], alpha=0.35)
-            panel.contour(*spans, field, levels=[0], colors=[BONE], linewidths=0.9)
-        order = np.argsort(own)
-        panel.scatter(
-            seen[order, right], seen[order, up], c=own[order], s=4, cmap=colors, vmin=0, vmax=FARTHEST, linewidths=0, rasterized=True
-        )
+        if field_of_bone is not None:
+            plane = np.zeros((len(spans[1]), len(spans[0]), 3))
+            plane[..., across], plane[..., right], plane[..., up] = offset, spans[0][None, :], spans[1][:, None]
+            _outline(panel, spans, values_at(field_of_bone, plane, DISTANCE_LIMIT))
+        looks = {"s": 4, "cmap": colors, "vmin": 0, "vmax": FARTHEST, "linewidths": 0, "rasterized": True}
+        panel.scatter(points[near, right], points[near, up], c=values[near], **looks)
         panel.set(xlim=spans[0][[-1, 0]], ylim=spans[1][[0, -1]], aspect="equal")
         _dress(panel, name, right, up)
-    bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
-    bar.set_label("distance of the bone echo to the CT's bone (mm)", fontsize=9)
-    bar.ax.tick_params(labelsize=8)
+    if field_of_bone is not None:
+        bar = figure.colorbar(ScalarMappable(Normalize(0, FARTHEST), colors), ax=panels, shrink=0.85, pad=0.015, extend="max")
+        bar.set_label("distance of the bone echo to the CT's bone (mm)", fontsize=9)
+        bar.ax.tick_params(labelsize=8)
+
+
+def _outline(panel: Axes, spans: list[Floats], field: Singles) -> None:
+    if (field < 0).any():
+        panel.contourf(*spans, field, levels=[-100, 0], colors=[BONE], alpha=0.35)
+        panel.contour(*spans, field, levels=[0], colors=[BONE], linewidths=0.9)
 
 
 def _densest(values: Floats, width: float = SLAB) -> float:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
-from ..arrays import Floats, Integers, Mask, Matrix
+from ..arrays import Floats, Integers, Mask, Matrix, Numbers
 
 Box = tuple[slice, slice, slice]
 """Part of an array [k, j, i]."""
@@ -25,6 +27,16 @@ def box_around(mask: Mask, margin: Integers | int = 0) -> Box:
     around = np.broadcast_to(margin, 3)
     k, j, i = (slice(max(a - int(m), 0), min(b + int(m), n)) for (a, b), m, n in zip(ends, around, mask.shape, strict=True))
     return k, j, i
+
+
+def block_sums(array: Numbers, factors: ArrayLike, dtype: DTypeLike) -> Any:
+    """Sums over blocks of so many elements along each axis; what fills no block at the far sides is left out."""
+    blocks = np.asarray(factors, int)
+    counts = np.array(array.shape) // blocks
+    sums = np.zeros(counts, dtype)
+    for first in np.ndindex(*blocks):
+        sums += array[tuple(slice(a, a + count * block, block) for a, count, block in zip(first, counts, blocks, strict=True))]
+    return sums
 
 
 def corners_of(ends: Floats) -> Floats:

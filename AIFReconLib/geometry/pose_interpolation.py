@@ -7,10 +7,11 @@ affine one, such as an image with its pixel spacing, keeps its spacing.
 from __future__ import annotations
 
 import numpy as np
+import scipy
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError
-from .transforms import invert
+from .transforms import affine, invert
 
 
 def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
@@ -39,11 +40,10 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     first_rotation, first_stretch = _polar(first)
     second_rotation, second_stretch = _polar(second)
     axis, angle = rotation_between(first_rotation, second_rotation)
-    pose = np.eye(4)
+    turn = scipy.spatial.transform.Rotation.from_rotvec(fraction * angle * axis).as_matrix()
     stretch = (1.0 - fraction) * first_stretch + fraction * second_stretch
-    pose[:3, :3] = first_rotation @ _turn(axis, fraction * angle) @ stretch
-    pose[:3, 3] = (1.0 - fraction) * np.asarray(first)[:3, 3] + fraction * np.asarray(second)[:3, 3]
-    return pose
+    shift = (1.0 - fraction) * np.asarray(first)[:3, 3] + fraction * np.asarray(second)[:3, 3]
+    return affine(first_rotation @ turn @ stretch, shift)
 
 
 def pose_change(first: Matrix, second: Matrix) -> tuple[float, float]:
@@ -83,11 +83,3 @@ def _polar(matrix: Matrix) -> tuple[Matrix, Matrix]:
     invert(np.asarray(matrix, dtype=np.float64))
     left, stretches, right = np.linalg.svd(linear)
     return left @ right, right.T @ (stretches[:, None] * right)
-
-
-def _turn(axis: Floats, angle: float) -> Matrix:
-    """The rotation by `angle` about a unit vector (Rodrigues' formula)."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turn: Matrix = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)
-    return turn

@@ -96,7 +96,7 @@ MISSING = TransformSample(np.full((4, 4), np.nan), TransformStatus.MISSING)
 
 
 @dataclass(frozen=True)
-class Link:
+class _Link:
     """One step of a way: a stored transform, followed forward or as its inverse."""
 
     stored: TransformName
@@ -108,7 +108,7 @@ class Link:
         return self.stored if self.forward else self.stored.inverse
 
 
-Way = tuple[Link, ...]
+Way = tuple[_Link, ...]
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ class Ways:
         frames = {frame for link in self.path for frame in (link.stored.source, link.stored.target)}
         links = dict.fromkeys(link for way in (self.path, *chain(*self.loops)) for link in way)
 
-        def doubt(link: Link) -> int:
+        def doubt(link: _Link) -> int:
             return 1 if link in self.path else 0 if link.stored.source in frames else 2
 
         return tuple(link.stored for link in sorted(links, key=doubt))
@@ -213,16 +213,16 @@ def connected(names: Iterable[TransformName], frame: str) -> set[str]:
     return _reached(_links_by_source(names), {frame})
 
 
-def _links_by_source(names: Iterable[TransformName]) -> dict[str, list[Link]]:
-    leaving: dict[str, list[Link]] = {}
+def _links_by_source(names: Iterable[TransformName]) -> dict[str, list[_Link]]:
+    leaving: dict[str, list[_Link]] = {}
     for name in names:
         if name.source != name.target:
-            leaving.setdefault(name.source, []).append(Link(name, True))
-            leaving.setdefault(name.target, []).append(Link(name, False))
+            leaving.setdefault(name.source, []).append(_Link(name, True))
+            leaving.setdefault(name.target, []).append(_Link(name, False))
     return leaving
 
 
-def _reached(leaving: Mapping[str, list[Link]], starts: set[str], without: str | None = None) -> set[str]:
+def _reached(leaving: Mapping[str, list[_Link]], starts: set[str], without: str | None = None) -> set[str]:
     """Every frame that a chain from one of `starts` leads to, but not over `without`; those themselves included."""
     found, edge = set(starts), list(starts)
     while edge:

@@ -68,6 +68,13 @@ def as_matrix(values: ArrayLike, name: str = "matrix") -> Matrix:
     return matrix
 
 
+def affine(linear: ArrayLike, shift: ArrayLike = (0.0, 0.0, 0.0)) -> Matrix:
+    """The transform of points p to ``linear @ p + shift``, (4, 4)."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = linear, shift
+    return matrix
+
+
 def _ends_in_0_0_0_1(matrix: Matrix) -> bool:
     """Whether the last row of a (4, 4) matrix is 0 0 0 1, as far as recorded digits go."""
     x, y, z, one = matrix[3].tolist()
@@ -209,10 +216,8 @@ def at_right_angles(image_to_reference: Matrix, columns: int, rows: int) -> Matr
     axes = np.column_stack([linear[:, 0] / sizes[0], linear[:, 1] / sizes[1], turned * normal / np.linalg.norm(normal)])
     left, _stretches, right = np.linalg.svd(axes)
     middle = np.array([(columns - 1) / 2, (rows - 1) / 2, 0.0])
-    placement = np.eye(4)
-    placement[:3, :3] = left @ right * sizes
-    placement[:3, 3] = image_to_reference[:3, 3] + (linear - placement[:3, :3]) @ middle
-    return placement
+    squared = left @ right * sizes
+    return affine(squared, image_to_reference[:3, 3] + (linear - squared) @ middle)
 
 
 def ras_to_lps(matrix_ras: Matrix) -> Matrix:

@@ -22,7 +22,7 @@ from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, NumberType
 from ..errors import GeometryError, InputTypeError, not_of_kind
 from ..machine.memory import LARGEST_GRID
 from ..message import Described
-from .transforms import as_matrix, invert, transform_points
+from .transforms import affine, as_matrix, invert, transform_points
 
 _WAYS_OUT = {
     "preview": "evaluation.preview",
@@ -88,9 +88,7 @@ class VoxelGrid(Described):
     @classmethod
     def from_spacing(cls, origin_reference: ArrayLike, size: Sequence[int], spacing: ArrayLike) -> VoxelGrid:
         """A grid along the axes of Reference. `origin_reference` (mm) is the center of voxel (0, 0, 0); `spacing` is mm, one or three."""
-        matrix = np.eye(4)
-        matrix[:3, :3] = np.diag(np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3))
-        matrix[:3, 3] = origin_reference
+        matrix = affine(np.diag(np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)), origin_reference)
         i, j, k = size
         return cls((i, j, k), matrix)
 
@@ -104,9 +102,8 @@ class VoxelGrid(Described):
         lengths = np.linalg.norm(box_to_reference[:3, :3], axis=0)
         steps = np.broadcast_to(np.asarray(spacing, dtype=np.float64), 3)
         count = np.maximum(np.ceil(np.asarray(size, dtype=np.float64) * lengths / steps - TOLERANCE), 1)
-        matrix = np.eye(4)
-        matrix[:3, :3] = box_to_reference[:3, :3] / lengths * steps
-        matrix[:3, 3] = box_to_reference[:3, 3] - matrix[:3, :3] @ ((count - 1) / 2)
+        linear = box_to_reference[:3, :3] / lengths * steps
+        matrix = affine(linear, box_to_reference[:3, 3] - linear @ ((count - 1) / 2))
         i, j, k = (int(n) for n in count)
         return cls((i, j, k), matrix)
 

@@ -15,7 +15,7 @@ from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
 from ..geometry.labels import Labels
-from ..geometry.transforms import as_matrix, image_plane_axes, transform_points
+from ..geometry.transforms import affine, as_matrix, image_plane_axes, transform_points
 from ..geometry.volume import Volume
 
 PITCH = 1.0
@@ -177,9 +177,7 @@ def guided_bone(
     centers = centers_of_mass(_coarse(labels))
     border = interspinous_border(whole, centers)
     surface = BoneSurface(*(getattr(whole, name)[reached] for name in ("points_reference", "normals_reference", "areas", "labels")))
-    patient = np.eye(4)
-    patient[:3, :3] = axes
-    patient[:3, 3] = surface.points_reference.mean(axis=0)
+    patient = affine(axes, surface.points_reference.mean(axis=0))
     return GuidedBone(surface, border[reached], distance, centers, patient, dict(called))
 
 
@@ -214,8 +212,7 @@ def bone_of_echoes(known: BoneMap, image_to_reference: Matrix) -> GuidedBone:
     away = spacing.min() * scipy.ndimage.distance_transform_cdt(~inside, "chessboard")
     distance = Volume(away.astype(np.float32), place)
     looks = _unit(_unit(image_to_reference[:, :3, 1]).mean(axis=0))
-    patient = np.eye(4)
-    patient[:3, :3] = _axes(np.stack([right := image_plane_axes(image_to_reference[0])[0], looks, np.cross(right, looks)], axis=1), looks)
+    patient = affine(_axes(np.stack([right := image_plane_axes(image_to_reference[0])[0], looks, np.cross(right, looks)], axis=1), looks))
     is_seen = np.arange(len(points)) < len(seen[0])
     # A plane meets so many cubes for each mm^2
     surface = BoneSurface(points, normals, APART**2 / np.abs(normals).sum(axis=1), is_seen.astype(np.int64))

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Bytes, Floats, Integers, Mask, Matrix, Singles
 from ..evaluation.visibility import BEAM_THICKNESS, GRAZING_DEG, BoneRays, SweepBeams, in_beams
+from ..geometry.box import block_sums
 from ..geometry.transforms import pixel_spacing
 from ..imaging.beams import LINEAR, ProbeGeometry
 from ..imaging.region import ImageRegion
@@ -120,7 +121,7 @@ class FrameGeometry:
         """Whether the scan line through each point is lit somewhere from `BEFORE` mm before it on, (m,) bool."""
         x, y = spacing
         wide, high = max(round(LOOK_STEP / x), 1), max(round(LOOK_STEP / y), 1)
-        level = _cells(image, wide, high)
+        level = block_sums(image, (high, wide), np.float32) / np.float32(wide * high)
         in_region = self._mask[high // 2 :: high, wide // 2 :: wide][: level.shape[0], : level.shape[1]]
         level = np.where(in_region, level, np.float32(0))
         if self.beams.probe.kind == LINEAR:
@@ -134,19 +135,6 @@ class FrameGeometry:
         column, row = (((places[..., n] + 0.5) / cell + 1.0).astype(np.int64) for n, cell in enumerate((wide, high)))
         lit = dark.take(row.clip(0, dark.shape[0] - 1) * dark.shape[1] + column.clip(0, dark.shape[1] - 1)) >= LIT
         return np.asarray(lit.any(axis=1))
-
-
-def _cells(image: Bytes, wide: int, high: int) -> Singles:
-    """Means of the image in cells of `wide` columns and `high` rows, (rows // high, columns // wide) float32."""
-    rows, columns = image.shape[0] // high, image.shape[1] // wide
-    rows_summed = np.zeros((rows, columns * wide), dtype=np.float32)
-    for n in range(high):
-        rows_summed += image[n : rows * high : high, : columns * wide]
-    summed = np.zeros((rows, columns), dtype=np.float32)
-    for n in range(wide):
-        summed += rows_summed[:, n::wide]
-    summed /= np.float32(wide * high)
-    return summed
 
 
 class CoverageAccumulator:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from .mesh import ColoredBone
 from .next_move import Move, NextMove, directions
 from .passes import labels_under
 from .probe import ProbeOnBack, Skin, images_like
-from .snapshot import AdvisedMove, Direction, GuidanceSnapshot, ProbeShape
+from .snapshot import AdvisedMove, GuidanceSnapshot
 from .window import NOT_SEEN, window
 
 FAR = "No frame has come near the bone of the CT. Scan over the spine; if you did, place the CT on the sweep first."
@@ -75,23 +76,11 @@ class Guidance:
         )
 
 
-@dataclass(frozen=True)
-class Advice:
+class Advice(NamedTuple):
     """What to do next."""
 
     move: Move | None  #: None when nothing is worth its labor any more
-    directions: tuple[Direction, ...] = ()  #: The way there from where the probe is
-    over: tuple[int, ...] = ()  #: The label, or the two labels, that the probe will stand over
-    probe: ProbeShape | None = None  #: Of the probe that is to go there
-    is_of_bone: bool = True  #: Else it leads to places that were not seen
-
-    @property
-    def seen(self) -> AdvisedMove | None:
-        """What is shown of it; None where there is no move."""
-        if self.move is None or self.probe is None:
-            return None
-        adds = self.move.adds_cm2 if self.is_of_bone else None
-        return AdvisedMove(self.move.image_to_reference, self.directions, self.over, adds, self.probe)
+    seen: AdvisedMove | None = None  #: What is shown of it, from where the probe is
 
 
 class Advisor:
@@ -118,7 +107,9 @@ class Advisor:
             return Advice(None)
         there = move.planned.placements(1)[0]
         way = directions(self._probe.placement(image_to_reference), there, self._bone.is_of_ct)
-        return Advice(move, way, labels_under(self._bone, there.z), self._probe.images.shape, NOT_SEEN not in self._bone.names.values())
+        adds = None if NOT_SEEN in self._bone.names.values() else move.adds_cm2
+        over, probe = labels_under(self._bone, there.z), self._probe.images.shape
+        return Advice(move, AdvisedMove(move.image_to_reference, way, over, adds, probe))
 
 
 def has_come_near(met: CoverageAccumulator) -> bool:

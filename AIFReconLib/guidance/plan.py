@@ -37,7 +37,7 @@ NEW_PASS = 3
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedPass:
+class _PlannedPass:
     """A pass of a plan."""
 
     name: str
@@ -51,7 +51,7 @@ class ScanPlan(Described):
     """Passes, and what they are expected to show."""
 
     target: str
-    passes: tuple[PlannedPass, ...]
+    passes: tuple[_PlannedPass, ...]
     predicted_visibility: float
     """0 to 1. Share that `weighted` is expected to show of the part of the target that the plan meets: what `aifrecon evaluate` measures of
     the reconstruction, whose coverage is of what the sweep could reach."""
@@ -269,7 +269,7 @@ def _planned(
     for pose in poses:
         met.insert(pose)
     planned = [
-        PlannedPass(one.name, one.poses(probe, count), float(added) / 100.0, one)
+        _PlannedPass(one.name, one.poses(probe, count), float(added) / 100.0, one)
         for (one, count), added in zip(passes, np.diff(shown), strict=True)
     ]
     is_met = met.support[chosen] > 0

@@ -72,7 +72,7 @@ class SectorFit:
 
 
 @dataclass(frozen=True)
-class Outline:
+class _Outline:
     """The ends of an area in each row and column, (n, 2) float64 (x, y) in steps of rows: what is square in mm is square here."""
 
     left: Floats
@@ -86,7 +86,7 @@ class Outline:
         return self.left, self.right, self.top, self.bottom
 
 
-def outline_of(area: Mask, aspect: float) -> Outline:
+def outline_of(area: Mask, aspect: float) -> _Outline:
     """The outline of an area without what the image's border cuts off; `aspect` is the pixels' width over their height."""
     rows, columns = area.shape
     row, column = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.any(axis=0))
@@ -97,7 +97,7 @@ def outline_of(area: Mask, aspect: float) -> Outline:
         return np.stack([x * aspect, y.astype(np.float64)], axis=1)[kept]
 
     # The outermost pixels lie inside, by half a pixel on the average
-    return Outline(
+    return _Outline(
         points(left - 0.5, row, left >= BORDER_PX),
         points(right + 0.5, row, right < columns - BORDER_PX),
         points(column, top - 0.5, top >= BORDER_PX),
@@ -174,13 +174,13 @@ def has_ragged_narrow_side(area: Mask, fan: Fan) -> bool:
     return _is_ragged(outline_of(area, aspect), apex, angles)
 
 
-def _is_ragged(outline: Outline, apex: Floats, angles: list[float]) -> bool:
+def _is_ragged(outline: _Outline, apex: Floats, angles: list[float]) -> bool:
     narrow = RIGHT if angles[LEFT] + angles[RIGHT] < 0 else LEFT
     spreads = [_spread(_off(outline.parts[side], side, apex, angles[side])) for side in (narrow, 1 - narrow)]
     return spreads[0] >= MORE_RAGGED * spreads[1]
 
 
-def _starts(outline: Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
+def _starts(outline: _Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
     """Where the apex may be, and which sides are seen then, or None where that is not known.
 
     It may be where two straight sides meet, where one meets the outermost line that leans as much to the other side, or where arcs about
@@ -227,7 +227,7 @@ class _Fit:
     error: float  #: Of the apex, estimated
 
 
-def _fitted(outline: Outline, apex: Floats, seen: list[bool] | None = None) -> _Fit | None:
+def _fitted(outline: _Outline, apex: Floats, seen: list[bool] | None = None) -> _Fit | None:
     """What fits best about an apex near this one; None where too little fits.
 
     Where it is told which sides are `seen`, one leans as much as the other, and of one that is not only what the ringing shows counts.
@@ -300,7 +300,7 @@ def _off(points: Floats, part: int, apex: Floats, value: float) -> Floats:
     return off
 
 
-def _enough(outline: Outline, near: list[Floats], values: list[float], apex: Floats) -> list[bool]:
+def _enough(outline: _Outline, near: list[Floats], values: list[float], apex: Floats) -> list[bool]:
     """Which of left side, right side, near end and far end are seen along enough of their length to count."""
     width, height = np.ptp(np.concatenate(outline.parts), axis=0)
     upright = math.radians(UPRIGHT_DEG)
@@ -336,7 +336,7 @@ def _margin(radius: Floats) -> Floats:
     return margin
 
 
-def _sides_seen(fit: _Fit, outline: Outline, pixels: Floats) -> list[bool]:
+def _sides_seen(fit: _Fit, outline: _Outline, pixels: Floats) -> list[bool]:
     """Whether left and right side are seen, as nothing lies beyond them; the edge of a shadow is none."""
     seen = [fit.used[side] and _beyond(fit, pixels, side) < SPECKS for side in (LEFT, RIGHT)]
     angles = fit.values[:NEAR]
@@ -347,7 +347,7 @@ def _sides_seen(fit: _Fit, outline: Outline, pixels: Floats) -> list[bool]:
     return seen
 
 
-def _checked(fit: _Fit, seen: list[bool], outline: Outline, pixels: Floats, spacing: tuple[float, float]) -> SectorFit | None:
+def _checked(fit: _Fit, seen: list[bool], outline: _Outline, pixels: Floats, spacing: tuple[float, float]) -> SectorFit | None:
     """The fit, in pixels of the image, if it explains the area and is sure enough."""
     x, y = (pixels - fit.apex).T
     angle, radius = np.arctan2(x, y), np.hypot(x, y)

@@ -111,6 +111,20 @@ class ImageRegion:
             raise SettingsError(f"The clip rectangle and fan leave no pixel of a {columns} x {rows} image. Check them against the image.")
         return mask
 
+    def entering(self, image: Numbers, rejection: float | None) -> Mask | None:
+        """The pixels of one image that enter, (rows, columns) bool; None for all of `mask`.
+
+        Pixels darker than `rejection` do not, and with `fan_detection` the fan is narrowed frame by frame.
+        """
+        entering = None if rejection is None else image >= rejection
+        if self.fan is not None and self.fan_detection is not None:
+            angles = self.fan_detection.angles(image, self.fan)
+            if angles is None:
+                return np.zeros(image.shape, dtype=bool)
+            fan = replace(self.fan, angles_deg=angles).mask(image.shape[1], image.shape[0])
+            entering = fan if entering is None else entering & fan
+        return entering
+
 
 def extreme_pixels(mask: Mask) -> Floats:
     """The first and last kept pixel of every row, (n, 2) float64 (column, row): their hull is the hull of all kept pixels."""
@@ -192,25 +206,3 @@ def _rounded(numbers: Floats) -> Integers:
     """The nearest whole numbers, halves away from zero."""
     whole: Floats = np.trunc(numbers + np.copysign(0.5, numbers))
     return whole.astype(np.int64)
-
-
-class PixelFilter:
-    """Looks at one frame after the other.
-
-    Pixels darker than `rejection` do not enter, and the fan of a region that has a `fan_detection` is narrowed frame by frame.
-    """
-
-    def __init__(self, rejection: float | None, region: ImageRegion):
-        self._rejection = rejection
-        self._fan, self._detection = region.fan, region.fan_detection
-
-    def entering(self, image: Numbers) -> Mask | None:
-        """The pixels of an image that enter, (rows, columns) bool; None for all (of the region, which is applied elsewhere)."""
-        entering = None if self._rejection is None else image >= self._rejection
-        if self._fan is not None and self._detection is not None:
-            angles = self._detection.angles(image, self._fan)
-            if angles is None:
-                return np.zeros(image.shape, dtype=bool)
-            fan = replace(self._fan, angles_deg=angles).mask(image.shape[1], image.shape[0])
-            entering = fan if entering is None else entering & fan
-        return entering

@@ -13,7 +13,7 @@ MOST_LINES = 512
 
 
 @dataclass(frozen=True, eq=False)
-class ScanLineSamples:
+class _ScanLineSamples:
     """Samples along the beams through a set of pixels."""
 
     columns: Floats
@@ -23,7 +23,7 @@ class ScanLineSamples:
     sample_of_pixel: Integers  #: (n,). The nearest sample of each pixel, flat in (lines, samples).
 
 
-def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, float], probe: ProbeGeometry) -> ScanLineSamples:
+def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, float], probe: ProbeGeometry) -> _ScanLineSamples:
     """Lay scan lines over pixels.
 
     A linear probe has one scan line per image column. A sector has lines at equal angles, about one pixel apart at the far end and at
@@ -35,7 +35,7 @@ def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, f
         left, top = int(columns.min()), int(rows.min())
         across, down = np.arange(float(left), float(columns.max()) + 1.0), np.arange(float(top), float(rows.max()) + 1.0)
         lines = np.meshgrid(across, down, indexing="ij")
-        return ScanLineSamples(lines[0], lines[1], spacing[1], (columns - left) * lines[0].shape[1] + (rows - top))
+        return _ScanLineSamples(lines[0], lines[1], spacing[1], (columns - left) * lines[0].shape[1] + (rows - top))
     column, row = probe.apex
     x, y = (columns - column) * spacing[0], (rows - row) * spacing[1]
     radius, angle, step = np.hypot(x, y), np.arctan2(x, y), min(spacing)
@@ -47,7 +47,7 @@ def scan_line_samples(columns: Integers, rows: Integers, spacing: tuple[float, f
     radii = first + step * np.arange(samples)[None, :]
     line = np.floor((angle - angle.min()) / angle_step + 0.5).astype(np.int64)
     sample = np.floor((radius - first) / step + 0.5).astype(np.int64)
-    return ScanLineSamples(
+    return _ScanLineSamples(
         column + radii * np.sin(angles) / spacing[0],
         row + radii * np.cos(angles) / spacing[1],
         step,

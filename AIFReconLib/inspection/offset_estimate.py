@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Floats, Integers, Matrix, Reals
+from ..geometry.box import block_sums
 from ..message import Sentence
 from ..progress import Progress, report
 from ..recipe.recipe import LONGEST_GAP
@@ -188,8 +189,7 @@ def _dissimilarity(sequence: TrackedSequence, numbers: Integers, progress: Progr
     patches = []
     for done, number in enumerate(numbers):
         report(progress, done / len(numbers), "Comparing images and poses")
-        image = np.asarray(sequence.images[number], dtype=np.float64)[: rows // size * size, : columns // size * size]
-        patches.append(image.reshape(rows // size, size, columns // size, size).mean(axis=(1, 3)).ravel())
+        patches.append(block_sums(sequence.images[number], (size, size), np.float64).ravel() / size**2)
     report(progress, 1.0, "Comparing images and poses")
     values = np.array(patches)
     values -= values.mean(axis=0)

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Matrix, Numbers, Singles
+from ..arrays import Floats, Matrix, Numbers
 from ..bone.field import BoneField
 from ..compounding.state import Reconstruction
 from ..errors import SettingsError
+from ..geometry.box import block_sums
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 
@@ -98,7 +99,7 @@ def shown_bone(result: Reconstruction, labels: Volume | None = None, labels_to_r
     weight *= np.minimum(brightness, np.float32(1.0), out=brightness)
     spacing = result.grid.spacing
     factors = np.clip(np.floor(CELL / spacing + 0.5), 1, result.grid.size).astype(int)
-    shown, seen = (_averaged(array, factors) for array in (weight, measured))
+    shown, seen = (block_sums(array, factors[::-1], np.float32) / np.float32(factors.prod()) for array in (weight, measured))
     sigma = (SMOOTHING / (spacing * factors))[::-1]
     shown, seen = (scipy.ndimage.gaussian_filter(array, sigma, mode="nearest") for array in (shown, seen))
     field = shown / np.maximum(seen, np.float32(LEAST_SEEN))
@@ -118,12 +119,3 @@ def _levels(array: Numbers, measured: Numbers, percents: tuple[float, ...]) -> l
     step = max(array.size // LOOKED_AT, 1)
     some = array.reshape(-1)[::step][measured.reshape(-1)[::step]]
     return [float(np.percentile(some, percent)) if some.size else 0.0 for percent in percents]
-
-
-def _averaged(array: Numbers, factors: Integers) -> Singles:
-    """Means of blocks of voxels; what is left over at the far sides is left out."""
-    counts = [size // factor for size, factor in zip(array.shape, factors[::-1], strict=True)]
-    whole = array[tuple(slice(count * factor) for count, factor in zip(counts, factors[::-1], strict=True))]
-    blocks = whole.reshape([n for pair in zip(counts, factors[::-1], strict=True) for n in pair])
-    averaged: Singles = blocks.mean(axis=(1, 3, 5), dtype=np.float32)
-    return averaged

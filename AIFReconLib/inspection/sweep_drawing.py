@@ -26,7 +26,7 @@ DOT = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Stroke:
+class _Stroke:
     """A line through points (n, 2) of the page; `closed` ends where it begins, `tinted` inside, `dotted` at its end."""
 
     points: Floats
@@ -39,7 +39,7 @@ class Stroke:
 
 
 @dataclass(frozen=True)
-class Words:
+class _Words:
     """A text that begins at a point of the page, on its line."""
 
     x: float
@@ -55,8 +55,8 @@ class Drawing:
 
     width: float
     height: float
-    strokes: tuple[Stroke, ...]
-    words: tuple[Words, ...]
+    strokes: tuple[_Stroke, ...]
+    words: tuple[_Words, ...]
 
     def to_svg(self) -> str:
         """The text of an SVG file."""
@@ -68,7 +68,7 @@ class Drawing:
         return "\n".join([*lines, "</svg>\n"])
 
 
-def _svg_of(stroke: Stroke) -> str:
+def _svg_of(stroke: _Stroke) -> str:
     points = " ".join(f"{x:.1f},{y:.1f}" for x, y in stroke.points)
     fill = f'fill="{stroke.color}" fill-opacity="0.2"' if stroke.tinted else 'fill="none"'
     dashes = ' stroke-dasharray="6 4"' if stroke.dashed else ""
@@ -113,7 +113,7 @@ def draw_sweep(
     low, high = shown.min(axis=0), shown.max(axis=0)
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
-    drawn: list[Stroke | Words] = [Words(MARGIN, 20, title, size=14)]
+    drawn: list[_Stroke | _Words] = [_Words(MARGIN, 20, title, size=14)]
     for number, axes in enumerate(VIEWS):
         corner = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
         middle = (low + high)[list(axes)] / 2
@@ -124,22 +124,22 @@ def draw_sweep(
 
         drawn += _panel(on_page(outlines), corner, axes, scale, reference)
         if len(area):
-            drawn.append(Stroke(on_page(area), _SHOWN_COLOR, closed=True, tinted=True))
+            drawn.append(_Stroke(on_page(area), _SHOWN_COLOR, closed=True, tinted=True))
         for name, point, direction in lines:
             ends = on_page(np.array([point - extent / 6 * direction, point + extent / 6 * direction]))
             drawn += _axis(ends, name, _AXIS_COLOR, dashed=True)
     return Drawing(
         len(VIEWS) * (PANEL + 2 * MARGIN),
         PANEL + 2 * MARGIN + 24,
-        tuple(each for each in drawn if isinstance(each, Stroke)),
-        tuple(each for each in drawn if isinstance(each, Words)),
+        tuple(each for each in drawn if isinstance(each, _Stroke)),
+        tuple(each for each in drawn if isinstance(each, _Words)),
     )
 
 
-def _axis(ends: Floats, name: str, color: str, dashed: bool = False) -> Iterator[Stroke | Words]:
+def _axis(ends: Floats, name: str, color: str, dashed: bool = False) -> Iterator[_Stroke | _Words]:
     """A line from one end to the other, which has a dot and a name."""
-    yield Stroke(ends, color, width=2.0, dashed=dashed, dotted=True)
-    yield Words(float(ends[1, 0]) + 5, float(ends[1, 1]) - 4, name, color)
+    yield _Stroke(ends, color, width=2.0, dashed=dashed, dotted=True)
+    yield _Words(float(ends[1, 0]) + 5, float(ends[1, 1]) - 4, name, color)
 
 
 def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
@@ -150,16 +150,16 @@ def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
     return placed
 
 
-def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> Iterator[Stroke | Words]:
+def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> Iterator[_Stroke | _Words]:
     """One view of the outlines, (frames, 4, 2) on the page."""
     across, down = (_AXES[axis] for axis in axes)
-    yield Stroke(corner + PANEL * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), "#bbbbbb", closed=True)
+    yield _Stroke(corner + PANEL * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), "#bbbbbb", closed=True)
     for number, outline in enumerate(outlines):
         level = round(190 - 170 * number / max(len(outlines) - 1, 1))
-        yield Stroke(outline, f"#{level:02x}{level:02x}{level:02x}", closed=True)
+        yield _Stroke(outline, f"#{level:02x}{level:02x}{level:02x}", closed=True)
     yield from _axis(outlines[0, [0, 1]], "columns", _COLUMN_COLOR)
     yield from _axis(outlines[0, [0, 3]], "rows", _ROW_COLOR)
     length = 10.0 ** np.floor(np.log10(PANEL / 2 / scale))
     left, y = float(corner[0]), float(corner[1]) + PANEL + 20
-    yield Stroke(np.array([(left, y), (left + length * scale, y)]), "#000000", width=2.0)
-    yield Words(left + length * scale + 8, y + 4, f"{length:g} mm; {reference}: +{across} right, +{down} down")
+    yield _Stroke(np.array([(left, y), (left + length * scale, y)]), "#000000", width=2.0)
+    yield _Words(left + length * scale + 8, y + 4, f"{length:g} mm; {reference}: +{across} right, +{down} down")

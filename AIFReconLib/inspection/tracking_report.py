@@ -30,7 +30,7 @@ JUMP_FACTOR = 8.0
 
 
 @dataclass(frozen=True)
-class PoseJump:
+class _PoseJump:
     """A place where the pose moves faster than a probe can: frame numbers before and after, distance in mm, time between in s."""
 
     before: int
@@ -54,7 +54,7 @@ class TrackingReport:
     duration: float | None = None  #: s. From the first to the last used frame; None without time stamps.
     longest_gap: float | None = None  #: s. Between used frames.
     longest_gap_after: int | None = None  #: The frame after which it comes
-    jumps: tuple[PoseJump, ...] = ()
+    jumps: tuple[_PoseJump, ...] = ()
     """Where the image moves faster than `JUMP_SPEED` and than `JUMP_FACTOR` times the median speed."""
     median_speed: float | None = None
     highest_speed: float | None = None
@@ -184,7 +184,7 @@ def _with_times(report: TrackingReport, numbers: Integers, steps: Floats, times:
         report,
         median_speed=median,
         highest_speed=float(speeds.max()),
-        jumps=tuple(PoseJump(int(numbers[n]), int(numbers[n + 1]), float(steps[n]), float(gaps[n])) for n in jumps),
+        jumps=tuple(_PoseJump(int(numbers[n]), int(numbers[n + 1]), float(steps[n]), float(gaps[n])) for n in jumps),
     )
 
 

@@ -128,7 +128,7 @@ class MotionCurve:
 
 
 @dataclass(frozen=True, eq=False)
-class EchoPlanes:
+class _EchoPlanes:
     """Where echoes should lie: each on a plane through echoes of other passes."""
 
     rows: Integers  #: (n,)
@@ -142,7 +142,7 @@ class EchoPlanes:
         return off
 
 
-def planes_of(points: Floats, owners: Integers, chosen: Integers, reach: float) -> EchoPlanes:
+def planes_of(points: Floats, owners: Integers, chosen: Integers, reach: float) -> _EchoPlanes:
     """For each of the `chosen` echoes with enough neighbors within `reach` mm."""
     found = []
     for owner in np.unique(owners[chosen]):
@@ -157,8 +157,8 @@ def planes_of(points: Floats, owners: Integers, chosen: Integers, reach: float) 
         variances, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", arms, arms) / NEIGHBORS)
         found.append((mine[near], neighbors, axes[:, :, 0], np.sqrt(np.maximum(variances[:, 0], 0.0))))
     if not found:
-        return EchoPlanes(np.empty(0, np.int64), np.empty((0, NEIGHBORS), np.int64), np.empty((0, 3)), np.empty(0))
-    return EchoPlanes(*(np.concatenate(one) for one in zip(*found, strict=True)))
+        return _EchoPlanes(np.empty(0, np.int64), np.empty((0, NEIGHBORS), np.int64), np.empty((0, 3)), np.empty(0))
+    return _EchoPlanes(*(np.concatenate(one) for one in zip(*found, strict=True)))
 
 
 def _nearest(points: Floats | scipy.spatial.cKDTree, asked: Floats, count: int, reach: float = np.inf) -> tuple[Floats, Integers]:
@@ -168,7 +168,7 @@ def _nearest(points: Floats | scipy.spatial.cKDTree, asked: Floats, count: int, 
     return away, nearest
 
 
-def pairs_of(points: Floats, owners: Integers, chosen: Integers, normals: Floats, reach: float) -> EchoPlanes:
+def pairs_of(points: Floats, owners: Integers, chosen: Integers, normals: Floats, reach: float) -> _EchoPlanes:
     """For each of the `chosen` echoes the nearest of every other pass, with the plane of that pass there."""
     trees = {int(owner): (scipy.spatial.cKDTree(points[owners == owner]), np.flatnonzero(owners == owner)) for owner in np.unique(owners)}
     found = []
@@ -182,7 +182,7 @@ def pairs_of(points: Floats, owners: Integers, chosen: Integers, normals: Floats
                 alike = np.abs((normals[rows] * normals[there]).sum(axis=1)) > ALIKE
                 found.append((rows[alike], there[alike]))
     rows, there = (np.concatenate(one) for one in zip(*found, strict=True)) if found else (np.empty(0, np.int64),) * 2
-    return EchoPlanes(rows, there[:, None], normals[there], np.zeros(len(rows)))
+    return _EchoPlanes(rows, there[:, None], normals[there], np.zeros(len(rows)))
 
 
 def own_normals(points: Floats, owners: Integers) -> Floats:
@@ -237,7 +237,7 @@ def solved(
         else:
             planes = planes_of(placed.points, owners, chosen, reach)
             flat = planes.thick < FLAT
-            planes = EchoPlanes(planes.rows[flat], planes.neighbors[flat], planes.normals[flat], planes.thick[flat])
+            planes = _EchoPlanes(planes.rows[flat], planes.neighbors[flat], planes.normals[flat], planes.thick[flat])
         rows, off = [_plane_rows(curve, echoes, placed.points, planes)], [planes.off(placed.points)]
         if bone is not None:
             distances, slopes = bone.sample(placed.points[chosen])
@@ -283,7 +283,7 @@ def _expected(curve: MotionCurve, step: float, still: Floats | None) -> Matrix:
     return prior
 
 
-def _plane_rows(curve: MotionCurve, echoes: SweepEchoes, points: Floats, planes: EchoPlanes) -> scipy.sparse.csr_matrix:
+def _plane_rows(curve: MotionCurve, echoes: SweepEchoes, points: Floats, planes: _EchoPlanes) -> scipy.sparse.csr_matrix:
     count, width = planes.neighbors.shape
     own = _rows(curve, echoes, points, np.arange(count), planes.rows, planes.normals, count)
     numbers = np.repeat(np.arange(count), width)

@@ -17,7 +17,7 @@ from .states import MetLine
 
 
 @dataclass(frozen=True, eq=False)
-class ShownPaths:
+class _ShownPaths:
     """What is shown of paths: points in Reference, mm."""
 
     lines: tuple[MetLine, ...]  #: The best of each window: free ones, the widest clearance first, then those that were not seen
@@ -49,13 +49,13 @@ class PathQuery:
             volume, target, skin, labels, labels_to_reference, mask=mask, score=score, recipe=recipe, progress=progress
         )
 
-    def shown(self) -> ShownPaths:
+    def shown(self) -> _ShownPaths:
         """What is shown of them."""
         from .path_export import skin_triangles
 
         found = self._found
         lines = tuple(MetLine(one.entry, one.end, one.clearance, one.seen) for one in found.windows)
-        return ShownPaths(lines, found.entries, skin_triangles(found.entries, found.target), found.states, found.notes[1:], found.unseen)
+        return _ShownPaths(lines, found.entries, skin_triangles(found.entries, found.target), found.states, found.notes[1:], found.unseen)
 
     def along(self, entry: Floats, end: Floats) -> MetLine:
         """Any other line, (3,) and (3,) mm: fast enough for one that is dragged."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from .. import __version__
-from ..errors import OutputError, SettingsFileError
+from ..errors import FileFormatError, OutputError
 from ..io.disk.atomic import check_writable, write_text
 from ..io.disk.tables import JSON, TOML, parse_table, read_table
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
@@ -25,7 +25,7 @@ _MEND = "Correct it, or have it written anew."
 def read_settings(path: str | Path) -> KeptSettings:
     """The settings in a file.
 
-    Raises SettingsFileError when it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
+    Raises FileFormatError when it cannot be read, or a setting is not known or not of its kind; names file, key and remedy.
 
     Parameters
     ----------
@@ -36,17 +36,17 @@ def read_settings(path: str | Path) -> KeptSettings:
     suffix = path.suffix.lower()
     inputs: tuple[Mapping[str, object], ...] = ()
     if suffix in VOLUME_SUFFIXES:
-        header = read_metafile(path, SettingsFileError).fields
+        header = read_metafile(path, FileFormatError).fields
         if SETTINGS not in header:
-            raise SettingsFileError(
+            raise FileFormatError(
                 f"{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml)."
             )
-        table = {WRITTEN_BY: header.get(VERSION, ""), **_named(path, parse_table(path, header[SETTINGS], JSON, SettingsFileError, _MEND))}
+        table = {WRITTEN_BY: header.get(VERSION, ""), **_named(path, parse_table(path, header[SETTINGS], JSON, FileFormatError, _MEND))}
         inputs = _inputs(header.get(INPUTS, ""))
     elif suffix in (JSON, TOML):
-        table = _named(path, read_table(path, SettingsFileError, _MEND))
+        table = _named(path, read_table(path, FileFormatError, _MEND))
     else:
-        raise SettingsFileError(
+        raise FileFormatError(
             f"{path}: settings are read from .json, .toml, {', '.join(VOLUME_SUFFIXES)}. Give such a file; others have no room for "
             "settings."
         )
@@ -58,7 +58,7 @@ def made_with(path: Path) -> Recipe | None:
     """The settings that a volume was reconstructed with; None where its file does not say so, or not as it is understood here."""
     try:
         return read_settings(path).recipe
-    except SettingsFileError:
+    except FileFormatError:
         return None
 
 
@@ -101,7 +101,7 @@ def _writable_suffix(path: str | Path) -> str:
 
 def _named(path: Path, table: object) -> dict[str, object]:
     if not isinstance(table, dict):
-        raise SettingsFileError(f'{path}: settings are names and values, as {{"alpha": 0.1}}. Correct the file.')
+        raise FileFormatError(f'{path}: settings are names and values, as {{"alpha": 0.1}}. Correct the file.')
     return table
 
 

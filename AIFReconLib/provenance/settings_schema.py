@@ -11,7 +11,7 @@ from typing import Any
 
 from .. import __version__
 from ..effective_settings import asked_imaging, imaging_fields
-from ..errors import AIFReconError, SettingsError, SettingsFileError
+from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..imaging.region import ImageRegion
 from ..recipe.recipe import KEPT, RULES, Recipe
 from ..recipe.rules import expected
@@ -49,7 +49,7 @@ class KeptSettings:
 def understood(path: Path, table: dict[str, Any], version: str, inputs: tuple[Mapping[str, object], ...]) -> KeptSettings:
     """Names and values of a file as what they mean.
 
-    Raises SettingsFileError when a name is not known, or a value is not of its kind or out of its range.
+    Raises FileFormatError when a name is not known, or a value is not of its kind or out of its range.
     """
     for name in table:
         if name not in KEPT:
@@ -65,20 +65,20 @@ def understood(path: Path, table: dict[str, Any], version: str, inputs: tuple[Ma
         # What is wrong with a box or a region is said now
         _, _ = recipe.grid, asked_imaging(recipe, NO_CONFIGURATION)
     except AIFReconError as error:
-        raise SettingsFileError(f"{path}: {error} Correct the file.") from None
+        raise FileFormatError(f"{path}: {error} Correct the file.") from None
     return KeptSettings(path, {name: getattr(recipe, name) for name in table}, version, inputs)
 
 
-def _unknown(path: Path, name: str, version: str) -> SettingsFileError:
+def _unknown(path: Path, name: str, version: str) -> FileFormatError:
     if _is_newer(version):
-        return SettingsFileError(
+        return FileFormatError(
             f"{path}: version {version} wrote it, and this is {__version__}, which does not know {name}. Update AIFRecon, or remove "
             "that setting."
         )
     near = difflib.get_close_matches(name, KEPT, n=1)
     if near:
-        return SettingsFileError(f"{path}: there is no setting {name}, perhaps {near[0]} is meant. Correct it.")
-    return SettingsFileError(f"{path}: there is no setting {name}. Remove it; files and what is printed are given on the command line.")
+        return FileFormatError(f"{path}: there is no setting {name}, perhaps {near[0]} is meant. Correct it.")
+    return FileFormatError(f"{path}: there is no setting {name}. Remove it; files and what is printed are given on the command line.")
 
 
 def _is_newer(version: str) -> bool:

@@ -20,7 +20,7 @@ import scipy
 from ..arrays import Floats
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import affine, invert, transform_points
 from .comparison import ENTERING
 
 SCALES = (8.0, 4.0, 2.0, 1.0)
@@ -40,10 +40,8 @@ def vector_motion(vector: Floats, center: Floats, lever: float = 1.0) -> Floats:
     """A rigid motion (4, 4) in Reference: turn about `center` by the rotation vector ``vector[3:] / lever``, then move by
     ``vector[:3]``.
     """
-    motion = np.eye(4)
-    motion[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / lever).as_matrix()
-    motion[:3, 3] = center - motion[:3, :3] @ center + vector[:3]
-    return motion
+    linear = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / lever).as_matrix()
+    return affine(linear, center - linear @ center + vector[:3])
 
 
 def welsch(count: int) -> Callable[[Floats], Floats]:

@@ -47,7 +47,7 @@ WORTH_JUDGING = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class Alternative:
+class _Alternative:
     """Another place: labels_to_reference (4, 4), how well it agrees, and how many levels higher (+) or lower (-) the CT lies there, or
     None.
     """
@@ -67,7 +67,7 @@ class Registration(Judged):
     """Sentence. Why the answer must not be used unseen, with options named as on the command line; see `refusal`."""
     loose: tuple[UnconstrainedMotion, ...]  #: Motions that the sweep does not hold
     restarts: float  #: mm. How far apart refinements from nearby starts ended.
-    alternatives: tuple[Alternative, ...]  #: Other places, best first; of which some may be as good
+    alternatives: tuple[_Alternative, ...]  #: Other places, best first; of which some may be as good
     moved: float | None  #: mm. How far the bone has moved from the start; None without one.
     segments: Segments | None  #: Each bone's own motion
     echoes: SweepEchoes = field(repr=False)
@@ -171,7 +171,7 @@ def register_echoes(
         segments = fit_segments(echoes, fields, chosen.labels_to_reference)
     agreement = segments.agreement if segments else chosen.agreement
     alternatives = tuple(
-        Alternative(
+        _Alternative(
             other.labels_to_reference,
             segments_of[id(other)].agreement if id(other) in segments_of else other.agreement,
             _levels(other, chosen, bone, shifts),
@@ -241,7 +241,7 @@ def _disagreement(agreement: Agreement) -> Sentence | None:
     )
 
 
-def _ambiguity(best: Agreement, others: Iterable[Alternative]) -> Sentence | None:
+def _ambiguity(best: Agreement, others: Iterable[_Alternative]) -> Sentence | None:
     others = list(others)
     most = max((other.agreement.explained for other in others), default=0.0)
     if most > OUTNUMBERED * best.explained:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Bytes, Floats, Integers, Matrix, Singles
 from ..errors import SettingsError
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import affine, invert, transform_points
 from ..geometry.volume import Volume, VoxelGrid
 from ..progress import Progress, part, report
 from .computed_tomography import hounsfield_units
@@ -194,10 +194,7 @@ def _pose_on_arc(anatomy: LumbarAnatomy, angle: float, jitter: Floats) -> Matrix
     turn = np.deg2rad(np.array([0.7, 1.2, 1.5]) * jitter[:3])
     tilt = turned_about(0, angle + turn[0]) @ turned_about(1, turn[1]) @ turned_about(2, turn[2])
     radius = anatomy.arc_radius - anatomy.body_depth_from_lamina
-    pose = np.eye(4)
-    pose[:3, :3] = tilt
-    pose[:3, 3] = (0.7 * jitter[3], anatomy.arc_center_y + radius * math.cos(angle) + 0.5 * jitter[4], radius * math.sin(angle))
-    return pose
+    return affine(tilt, (0.7 * jitter[3], anatomy.arc_center_y + radius * math.cos(angle) + 0.5 * jitter[4], radius * math.sin(angle)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Integers, Matrix
-from ..geometry.transforms import as_matrix, invert
+from ..geometry.transforms import affine, as_matrix, invert
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import Fan, ImageRegion
 
@@ -22,10 +22,7 @@ def _default_transducer_to_probe() -> Matrix:
     turn = np.array([[math.cos(angle), 0.0, math.sin(angle)], [0.0, 1.0, 0.0], [-math.sin(angle), 0.0, math.cos(angle)]])
     angle = math.radians(-8.0)
     tilt = np.array([[1.0, 0.0, 0.0], [0.0, math.cos(angle), -math.sin(angle)], [0.0, math.sin(angle), math.cos(angle)]])
-    matrix = np.eye(4)
-    matrix[:3, :3] = turn @ tilt
-    matrix[:3, 3] = (11.5, 90.0, -27.0)
-    return matrix
+    return affine(turn @ tilt, (11.5, 90.0, -27.0))
 
 
 @dataclass(frozen=True, eq=False)

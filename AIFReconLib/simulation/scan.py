@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Floats, Matrix
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..geometry.transforms import affine
 from ..progress import Progress, report
 from ..sweep.frames import FrameRecord, TrackedSequence
 from .phased_array import PhasedArray
@@ -127,8 +128,7 @@ def contact_pose(
     transducer_to_reference : (4, 4) float64 array, mm
     """
     tilt = scipy.spatial.transform.Rotation.from_euler("ZX", [-in_plane_tilt_deg, elevational_tilt_deg], degrees=True).as_matrix()
-    pose = np.eye(4)
-    pose[:3, :3] = tilt
+    pose = affine(tilt)
     beam = pose[:3, 1]
     target = np.array([target_x, float(phantom.skin_y(target_x, target_z)) + AIM_DEPTH, target_z])
     near, far = 0.0, 4.0 * AIM_DEPTH
@@ -203,17 +203,15 @@ def freehand_sweep(phantom: ScannedBack, frames: int = 150) -> ProbePath:
 def random_rigid(translation: float, rotation_deg: float, rng: np.random.Generator, about: ArrayLike = (0.0, 0.0, 0.0)) -> Matrix:
     """A rigid motion of exactly this length (mm) of the point `about`, and this angle, in random directions; (4, 4)."""
     direction, axis = (v / np.linalg.norm(v) for v in rng.standard_normal((2, 3)))
-    matrix = np.eye(4)
-    matrix[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(math.radians(rotation_deg) * axis).as_matrix()
-    matrix[:3, 3] = np.asarray(about) - matrix[:3, :3] @ np.asarray(about) + translation * direction
-    return matrix
+    linear = scipy.spatial.transform.Rotation.from_rotvec(math.radians(rotation_deg) * axis).as_matrix()
+    return affine(linear, np.asarray(about) - linear @ np.asarray(about) + translation * direction)
 
 
 def tracker_poses(timestamps: Floats) -> Matrix:
     """ReferenceToTracker, (n, 4, 4), mm: a camera 1.4 m away; the patient's marker rocks by half a millimeter as they breathe."""
-    pose = np.eye(4)
-    pose[:3, :3] = scipy.spatial.transform.Rotation.from_euler("xyz", [112.0, -17.0, 38.0], degrees=True).as_matrix()
-    pose[:3, 3] = (86.0, -145.0, -1390.0)
+    pose = affine(
+        scipy.spatial.transform.Rotation.from_euler("xyz", [112.0, -17.0, 38.0], degrees=True).as_matrix(), (86.0, -145.0, -1390.0)
+    )
     poses = np.tile(pose, (len(timestamps), 1, 1))
     breath = np.sin(2 * math.pi * 0.25 * np.asarray(timestamps))
     poses[:, :3, 3] += 0.5 * breath[:, None] * np.array([0.3, 0.8, 0.5])
@@ -282,9 +280,8 @@ def patient_motion(timestamps: Floats, errors: TrackingErrors, seed: int = 0) ->
     about = np.array([0.0, AIM_DEPTH + 10.0, 0.0])
     for number in range(int(passes[-1]) + 1):
         turn = np.radians(errors.shifting / 2) * rng.standard_normal(3)
-        one = np.eye(4)
-        one[:3, :3] = scipy.spatial.transform.Rotation.from_rotvec(turn).as_matrix()
-        one[:3, 3] = about - one[:3, :3] @ about + errors.shifting * rng.standard_normal(3)
+        linear = scipy.spatial.transform.Rotation.from_rotvec(turn).as_matrix()
+        one = affine(linear, about - linear @ about + errors.shifting * rng.standard_normal(3))
         moved[passes == number] = one
     phase = 2 * math.pi * (np.asarray(timestamps) / BREATH + rng.random())
     moved[:, :3, 3] += errors.breathing * np.sin(phase)[:, None] * BREATHES_ALONG

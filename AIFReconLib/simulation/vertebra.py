@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Floats, Matrix, Reals, Singles
-from ..geometry.transforms import invert
+from ..geometry.transforms import affine, invert
 from .implicit_shapes import Bar, Triple, ellipse, smooth_intersection, smooth_union
 from .morphometry import BODY_LIFT, LAMINA_THICKNESS, VertebraSizes
 
@@ -204,8 +204,7 @@ def flexed(vertebrae: tuple[Vertebra, ...], angle_deg: float) -> tuple[Vertebra,
     .. [1] Pearcy MJ, Bogduk N (1988), Instantaneous axes of rotation of the lumbar intervertebral joints, Spine 13:1033-1041.
     """
     # Superior turns forward: about the patient's right-left axis, z toward y
-    turn = np.eye(4)
-    turn[:3, :3] = turned_about(0, -math.radians(angle_deg))
+    turn = affine(turned_about(0, -math.radians(angle_deg)))
     motions = [np.eye(4)]
     for lower in vertebrae[:0:-1]:
         x, y, z = lower.body_center

@@ -21,7 +21,7 @@ from .frames import CROPPED, TrackedSequence
 Transforms = dict[TransformName, TransformSample]
 
 
-class ImageView(ImagesOnDemand):
+class _ImageView(ImagesOnDemand):
     """Some frames, or a part of each, of another `ImageStack`.
 
     `numbers` are frames, in this order; `columns` and `rows` are (first, count). All by default.
@@ -58,7 +58,7 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
         raise SettingsError(f"Input every must be 1 or more; got {every}.")
     numbers = range(first, last + 1, every)
     records = [sequence.records[number] for number in numbers]
-    return replace(sequence, images=ImageView(sequence.images, numbers), records=records)
+    return replace(sequence, images=_ImageView(sequence.images, numbers), records=records)
 
 
 def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, image_frame: str = "Image") -> TrackedSequence:
@@ -85,7 +85,7 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
         f"transducer center are about the whole image: subtract {x} and {y} from them."
     )
     sequence = _with_images_moved(sequence, moved, CROPPED.target if image_frame == CROPPED.source and was_cropped else image_frame)
-    return replace(sequence, images=ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
+    return replace(sequence, images=_ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
 
 
 def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequence:
@@ -156,7 +156,7 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
 
 def mirrored(sequence: TrackedSequence) -> TrackedSequence:
     """The recording with its images turned left to right under the same poses: where the marked side was told wrongly."""
-    return replace(sequence, images=ImageView(sequence.images, mirrored=True))
+    return replace(sequence, images=_ImageView(sequence.images, mirrored=True))
 
 
 def inverted(sequence: TrackedSequence, name: TransformName) -> TrackedSequence:

@@ -77,7 +77,7 @@ class FrameRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class RecordsSummary:
+class _RecordsSummary:
     """What is asked of all records of a sequence at once."""
 
     timestamps: Floats  #: (frames,), s. NaN for a frame without one.
@@ -85,7 +85,7 @@ class RecordsSummary:
     """Of every transform that occurs in any of them, in order of appearance."""
 
     @classmethod
-    def of(cls, records: Sequence[FrameRecord]) -> RecordsSummary:
+    def of(cls, records: Sequence[FrameRecord]) -> _RecordsSummary:
         """That of these records, each of which is asked for once."""
         timestamps = np.full(len(records), np.nan)
         statuses: dict[TransformName, Counter[TransformStatus]] = defaultdict(Counter)
@@ -225,8 +225,8 @@ class TrackedSequence(Described):
         return self._summary.timestamps
 
     @cached_property
-    def _summary(self) -> RecordsSummary:
-        return RecordsSummary.of(self.records)
+    def _summary(self) -> _RecordsSummary:
+        return _RecordsSummary.of(self.records)
 
 
 def _as_images(images: ImageStack | ArrayLike) -> ImageStack:

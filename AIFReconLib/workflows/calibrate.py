@@ -13,7 +13,7 @@ from .. import __version__
 from ..arrays import Floats, Matrix
 from ..calibration.calibration import as_report, calibrate, findings
 from ..calibration.crossing import calibrate_by_crossing, crossing_findings, crossing_report
-from ..calibration.echoes import Mending
+from ..calibration.mending import Mending
 from ..calibration.nwire import PHANTOM, WireCalibration, calibrate_on_wires, wire_findings, wire_report
 from ..errors import RegistrationRefused, SettingsError
 from ..evaluation.registration_figure import calibration_figure, wire_figure

@@ -18,7 +18,7 @@ from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import SECTOR, ProbeGeometry
-from AIFReconLib.imaging.scan_lines import ScanLineSamples, scan_line_samples
+from AIFReconLib.imaging.scan_lines import _ScanLineSamples, scan_line_samples
 from AIFReconLib.simulation.phased_array import PhasedArray
 
 ALPHA, BETA, GAMMA = 2.0, 90.0, 0.05
@@ -149,7 +149,7 @@ def _coarsely(lines: np.ndarray) -> np.ndarray:
 
 
 @cache
-def _simulated_beams() -> tuple[np.ndarray, ScanLineSamples]:
+def _simulated_beams() -> tuple[np.ndarray, _ScanLineSamples]:
     """Which pixels of the window of the simulated probe's images are ultrasound, and where its beams run in it."""
     probe = PhasedArray()
     rows, columns = np.nonzero(probe.region.mask(probe.columns, probe.rows))

@@ -14,11 +14,11 @@ def picture_scraper(block, block_vars, gallery_conf) -> str:
     """Takes the pictures of `Volume.plot()` into the page of an example."""
     from sphinx_gallery.scrapers import figure_rst
 
-    from AIFReconLib.evaluation.preview import Picture
+    from AIFReconLib.evaluation.preview import PreviewImage
 
     paths = []
     for value in list(block_vars["example_globals"].values()):
-        if isinstance(value, Picture) and id(value) not in _shown:
+        if isinstance(value, PreviewImage) and id(value) not in _shown:
             _shown.add(id(value))
             path = Path(next(block_vars["image_path_iterator"]))
             value.write(path)

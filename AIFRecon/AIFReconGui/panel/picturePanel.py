@@ -92,7 +92,7 @@ class PicturePanel:
 
     def onCopyLine(self) -> None:
         """Put one line about the reconstruction into the clipboard."""
-        self._tell(None, _("The summary could not be made."), lambda line: qt.QApplication.clipboard().setText(line))
+        self._tell(None, _("The summary could not be made."), qt.QApplication.clipboard().setText)
 
     def onSaveReport(self) -> None:
         """Ask where to, and write the page."""

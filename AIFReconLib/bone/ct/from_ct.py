@@ -8,12 +8,12 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Floats, Integers, Mask, Singles
 from ...errors import GeometryError, SettingsError
-from ...geometry.box import box_around
+from ...geometry.box import block_sums, box_around
 from ...geometry.labels import Labels
 from ...geometry.volume import Volume, as_volume
 from ...machine.memory import LARGEST_GRID, require_memory
 from ...progress import Progress, report
-from .hounsfield import AIR, SoftTissuePeak, soft_tissue
+from .hounsfield import AIR, soft_tissue
 from .vertebrae import in_vertebrae
 
 FINEST = 0.6
@@ -97,8 +97,8 @@ def labels_from_ct(
     report(progress, 0.0, "Looking for bone in the CT")
     work = _in_blocks(volume, np.maximum(np.floor(2 * FINEST / volume.spacing), 1).astype(int))
     values: Singles = work.array.astype(np.float32, copy=False)
-    tissue = soft_tissue(values)
-    threshold = tissue.threshold if above is None else float(above)
+    tissue, found = soft_tissue(values)
+    threshold = found if above is None else float(above)
     notes = [f"Bone is what is above {threshold:g} HU" + (", found in the CT." if above is None else ".")]
     report(progress, 0.1, "Looking for bone in the CT")
     coarse = _Coarse(work, threshold, tissue)
@@ -152,15 +152,8 @@ def _in_blocks(volume: Volume, factors: Integers) -> Volume:
     array: Singles = volume.array.astype(np.float32, copy=False)
     if (factors == 1).all():
         return Volume(array, volume.ijk_to_reference)
-    counts = np.maximum(np.array(volume.shape) // factors[::-1], 1)
-    k, j, i = (int(n) for n in factors[::-1])
-    whole = array[: counts[0] * k, : counts[1] * j, : counts[2] * i]
-    means = np.zeros(counts, np.float32)
-    for plane in range(k):
-        for row in range(j):
-            for column in range(i):
-                means += whole[plane::k, row::j, column::i]
-    means /= k * j * i
+    factors = np.minimum(factors, volume.grid.size)
+    means = block_sums(array, factors[::-1], np.float32) / np.float32(factors.prod())
     to_volume = np.diag([*factors.astype(float), 1.0])
     to_volume[:3, 3] = (factors - 1) / 2
     return Volume(means, volume.ijk_to_reference @ to_volume)
@@ -169,7 +162,7 @@ def _in_blocks(volume: Volume, factors: Integers) -> Volume:
 class _Coarse:
     """The CT in blocks of some 2 mm, where shapes are told: body, table, contrast."""
 
-    def __init__(self, work: Volume, threshold: float, tissue: SoftTissuePeak):
+    def __init__(self, work: Volume, threshold: float, tissue: float):
         self._factors = np.maximum(np.round(COARSE / work.spacing), 1).astype(int)
         blocks = _in_blocks(work, self._factors)
         self._values: Singles = blocks.array.astype(np.float32)
@@ -221,9 +214,9 @@ class _Coarse:
                 (scipy.ndimage.mean, brightest),
             )
         )
-        above = mean - self._tissue.level
+        above = mean - self._tissue
         is_contrast = (volume >= LEAST_CONTRAST) & (mean < DENSEST_CONTRAST) & (spread < UNEVEN * above)
-        is_contrast &= shell - self._tissue.level < BRIGHTER * above
+        is_contrast &= shell - self._tissue < BRIGHTER * above
         found = np.isin(labels, numbers[is_contrast])
         return scipy.ndimage.binary_dilation(found, np.ones((3, 3, 3), bool), iterations=3, mask=dense | found) if found.any() else found
 
@@ -239,11 +232,11 @@ def _pieces(candidate: Mask, cubic: float) -> Mask | None:
     return kept
 
 
-def _trim(bone: Mask, values: Singles, tissue: SoftTissuePeak, spacing: Floats) -> None:
+def _trim(bone: Mask, values: Singles, tissue: float, spacing: Floats) -> None:
     """Take off the voxels at the surface that are less than halfway from soft tissue to the densest bone beside them."""
     reach = 2 * np.maximum(np.round(BRIGHTEST_WITHIN / spacing[::-1]), 1).astype(int) + 1
-    densest = np.minimum(scipy.ndimage.maximum_filter(np.where(bone, values, np.float32(tissue.level)), tuple(reach)), BRIGHTEST)
-    less = values < (densest + tissue.level) / 2
+    densest = np.minimum(scipy.ndimage.maximum_filter(np.where(bone, values, np.float32(tissue)), tuple(reach)), BRIGHTEST)
+    less = values < (densest + tissue) / 2
     for _ in range(2):
         edge = bone & ~scipy.ndimage.binary_erosion(bone, border_value=1)
         bone &= ~(edge & less)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ...arrays import Floats, Numbers
@@ -33,21 +31,8 @@ DENSE, MOST_DENSE = 600.0, 0.25
 _STEP = 4.0
 
 
-@dataclass(frozen=True)
-class SoftTissuePeak:
-    """The peak of soft tissue in the histogram of a CT."""
-
-    level: float  #: HU
-    spread: float  #: HU, the standard deviation of its upper side: noise, and what differs between tissues
-
-    @property
-    def threshold(self) -> float:
-        """HU above which voxels are dense enough for bone."""
-        return round(min(self.level + max(ABOVE_SOFT, SIGMAS * self.spread), HIGHEST))
-
-
-def soft_tissue(values: Numbers) -> SoftTissuePeak:
-    """The peak of soft tissue among the values of a CT [k, j, i].
+def soft_tissue(values: Numbers) -> tuple[float, float]:
+    """The peak of soft tissue among the values of a CT [k, j, i], and above what voxels are dense enough for bone, HU.
 
     Raises GeometryError when they are no Hounsfield units: nothing is below fat, or most of what is no air is no soft tissue.
     """
@@ -69,10 +54,11 @@ def soft_tissue(values: Numbers) -> SoftTissuePeak:
     return _peak(middles, counts.astype(np.float64))
 
 
-def _peak(middles: Floats, counts: Floats) -> SoftTissuePeak:
+def _peak(middles: Floats, counts: Floats) -> tuple[float, float]:
     smooth = np.convolve(counts, np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9, "same")
     within = (middles > SOFT[0]) & (middles < SOFT[1])
     top = int(np.flatnonzero(within)[smooth[within].argmax()])
     below = np.flatnonzero(smooth[top:] < smooth[top] / 2)
     half = (int(below[0]) if len(below) else 1) * _STEP
-    return SoftTissuePeak(float(middles[top]), half / 1.177)
+    level, spread = float(middles[top]), half / 1.177  # standard deviation of its upper side: noise, and what differs between tissues
+    return level, round(min(level + max(ABOVE_SOFT, SIGMAS * spread), HIGHEST))

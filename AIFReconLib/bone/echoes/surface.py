@@ -34,7 +34,12 @@ from ...sweep.multi_sweep import sweeps_of
 from ..map import BoneMap
 from .found import SweepEchoes
 from .search import sweep_echoes
-from .sums import SPACING, CubeSums, cubes_of
+
+SPACING = 1.0
+"""mm between the middles of cubes, which lie at whole multiples of it in Reference: all sums have the same cubes."""
+
+HALF, ACROSS = 2**20, 2**21
+"""Cubes on either side of the origin of Reference, and in all: how their numbers are made up."""
 
 LEAST_SCORE = 0.35
 """From which echoes take part: those of many frames bear each other out, so that weaker ones count than in a registration."""
@@ -171,7 +176,7 @@ class EchoSurface:
     def __init__(self) -> None:
         self._new: deque[SweepEchoes] = deque()
         self._adding = threading.Lock()
-        self._shown, self._crossed = CubeSums(13), CubeSums(2)
+        self._shown, self._crossed = _CubeSums(13), _CubeSums(2)
         self._changed: list[Integers] = []
 
     def add(self, echoes: SweepEchoes) -> None:
@@ -332,3 +337,53 @@ def _blurred(voxels: Integers, values: Floats, shape: tuple[int, ...], sigma: fl
     sums = np.bincount(voxels, values, int(np.prod(shape))).astype(np.float64).reshape(shape)
     blurred: Floats = scipy.ndimage.gaussian_filter(sums, sigma / SPACING, mode="constant", truncate=CUT_OFF)
     return blurred
+
+
+def cubes_of(points: Floats) -> Integers:
+    """The cubes (n, 3) that points (n, 3), mm in Reference, lie in."""
+    cubes: Integers = np.clip(np.rint(points / SPACING), -HALF, HALF - 1).astype(np.int64)
+    return cubes
+
+
+class _CubeSums:
+    """What is kept of a scan, however long it lasts: sums of `many` values in each cube that has any; memory goes with these."""
+
+    def __init__(self, many: int):
+        self._numbers, self._sums = np.empty(0, np.int64), np.empty((many, 0))
+
+    def add(self, cubes: Integers, values: Floats) -> None:
+        """Add values (many, n) in cubes (n, 3)."""
+        numbers, of = np.unique(_numbers(cubes), return_inverse=True)
+        sums = np.stack([np.bincount(of.reshape(-1), each, len(numbers)) for each in values])
+        at = np.searchsorted(self._numbers, numbers)
+        known = np.append(self._numbers, -1)[at] == numbers
+        self._sums[:, at[known]] += sums[:, known]
+        self._numbers = np.insert(self._numbers, at[~known], numbers[~known])
+        self._sums = np.insert(self._sums, at[~known], sums[:, ~known], axis=1)
+
+    @property
+    def cubes(self) -> Integers:
+        """All that have sums, (n, 3)."""
+        return _cubes(self._numbers)
+
+    def within(self, low: Integers, high: Integers) -> tuple[Integers, Floats]:
+        """The cubes (n, 3) from `low` to `high` that have sums, and these (many, n)."""
+        first, last = np.searchsorted(self._numbers, _numbers(np.stack([low, high])))
+        some = slice(first, last + 1)
+        cubes = _cubes(self._numbers[some])
+        inner = np.all((cubes >= low) & (cubes <= high), axis=1)
+        return cubes[inner], self._sums[:, some][:, inner]
+
+
+def _numbers(cubes: Integers) -> Integers:
+    """One number for each cube (n, 3), in the order of arrays [k, j, i]."""
+    i, j, k = cubes.T + HALF
+    numbers: Integers = (k * ACROSS + j) * ACROSS + i
+    return numbers
+
+
+def _cubes(numbers: Integers) -> Integers:
+    """The cubes (n, 3) with these numbers."""
+    rest, i = np.divmod(numbers, ACROSS)
+    cubes: Integers = np.stack([i, rest % ACROSS, rest // ACROSS], axis=1) - HALF
+    return cubes

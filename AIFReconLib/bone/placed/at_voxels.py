@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from ...arrays import Floats, Integers, Matrix, Singles
 from ...machine.threads import optional_module
@@ -40,10 +40,10 @@ class BoneAtVoxels:
             return self._at(voxels, everywhere)
         probability, directions = np.empty(voxels.size, np.float32), np.empty((voxels.size, 3), np.float32)
         box = coordinates.shape, coordinates.planes, coordinates.rows, coordinates.columns
-        slopes, occupied = self.all_slopes if everywhere else self.slopes, self.occupied if everywhere else None
+        slopes = self.all_slopes if everywhere else self.slopes
         arrays = self.map_probability.reshape(-1), self.potential, self.to_reference
         slopes = None if slopes is None else slopes.reshape(-1)
-        fast.look_up(arrays, slopes, box, (coordinates.starts, coordinates.matrix), voxels, occupied, (probability, directions))
+        fast.look_up(arrays, slopes, box, (coordinates.starts, coordinates.matrix), voxels, everywhere, (probability, directions))
         return probability, directions
 
     def _at(self, voxels: Integers, everywhere: bool) -> tuple[Singles, Singles]:
@@ -64,47 +64,16 @@ class BoneAtVoxels:
 
     @cached_property
     def all_slopes(self) -> Singles:
-        """Slopes, (3, k, j, i), as an array: 0 where the grid does not reach."""
+        """Slopes, (3, k, j, i), as an array."""
         if self.slopes is not None:
             return self.slopes
-        shape = self.potential.shape
-        slopes = np.zeros((3, *shape), np.float32)
-        near = self.coordinates.reached(shape)
-        # With a voxel more on each side, which the gradient looks at; at the border of the map there is none
-        wider = tuple(slice(max(s.start - 1, 0), s.stop + 1) for s in near)
-        within = tuple(slice(s.start - w.start, s.stop - w.start) for s, w in zip(near, wider, strict=True))
-        if all(s.stop > s.start for s in near):
-            for axis in range(3):
-                slopes[(axis, *near)] = scipy.ndimage.sobel(self.potential[wider], axis=2 - axis, mode="nearest")[within]
-        return slopes
-
-    @cached_property
-    def occupied(self) -> NDArray[np.int32]:
-        """Where anything of the map is not 0, (planes + 1, rows + 1, 2) int32: at [k + 1, j + 1], the first i and the last of these places.
-
-        Voxels between k and k + 1, j and j + 1, i and i + 1 are made of nothing else; none where the last is below the first.
-        """
-        planes, rows, columns = self.map_probability.shape
-        first, last = np.full((planes + 2, rows + 2), columns, np.int32), np.full((planes + 2, rows + 2), -2, np.int32)
-        for k in range(planes):
-            some = self.map_probability[k] != 0
-            for rise in self.all_slopes[:, k]:
-                some |= rise != 0
-            any_there = np.flatnonzero(some.any(axis=1))
-            first[k + 1, any_there + 1] = some.argmax(axis=1)[any_there] - 1
-            last[k + 1, any_there + 1] = columns - 1 - some[:, ::-1].argmax(axis=1)[any_there]
-        for ends, pick in ((first, np.minimum), (last, np.maximum)):
-            pick(ends[:-1], ends[1:], out=ends[:-1])
-            pick(ends[:, :-1], ends[:, 1:], out=ends[:, :-1])
-        return np.stack([first[:-1, :-1], last[:-1, :-1]], axis=-1)
+        return np.stack([scipy.ndimage.sobel(self.potential, axis=2 - axis, mode="nearest") for axis in range(3)])
 
     @cached_property
     def overlaps(self) -> bool:
         """Whether there is any bone on the part of the grid at all."""
-        planes, rows, columns = self.coordinates.shape
-        plane = np.arange(rows * columns)
-        # Far apart first: where there is bone, one of the first planes has some
-        numbers = sorted(range(*self.coordinates.planes), key=lambda k: (-(k & -k) if k else -planes, k))
+        plane = np.arange(math.prod(self.coordinates.shape[1:]))
+        numbers = np.random.default_rng(0).permutation(np.arange(*self.coordinates.planes))
         return any(bool(self.at(k * plane.size + plane)[0].any()) for k in numbers)
 
 

@@ -63,16 +63,6 @@ class MapCoordinates:
         inside: Mask = np.logical_and.reduce([(at >= first) & (at < stop) for at, (first, stop) in pairs])
         return inside
 
-    def reached(self, shape: tuple[int, ...]) -> tuple[slice, slice, slice]:
-        """The part of a map of this shape, [k, j, i], between whose voxels those of the grid lie."""
-        if self.planes[0] == self.planes[1]:
-            return slice(0, 0), slice(0, 0), slice(0, 0)
-        ends = ((first, stop - 1) for first, stop in (self.planes, self.rows, self.columns))
-        corners = self.of_voxels(*np.meshgrid(*ends)).reshape(3, -1)
-        low, high = np.floor(corners.min(axis=1)) - 1, np.ceil(corners.max(axis=1)) + 2
-        k, j, i = (slice(*(int(min(max(end, 0), size)) for end in pair)) for *pair, size in zip(low, high, shape, strict=True))
-        return k, j, i
-
 
 def _overlap(to_source: Matrix, grid: VoxelGrid, source: VoxelGrid) -> tuple[Range, Range, Range] | None:
     """The box [k, j, i] of the grid outside of which the source and its rim of zeros have no voxel; None when they do not meet."""

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from ...arrays import Matrix
-from ...errors import GeometryError, TransformFileError
+from ...errors import FileFormatError, GeometryError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
 from ...remedies import NAME_THE_CALIBRATION
@@ -23,7 +23,7 @@ _ITK_MAGIC = "#Insight Transform File"
 def read_calibration(path: str | Path, name: TransformName | None = None) -> tuple[TransformName, Matrix]:
     """Name and matrix of a calibration, pixels to mm.
 
-    Raises TransformFileError or ConfigurationError when the file cannot be used.
+    Raises FileFormatError or ConfigurationError when the file cannot be used.
 
     Parameters
     ----------
@@ -40,21 +40,21 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
         names = [known for known in transforms if known == name or (name is None and known.source == IMAGE_FRAME)]
         if len(names) != 1:
             there = ", ".join(map(str, transforms)) or "none"
-            raise TransformFileError(
+            raise FileFormatError(
                 f"{path}: it must hold {name or f'one transform from {IMAGE_FRAME}'}; got {there}.",
                 NAME_THE_CALIBRATION,
                 example="ImageToProbe",
             )
         return names[0], transforms[names[0]].matrix
     name = name or TransformName(IMAGE_FRAME, "Probe")
-    text = read_bytes(path, MAXIMUM_BYTES, TransformFileError).decode("utf-8-sig", errors="replace").strip()
+    text = read_bytes(path, MAXIMUM_BYTES, FileFormatError).decode("utf-8-sig", errors="replace").strip()
     if suffix in (*HDF5_SUFFIXES, ".tfm") or text.startswith(_ITK_MAGIC):
         return name, read_transform(path)
     try:
         return name, as_matrix(parse_matrix(re.sub(r"[,;\[\]]", " ", text)), "calibration")
     except (NotANumberError, GeometryError) as error:
         why = str(error).rstrip(".")
-        raise TransformFileError(
+        raise FileFormatError(
             f"{path}: a calibration must be 16 numbers, row by row; {why}. Give those, a Plus configuration (.xml) or a Slicer "
             "transform (.tfm)."
         ) from None

@@ -12,7 +12,7 @@ import numpy as np
 import SimpleITK as sitk
 
 from ...arrays import Matrix
-from ...errors import GeometryError, OutputError, TransformFileError
+from ...errors import FileFormatError, GeometryError, OutputError
 from ...geometry.transforms import as_matrix, invert, ras_to_lps
 from ..disk.atomic import atomic_output
 from ..disk.itk import itk_path, itk_reads
@@ -41,32 +41,32 @@ def read_transform(path: str | Path) -> Matrix:
 
     Raises
     ------
-    TransformFileError
+    FileFormatError
         When the file is damaged, or the transform is not linear, not 3D or not invertible.
     """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in _SUFFIXES:
-        raise TransformFileError(f"{path}: its suffix must be one of {', '.join(_SUFFIXES)}. Save the transform from Slicer as one.")
-    data = read_bytes(path, None, TransformFileError)
+        raise FileFormatError(f"{path}: its suffix must be one of {', '.join(_SUFFIXES)}. Save the transform from Slicer as one.")
+    data = read_bytes(path, None, FileFormatError)
     if not data.startswith(_MAGIC[suffix]):
-        raise TransformFileError(f"{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.")
+        raise FileFormatError(f"{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.")
     if suffix in TEXT_SUFFIXES:
         _, *parts = data.split(b"\nTransform:")
         if len(parts) > 1 and b"CompositeTransform" not in data:
-            raise TransformFileError(f"{path}: the transform must be one, or several in a composite; got {len(parts)}. Save one of them.")
+            raise FileFormatError(f"{path}: the transform must be one, or several in a composite; got {len(parts)}. Save one of them.")
         if parts and b"\nFixedParameters:" not in parts[-1]:
-            raise TransformFileError(f"{path}: the transform is cut short. Save it from Slicer again.")
-    with itk_reads(path, TransformFileError, "Save the transform from Slicer again.") as name:
+            raise FileFormatError(f"{path}: the transform is cut short. Save it from Slicer again.")
+    with itk_reads(path, FileFormatError, "Save the transform from Slicer again.") as name:
         transform = sitk.ReadTransform(name)
     if transform.GetDimension() != 3:
-        raise TransformFileError(f"{path}: the transform must be 3D; got {transform.GetDimension()} dimensions. Give a 3D transform.")
+        raise FileFormatError(f"{path}: the transform must be 3D; got {transform.GetDimension()} dimensions. Give a 3D transform.")
     if not transform.IsLinear():
-        raise TransformFileError(f"{path}: the transform must be linear; got {transform.GetName()}. Give a rigid or affine registration.")
+        raise FileFormatError(f"{path}: the transform must be linear; got {transform.GetName()}. Give a rigid or affine registration.")
     try:
         return ras_to_lps(invert(as_matrix(_matrix_of(transform), "transform")))
     except GeometryError as error:
-        raise TransformFileError(f"{path}: the transform cannot be used. {error} Save the transform from Slicer again.") from error
+        raise FileFormatError(f"{path}: the transform cannot be used. {error} Save the transform from Slicer again.") from error
 
 
 def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
@@ -90,7 +90,7 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
         try:
             sitk.WriteTransform(transform, itk_path(temporary, OutputError))
             written = read_transform(temporary)
-        except (RuntimeError, TransformFileError) as error:  # SimpleITK does not notice that a disk is full
+        except (RuntimeError, FileFormatError) as error:  # SimpleITK does not notice that a disk is full
             raise OutputError(
                 f"Cannot write {path}: the file came out incomplete. Check that the disk is not full, or choose another path."
             ) from error

@@ -20,7 +20,7 @@ from AIFReconLib.bone.network.model import OnnxModel
 from AIFReconLib.bone.predicted_bone import bone_from_frames
 from AIFReconLib.bone.scan_line_reader import ScanLineReader
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import ModelError
+from AIFReconLib.errors import FileFormatError
 from AIFReconLib.sweep.frames import TrackedFrame
 
 SWEEP = PlaneSweep(count=4)
@@ -145,7 +145,7 @@ def of_nan(path):
 def test_what_is_no_model_of_bone_is_refused_in_a_sentence(tmp_path, make, sentence):
     path = tmp_path / "model.onnx"
     make(path)
-    with pytest.raises(ModelError, match=sentence) as refusal:
+    with pytest.raises(FileFormatError, match=sentence) as refusal:
         OnnxModel(path)
     assert "\n" not in str(refusal.value)
 
@@ -155,28 +155,28 @@ def test_what_is_no_model_of_bone_is_refused_in_a_sentence(tmp_path, make, sente
     [
         ("{", "this is no JSON"),
         ("[]", "must be an object"),
-        ('{"colour": 1}', "colour is not known"),
-        ('{"input_size": [0, 5]}', "input_size must be two whole numbers"),
+        ('{"colour": 1}', "colour is not known. Write an object with input_size, mean"),
+        ('{"input_size": [0, 5]}', "input_size must be at least 1; got 0"),
         ('{"input_size": [16, 16]}', "input is 1 x 1 x 8 x 8, and input_size of model.json says 16 x 16"),
-        ('{"std": 0}', "std must be above 0"),
-        ('{"std": [1, 2]}', "std must be a number, or three"),
+        ('{"std": 0}', "std must be at least 1e-09"),
+        ('{"std": [1, 2]}', "std must be one number or three"),
         ('{"std": [1, 2, 3]}', "must be one number, or 1"),
-        ('{"mean": 1e400}', "mean must be a number"),
+        ('{"mean": 1e400}', "mean must be one number or three"),
         ('{"output": "heat"}', "output must be one of logits, probability, classes"),
-        ('{"bone_class": -1}', "bone_class must be the number of a channel"),
+        ('{"bone_class": -1}', "bone_class must be at least 0"),
         ('{"output": "classes", "bone_class": 1}', "has no class 1 of several"),
     ],
 )
 def test_a_description_that_does_not_fit_is_refused(tmp_path, description, sentence):
     path = model_in(tmp_path, scaling(shape=(1, 1, 8, 8)))
     path.with_suffix(".json").write_text(description)
-    with pytest.raises(ModelError, match=sentence):
+    with pytest.raises(FileFormatError, match=sentence):
         OnnxModel(path)
 
 
 def test_logits_that_pass_for_probabilities_are_refused_with_the_frame(tmp_path):
     path = model_in(tmp_path, scaling(9.0), output="probability")
-    with pytest.raises(ModelError, match="in frame 7, which is no probability"):
+    with pytest.raises(FileFormatError, match="in frame 7, which is no probability"):
         OnnxModel(path).estimate(TrackedFrame(GRAY, np.eye(4), number=7))
 
 

@@ -10,8 +10,7 @@ import pytest
 from seen_planes import IMAGING, PlaneSweep
 
 from AIFReconLib.bone.echoes.found import SweepEchoes
-from AIFReconLib.bone.echoes.sums import HALF, CubeSums, cubes_of
-from AIFReconLib.bone.echoes.surface import EchoSurface, surface_of
+from AIFReconLib.bone.echoes.surface import HALF, EchoSurface, _CubeSums, cubes_of, surface_of
 from AIFReconLib.bone.predicted_bone import PointsOfFrames
 from AIFReconLib.bone.predictions import Prediction
 from AIFReconLib.errors import GeometryError
@@ -45,7 +44,7 @@ def test_sums_in_cubes_are_those_of_a_loop_whatever_their_order():
     expected: dict = defaultdict(lambda: np.zeros(2))
     for cube, value in zip(cubes, values.T):
         expected[tuple(cube)] += value
-    sums = CubeSums(2)
+    sums = _CubeSums(2)
     for first in range(0, 400, 37):
         sums.add(cubes[first : first + 37], values[:, first : first + 37])
     found, of = sums.within(np.array([-2, -3, -1]), np.array([3, 0, 2]))

@@ -10,7 +10,7 @@ from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
 from AIFReconLib.bone.field import BoneField
-from AIFReconLib.calibration.echoes import Correction, ImagedEchoes, PlaneTrack, _angles
+from AIFReconLib.calibration.echoes import Correction, ImagedEchoes, _angles, _PlaneTrack
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.simulation.anatomy import LumbarAnatomy, LumbarPhantom, make_lumbar_phantom
 from AIFReconLib.simulation.scan import random_rigid
@@ -67,7 +67,7 @@ def made_echoes(angles=ANGLES, seed: int = 0, noise: float = 0.1) -> ImagedEchoe
         every,
         np.zeros(len(planes), dtype=np.int64),
         _angles(every),
-        (PlaneTrack(stamps, every),),
+        (_PlaneTrack(stamps, every),),
         SPACING,
         (300, 250),
     )
@@ -83,7 +83,7 @@ def wrongly_calibrated(
         echoes,
         points=echoes.points * [*scale, 1.0],
         planes=late,
-        tracks=(PlaneTrack(echoes.times, late),),
+        tracks=(_PlaneTrack(echoes.times, late),),
         spacing=(echoes.spacing[0] * scale[0], echoes.spacing[1] * scale[1]),
     )
 

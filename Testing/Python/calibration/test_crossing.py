@@ -67,7 +67,7 @@ def test_where_no_start_leads_to_one_that_stands_out_nothing_is_written(true, mo
 def test_an_axis_that_was_taken_for_its_opposite_is_told(true, axes, turn):
     face = np.array([true.frame_size[0] / 2 * true.spacing[0], 0.0, 0.0])
     other_way = Correction(Rotation.from_euler("xyz", turn, degrees=True).as_matrix(), np.zeros(3), np.ones(2), 0.0, face)
-    found = calibrated(true.corrected(other_way), rough=True)
+    found = calibrated(true.moved(other_way.plane), rough=True)
     assert f"when {axes} to the opposite side" in (found.refusal or "")
     assert crossing_findings(found) == []
 

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 
-from AIFReconLib.calibration import calibration, crossing
+from AIFReconLib.calibration import crossing, mending
 from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.transform_graph import TransformName
 from AIFReconLib.io.plus.calibration import write_calibrated
@@ -79,7 +79,7 @@ def test_without_a_ct_crossing_frames_calibrate(patient, wrong, tmp_path, capsys
     new, report = tmp_path / "New.xml", tmp_path / "new.json"
     if sure:
         monkeypatch.setattr(crossing, "GAIN", 1.0)
-        monkeypatch.setattr(calibration, "HALVES_APART", 5.0)
+        monkeypatch.setattr(mending, "HALVES_APART", 5.0)
     words = [patient.sequence, "--config", wrong, "--output", new, "--report", report]
     assert main(["calibrate", *map(str, words), *(("--preview", str(tmp_path / "new.png")) if find_spec("matplotlib") else ())]) == (
         not sure

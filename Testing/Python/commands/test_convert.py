@@ -13,7 +13,7 @@ from late_sweeps import late_sweep, one_way
 from sweeps import rigid
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import TransformFileError
+from AIFReconLib.errors import FileFormatError
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.inspection.offset_estimate import estimate_time_offset
 from AIFReconLib.io.foreign.calibration import read_calibration
@@ -235,7 +235,7 @@ def test_of_a_configuration_the_calibration_of_the_image_is_taken(tmp_path):
 def test_a_configuration_of_two_calibrations_asks_which(tmp_path):
     path = xml(tmp_path / "c.xml")
     add_transform(path, "Image", "Needle")
-    with pytest.raises(TransformFileError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
+    with pytest.raises(FileFormatError, match="one transform from Image; got ImageToProbe, ImageToNeedle"):
         read_calibration(path)
     np.testing.assert_array_equal(read_calibration(path, TransformName("Image", "Needle"))[1], np.eye(4))
 

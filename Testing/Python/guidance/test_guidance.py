@@ -44,14 +44,14 @@ def test_a_patient_who_lies_elsewhere_is_told_the_same(here):
     there = told(ELSEWHERE)
     assert (there.levels == here.levels).mean() > 0.99
     np.testing.assert_allclose(there.colored.mesh.points_reference, here.colored.mesh.points_reference, atol=1e-4)
-    assert [step.words for step in there.advice.directions] == [step.words for step in here.advice.directions]
+    assert [step.words for step in there.advice.seen.directions] == [step.words for step in here.advice.seen.directions]
     np.testing.assert_allclose(there.advice.move.image_to_reference, ELSEWHERE @ here.advice.move.image_to_reference, atol=1e-6)
 
 
 def test_a_sweep_that_leaves_bone_out_gets_a_move_that_adds_some(here):
     assert here.problem is None
     assert here.advice.move.adds_cm2 > 0
-    assert set(here.advice.over) <= {1, 2}
+    assert set(here.advice.seen.over) <= {1, 2}
 
 
 def test_what_is_shown_crosses_to_a_program_that_has_not_loaded_scipy(here):

@@ -97,8 +97,8 @@ def test_a_next_move_comes(watching, frames):
     assert until(lambda: watch._advisor is not None)
     session.latest = LiveFrame(frames[0].image, frames[0].image_to_reference, timestamp=9.0, number=9)
     assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
-    assert watch.state.advice.directions
-    assert set(watch.state.advice.over) <= {1, 2}
+    assert watch.state.advice.seen.directions
+    assert set(watch.state.advice.seen.over) <= {1, 2}
 
 
 def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
@@ -108,7 +108,6 @@ def test_a_next_move_leads_to_places_that_were_not_seen(watching, frames):
     assert until(lambda: watch._advisor is not None)
     session.latest = replace(frames[0], number=9)
     assert until(lambda: watch.state.advice is not None and watch.state.advice.move is not None)
-    assert not watch.state.advice.is_of_bone
     assert watch.state.seen().move.adds_cm2 is None
     expected = of([*frames, frames[0]]).best_cosine
     assert until(lambda: np.array_equal(watch.state.best_cosine, expected, equal_nan=True))

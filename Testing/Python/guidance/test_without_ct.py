@@ -169,7 +169,8 @@ def test_the_next_move_leads_to_where_bone_may_go_on(bone, place):
     met = unrefuted(met_by(bone, poses))
     advice = Advisor(met, poses).advise(met, poses[-1])
     assert advice.move is not None
-    assert advice.over == ()
+    assert advice.seen is not None
+    assert advice.seen.over == ()
     there = np.linalg.inv(place) @ advice.move.image_to_reference
     points = transform_points(there, np.array([[*IMAGES.face_px, 0.0]]))
     assert points[0, 2] > 0.0

@@ -11,7 +11,7 @@ from sweeps import oblique_frames, sphere_bone, turned_grid
 from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion, PixelFilter
+from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
@@ -114,7 +114,7 @@ def test_arcs_outside_the_image_are_not_looked_at():
 
 
 def test_a_detected_fan_is_the_region_of_its_frame():
-    kept = PixelFilter(None, ImageRegion(fan=FAN, fan_detection=DETECTION)).entering(lit(-30, 20))
+    kept = ImageRegion(fan=FAN, fan_detection=DETECTION).entering(lit(-30, 20), None)
     angles = DETECTION.angles(lit(-30, 20), FAN)
     np.testing.assert_array_equal(kept, replace(FAN, angles_deg=angles).mask(201, 160))
 

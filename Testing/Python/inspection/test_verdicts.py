@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from AIFReconLib.calibration.check import CalibrationCheck
-from AIFReconLib.inspection.tracking_report import PoseJump, TrackingReport
+from AIFReconLib.inspection.tracking_report import TrackingReport, _PoseJump
 from AIFReconLib.inspection.verdicts import Level, Verdict, calibration_verdict, coverage_verdict, registration_verdict, tracking_verdict
 from AIFReconLib.message import Sentence, advised
 from AIFReconLib.registration.agreement import Agreement, LabelAgreement
 from AIFReconLib.remedies import CALIBRATE
 
-JUMP = PoseJump(11, 12, 34.0, 0.05)
+JUMP = _PoseJump(11, 12, 34.0, 0.05)
 
 
 def tracked(used=100, frames=100, jumps=0, speed=14.0) -> Verdict:

@@ -8,7 +8,7 @@ import SimpleITK as sitk
 from hdf5_samples import COMPRESSED_HDF5, OLDER_HDF5
 from volume_samples import noise_volume, oblique_matrix, refusal
 
-from AIFReconLib.errors import GeometryError, OutputError, TransformFileError
+from AIFReconLib.errors import FileFormatError, GeometryError, OutputError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.io.transform.files import read_transform, write_transform
 from AIFReconLib.io.volume.files import read_volume, write_volume
@@ -105,7 +105,7 @@ def test_every_linear_kind_of_itk_moves_points_as_itk_does(tmp_path, kind, last)
 
 def test_a_kind_that_simpleitk_does_not_have_is_refused(tmp_path):
     (tmp_path / "one.tfm").write_text("#Insight Transform File V1.0\n" + itk_text("CenteredEuler3DTransform", range(9), (0, 0, 0)))
-    assert "SimpleITK cannot read it" in refusal(tmp_path / "one.tfm", read_transform, TransformFileError)
+    assert "SimpleITK cannot read it" in refusal(tmp_path / "one.tfm", read_transform, FileFormatError)
 
 
 @pytest.mark.parametrize("content", [OLDER_HDF5, COMPRESSED_HDF5], ids=["older", "compressed"])
@@ -118,7 +118,7 @@ def test_hdf5_of_other_programs_is_read_as_simpleitk_reads_it(tmp_path, content)
 
 def test_a_cut_hdf5_is_refused(tmp_path):
     (tmp_path / "move.h5").write_bytes(COMPRESSED_HDF5[:2000])
-    assert "SimpleITK cannot read it" in refusal(tmp_path / "move.h5", read_transform, TransformFileError)
+    assert "SimpleITK cannot read it" in refusal(tmp_path / "move.h5", read_transform, FileFormatError)
 
 
 @pytest.mark.parametrize("suffix", [".tfm", ".txt", ".h5"])
@@ -158,7 +158,7 @@ def test_a_ct_placed_by_its_transform_lies_where_slicer_shows_it(tmp_path):
 )
 def test_a_transform_that_is_no_registration_is_refused(tmp_path, transform, expected):
     sitk.WriteTransform(transform, str(tmp_path / "move.h5"))
-    assert expected in refusal(tmp_path / "move.h5", read_transform, TransformFileError)
+    assert expected in refusal(tmp_path / "move.h5", read_transform, FileFormatError)
 
 
 @pytest.mark.parametrize(
@@ -178,11 +178,11 @@ def test_a_transform_that_is_no_registration_is_refused(tmp_path, transform, exp
 )
 def test_a_file_that_holds_no_transform_is_refused(tmp_path, name, content, expected):
     (tmp_path / name).write_bytes(content)
-    assert expected in refusal(tmp_path / name, read_transform, TransformFileError)
+    assert expected in refusal(tmp_path / name, read_transform, FileFormatError)
 
 
 def test_a_missing_transform_is_named(tmp_path):
-    assert "no such file" in refusal(tmp_path / "move.tfm", read_transform, TransformFileError)
+    assert "no such file" in refusal(tmp_path / "move.tfm", read_transform, FileFormatError)
 
 
 def test_a_singular_matrix_is_not_written(tmp_path):

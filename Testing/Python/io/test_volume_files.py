@@ -16,7 +16,7 @@ import SimpleITK as sitk
 from volume_samples import noise_volume, refusal
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.errors import OutputError, TransformFileError
+from AIFReconLib.errors import FileFormatError, OutputError
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.transform.files import read_transform, write_transform
@@ -298,7 +298,7 @@ def test_reading_bad_files_prints_nothing(tmp_path, capfd):
     refusal(tmp_path / "volume.mha")
     write_transform(np.eye(4), tmp_path / "move.h5")
     (tmp_path / "move.h5").write_bytes((tmp_path / "move.h5").read_bytes()[:2000])
-    refusal(tmp_path / "move.h5", read_transform, TransformFileError)
+    refusal(tmp_path / "move.h5", read_transform, FileFormatError)
     assert capfd.readouterr() == ("", "")
 
 

@@ -12,7 +12,7 @@ from files import tracked_sequence
 
 from AIFReconLib import __version__
 from AIFReconLib.effective_settings import asked_imaging, imaging_fields
-from AIFReconLib.errors import SettingsFileError
+from AIFReconLib.errors import FileFormatError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
@@ -61,7 +61,7 @@ BAD = {
 def test_a_file_that_cannot_be_used_is_refused_with_its_name_and_what_is_wrong(name, text, said, tmp_path):
     path = tmp_path / name
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    with pytest.raises(SettingsFileError, match=said) as refusal:
+    with pytest.raises(FileFormatError, match=said) as refusal:
         read_settings(path)
     assert len(str(refusal.value)) < len(str(tmp_path)) + 300
 
@@ -118,5 +118,5 @@ def test_what_python_makes_says_how(tmp_path):
 )
 def test_a_settings_file_that_would_take_minutes_is_refused_at_once(tmp_path, name, text, words):
     (tmp_path / name).write_text(text)
-    with pytest.raises(SettingsFileError, match=words):
+    with pytest.raises(FileFormatError, match=words):
         read_settings(tmp_path / name)
