@@ -37,7 +37,6 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     paths : sequence of str or Path
         Pictures, DICOM or MetaImage files, or a folder of them; or one video, multi-frame DICOM file or .npy array (frames, rows, columns).
     """
-    _refuse_recordings([Path(path) for path in paths])
     files = _listed([Path(path) for path in paths])
     suffixes = {path.suffix.lower() for path in files}
     kind = next((k for k in _KINDS if suffixes <= set(k[0])), None)
@@ -62,6 +61,10 @@ def _listed(paths: list[Path]) -> list[Path]:
     known = {suffix for suffixes, _ in _KINDS for suffix in suffixes}
     files: list[Path] = []
     for path in paths:
+        kind = recording_kind(path)
+        if kind not in (None, METAFILES):
+            recording = f"{path}: this is {kind.name}, which holds images and their poses."
+            raise FileFormatError(recording, "It is read as it is: give it as the recording.")
         if path.is_dir():
             inside = sorted((file for file in files_in(path) if file.suffix.lower() in known), key=natural_order)
             if not inside:
@@ -73,15 +76,6 @@ def _listed(paths: list[Path]) -> list[Path]:
     if not files:
         raise FileFormatError("Input images must be at least one file. Name pictures, a folder, a video or a .npy file.")
     return files
-
-
-def _refuse_recordings(paths: list[Path]) -> None:
-    for path in paths:
-        kind = recording_kind(path)
-        if kind not in (None, METAFILES):
-            raise FileFormatError(
-                f"{path}: this is {kind.name}, which holds images and their poses.", "It is read as it is: give it as the recording."
-            )
 
 
 def _open_metaimages(files: list[Path]) -> ImportedImages:

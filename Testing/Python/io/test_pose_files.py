@@ -357,13 +357,14 @@ UR = (
         ("X,Y,Z,W,P,R\n1,2,3,0,0,90\n", ImportOptions(), rigid((0, 0, 90), (1, 2, 3))),
         ("1.0 0.001 0.002 0.003 0 0 0 1\n", ImportOptions(columns="tum"), rigid((0, 0, 0), (1, 2, 3))),
         ("9,1,0,2,3,4\n9,1,0,5,6,7\n", ImportOptions(columns="rz=3 x=4 y=5 z=6 rx=3 ry=3"), None),
+        ("1,2,3,4,5,6,7,8\n", ImportOptions(columns="x y z qx qy qz qw x"), None),
         (
             "u,v,w,p,q,r,s\n1,2,3,0,0,0,1\n",
             ImportOptions(columns="x=u y=v z=w qx=p qy=q qz=r qw=s"),
             rigid((0, 0, 0), (1, 2, 3)),
         ),
     ],
-    ids=["names in line 5", "RTDE", "Fanuc", "TUM", "a column twice", "by heading"],
+    ids=["names in line 5", "RTDE", "Fanuc", "TUM", "a column twice", "x twice", "by heading"],
 )
 def test_makers_and_named_columns(tmp_path, text, form, matrix):
     if matrix is None:

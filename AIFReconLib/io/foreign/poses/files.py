@@ -177,17 +177,17 @@ def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
         form = replace(form, **unsaid)
     if names is None and sheet.headings is None and sheet.width == 4:
         sheet = _in_single_rows(sheet)
-    columns = _columns(sheet, names, form, layout)
-    track, told, is_chosen = track_of(columns, sheet, form.tool, bool(layout))
+    columns, is_known = _columns(sheet, names, form, layout), "maker" in layout
+    track, told, is_chosen = track_of(columns, sheet, form.tool, is_known)
     sheet, told_rows = rows_of(track, sheet, None if is_chosen else form.tool)
     values = {role: sheet.numbers(place, role) for role, place in track.columns.items() if role not in _NO_NUMBERS}
     length = form.units or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
     matrices, how = poses_of(values, form, length or "mm", _unit(track, ANGLES), sheet.place)
-    of_patient = track_of(columns, sheet, form.reference_tool, bool(layout))[0].described if form.reference_tool else {}
+    of_patient = track_of(columns, sheet, form.reference_tool, is_known)[0].described if form.reference_tool else {}
     left = [column for place, column in enumerate(columns) if place not in {*track.described, *of_patient} and column.heading != "-"]
     unused = in_words_of_the_table(left)
     another = WHICH_MARKER if is_chosen and not form.reference_tool else ""
-    understood = [f"{len(matrices)}, {how}", *([f"as {layout['maker']} writes"] if "maker" in layout else []), *told, *told_rows]
+    understood = [f"{len(matrices)}, {how}", *([f"as {layout['maker']} writes"] if is_known else []), *told, *told_rows]
     understood += [f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else []
     understood += [Sentence(f"not used: {unused}", another)] if unused else []
     taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
@@ -237,8 +237,8 @@ def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, lay
     for heading, words in zip(headings, above):
         words = tuple(word for word in words if word not in common)
         column = replace(column_of(heading, words), above=words)
-        role, _, known = layout.get("headings", {}).get(plain_word(heading), "").partition(":")
-        columns.append(replace(column, role=role, unit=known or column.unit, words=(role,)) if role else column)
+        role = layout.get("headings", {}).get(plain_word(heading))
+        columns.append(replace(column, role=role, words=(role,)) if role else column)
     return in_blocks(columns, sheet, layout["starts"]) if "starts" in layout else columns
 
 

@@ -95,11 +95,8 @@ def in_words_of_the_table(columns: Collection[Column]) -> str:
 def layout_of(headings: Sequence[str], above: Sequence[Sequence[str]]) -> dict[str, Any]:
     """The layout of the maker whose headings, or words above them, these are; empty where it is nobody's."""
     plain, title = set(map(plain_word, headings)), {cell for cells in above for cell in cells}
-    for maker in TABLES["makers"]:
-        if maker.get("above") in title or ("needs" in maker and plain.issuperset(maker["needs"].split())):
-            layout: dict[str, Any] = maker
-            return layout
-    return {}
+    known = (m for m in TABLES["makers"] if m.get("above") in title or ("needs" in m and plain.issuperset(m["needs"].split())))
+    return next(known, {})
 
 
 def plain_word(heading: str) -> str:

@@ -66,8 +66,16 @@ def poses_of(values: Mapping[str, Floats], form: ImportOptions, length: str, ang
     turns = np.stack([values[name] for name in fields], axis=1)
     good = np.asarray(np.isfinite(np.hstack([places, turns])).all(axis=1))
     if len(fields) > 3:
-        good = good & turns.any(axis=1)  # a quaternion of zeros
-        rotations, how = (_of_nine if len(fields) == 9 else _of_quaternion)(fields, turns, good, form, place)
+        good &= turns.any(axis=1)  # zeros stand for no pose
+    if fields == COUNTED_TURN and form.column_major is None:
+        raise SettingsError(
+            "Nine numbers of a rotation can run along its rows or its columns.", "Say whether they run column by column ({column_major})."
+        )
+    if len(fields) == 9:
+        rotations = turns[good].reshape(-1, 3, 3)
+        rotations, how = rotations.transpose(0, 2, 1) if form.column_major else rotations, f"3x3 rotation, {_lines(form)}"
+    elif len(fields) == 4:
+        rotations, how = _of_quaternion(fields, turns, good, form, place)
     else:
         rotations, how = _of_angles(fields, values, good, form, angle)
     poses = np.full((len(places), 4, 4), np.nan)
@@ -78,15 +86,6 @@ def poses_of(values: Mapping[str, Floats], form: ImportOptions, length: str, ang
 
 def _lines(form: ImportOptions) -> str:
     return "column by column" if form.column_major else "row by row"
-
-
-def _of_nine(fields: tuple[str, ...], turns: Floats, good: Mask, form: ImportOptions, _place: _Place) -> tuple[Floats, str]:
-    if fields == COUNTED_TURN and form.column_major is None:
-        raise SettingsError(
-            "Nine numbers of a rotation can run along its rows or its columns.", "Say whether they run column by column ({column_major})."
-        )
-    rotations = turns[good].reshape(-1, 3, 3)
-    return rotations.transpose(0, 2, 1) if form.column_major else rotations, f"3x3 rotation, {_lines(form)}"
 
 
 def _of_quaternion(fields: tuple[str, ...], turns: Floats, good: Mask, form: ImportOptions, place: _Place) -> tuple[Floats, str]:

@@ -89,7 +89,7 @@ class Sheet:
             return self.cells
         for number, row in enumerate(self.cells):
             if not _fits(row, self.width):
-                raise FileFormatError(f"{self._place(number)} must have {self.width} columns; got {len(row)}. Export it again.")
+                raise FileFormatError(f"{self.place(number)} must have {self.width} columns; got {len(row)}. Export it again.")
         return library("pandas", "Tables of poses").DataFrame([row[: self.width] for row in self.cells], dtype=object)
 
     def __len__(self) -> int:
@@ -97,9 +97,7 @@ class Sheet:
 
     def place(self, number: int) -> str:
         """Where a row stands, in words."""
-        return self._place(int(self.frame.index[number]))
-
-    def _place(self, row: int) -> str:
+        row = number if isinstance(self.cells, list) else int(self.cells.index[number])
         return f"line {self.lines[row]} (frame {row})" if self.item == "line" else f"{self.item} {self.lines[row]}"
 
     def where(self, mask: Sequence[bool]) -> Sheet:
