@@ -65,7 +65,8 @@ class _Scene:
         if len(names) != 1:
             raise SequenceFormatError(f"{path}: it must hold one scene (.mrml); got {len(names)}. Save it from Slicer again.")
         self._base = PurePosixPath(names[0]).parent
-        self.nodes = {node.get("id", ""): node for node in parse_xml(Path(archive.extract(names[0], folder))).iter()}
+        root = parse_xml(Path(archive.extract(names[0], folder)))
+        self.nodes = {name: node for node in root.iter() if (name := node.get("id"))}
 
     def references(self, node: Element) -> dict[str, str]:
         """Ids of the first node in each role."""
