@@ -18,9 +18,10 @@ from typing import Any
 from ..compounding.methods.table import is_own_method
 from ..compounding.needs import require_bone
 from ..errors import AIFReconError, FileFormatError
-from ..io.disk.regular_files import require_regular_file
+from ..io.disk.regular_files import files_in, require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
+from ..io.sequence.files import recording_kind
 from ..message import said
 from ..terminal.arguments import with_values
 from ..terminal.labels_options import names_labels
@@ -203,6 +204,8 @@ class _Reading:
         named = [(column, path) for column, value in values.items() for path in _paths(value)]
         if SWEEPS not in values and SWEEPS in self._head:
             problems.append(_Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
+        # A recording may be a folder
+        named = [(column, file) for column, path in named for file in (_files_of(path) if column == SWEEPS else [path])]
         problems += [_Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
         files = [path for _, path in named]
         detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
@@ -253,6 +256,11 @@ def _paths(value: object) -> list[Path]:
     if isinstance(value, list | tuple):
         return [path for each in value for path in _paths(each)]
     return [value] if isinstance(value, Path) else []
+
+
+def _files_of(path: Path) -> list[Path]:
+    """The file of a recording, or those of one that is a folder."""
+    return files_in(path) if path.is_dir() and recording_kind(path) is not None else [path]
 
 
 def with_method(arguments: CaseOptions, method: str | None) -> CaseOptions:

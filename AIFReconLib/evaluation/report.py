@@ -14,6 +14,7 @@ import scipy
 from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import write_text
+from ..io.disk.regular_files import size_of
 from ..recipe.recipe import Recipe
 from .metrics import OBLIQUE_DEG
 from .quantities import NOT_KNOWN, OF_SURFACE, OF_VOLUME, PARTS, QUANTITIES, BoneMetrics, achieved, best_of, cell, what_counted
@@ -97,8 +98,8 @@ def software_versions() -> dict[str, str]:
 
 
 def file_sizes(paths: Iterable[Path | None]) -> tuple[tuple[str, int], ...]:
-    """Names and sizes (bytes) of files, for `Report.inputs`; None is passed over."""
-    return tuple((path.name, path.stat().st_size) for path in paths if path is not None)
+    """Names and sizes (bytes) of files and folders, for `Report.inputs`; None is passed over."""
+    return tuple((path.name, size_of(path)) for path in paths if path is not None)
 
 
 def write_report(path: str | Path, report: Report) -> None:

@@ -17,6 +17,7 @@ from ..compounding.methods.table import BONE_METHODS, is_own_method, method_name
 from ..compounding.state import Reconstruction
 from ..effective_settings import Imaging, imaging_fields
 from ..geometry.volume import Volume
+from ..io.disk.regular_files import size_of
 from ..message import listed
 from ..recipe.recipe import AUTOMATIC, KEPT, OF_READING, OF_REGION, RULES, Recipe
 from ..sweep.configuration import PlusConfiguration
@@ -211,7 +212,7 @@ def _inputs(fields: Mapping[str, str]) -> list[Mapping[str, object]]:
 
 def _named(path: Path) -> dict[str, object]:
     try:
-        return {"name": path.name, "bytes": path.stat().st_size}
+        return {"name": path.name, "bytes": size_of(path)}
     except OSError:  # it was there when it was read
         return {"name": path.name}
 

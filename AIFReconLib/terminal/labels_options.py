@@ -11,6 +11,7 @@ from ..bone.ct.from_ct import labels_from_ct
 from ..errors import SettingsError
 from ..geometry.labels import Labels
 from ..io.disk.regular_files import files_in
+from ..io.sequence.files import recording_kind
 from ..io.transform.files import read_transform
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import suffix_of
@@ -26,7 +27,7 @@ def looks_like_labels(word: str) -> bool:
     """Whether a word behind --bone-labels may be one more file of them."""
     path = Path(word)
     recording = any(mark in path.name.lower() for mark in (".igs.", ".seq."))
-    return path.is_dir() or (not recording and suffix_of(path) in LABEL_SUFFIXES)
+    return (path.is_dir() and recording_kind(path) is None) or (not recording and suffix_of(path) in LABEL_SUFFIXES)
 
 
 class LabelsOptions(Options):

@@ -46,7 +46,7 @@ def whyNotLoad(parameters) -> str:
     recording, configuration = fileFrom(parameters.recordingPath), fileFrom(parameters.configurationPath)
     if recording is None:
         return _("Choose a recording first.")
-    if not recording.is_file():
+    if not recording.exists():
         return _("There is no file {path}.").format(path=recording)
     if configuration is not None and not configuration.is_file():
         return _("There is no file {path}.").format(path=configuration)

@@ -70,7 +70,8 @@ def openFiles(parameters, paths, loadRecording, progress=None) -> str:
 
 def isReadAnew(parameters, kinds) -> bool:
     """Whether what is opened is a calibration of the recording that was opened before."""
-    return CONFIGURATION in kinds and RECORDING not in kinds and parameters.sweep is not None and parameters.recordingPath.is_file()
+    path = parameters.recordingPath
+    return CONFIGURATION in kinds and RECORDING not in kinds and parameters.sweep is not None and bool(path.name) and path.exists()
 
 
 def _placeCT(parameters) -> list[str]:

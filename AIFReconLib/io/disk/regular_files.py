@@ -51,6 +51,11 @@ def files_in(folder: Path, pattern: str = "*") -> list[Path]:
     return sorted(file for file in folder.glob(pattern) if file.is_file() and not file.name.startswith("."))
 
 
+def size_of(path: Path) -> int:
+    """Bytes of a file, or of the files in a folder."""
+    return sum(file.stat().st_size for file in (files_in(path) if path.is_dir() else [path]))
+
+
 def file_stamp(path: Path) -> tuple[int, int] | None:
     """`stamp` of the file at `path`; None where there is none."""
     try:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import pytest
 from files import write_patient
+from made_recordings import acquisition
 
 from AIFReconLib.batch.columns import Columns
 from AIFReconLib.batch.table import read_cases
 from AIFReconLib.commands.parser import parser_of
 from AIFReconLib.errors import FileFormatError
+from AIFReconLib.evaluation.report import file_sizes
 
 HEAD = "case,sweeps,config"
 ROW = "P1,sweep.igs.mha,PlusDeviceSet.xml"
@@ -102,3 +104,24 @@ def test_a_file_that_many_rows_name_is_looked_at_once(folder, monkeypatch):
     monkeypatch.setattr("AIFReconLib.batch.table._why_not_a_file", lambda path: looked.append(path))
     read(folder, "\n".join([HEAD, *(ROW.replace("P1", f"P{n}") for n in range(50))]))
     assert len(looked) == 2
+
+
+def test_a_recording_may_be_a_folder_whose_files_are_inputs(folder):
+    files = sorted(file.name for file in acquisition(folder / "acquired").iterdir())
+    (folder / "other").mkdir()
+    table = read(folder, "case,sweeps,bone_labels\nP1,acquired,\nP2,other,\nP3,acquired,acquired\n")
+    assert table.cases[0].problems == ()
+    assert [path.name for path in table.cases[0].inputs] == files
+    assert ["this is a folder" in str(problem) for problem in table.all_problems] == [True, True]
+
+
+def test_a_recording_behind_labels_is_no_folder_of_labels(folder, monkeypatch):
+    acquisition(folder / "behind")
+    monkeypatch.chdir(folder)
+    asked = parser_of("reconstruct").parse(["first.mha", "--bone-labels", ".", "behind", "--output", "v.nrrd"])
+    assert [path.name for path in asked.sequences] == ["first.mha", "behind"]
+
+
+def test_a_folder_is_as_large_as_its_files(folder):
+    made = acquisition(folder / "sized")
+    assert file_sizes([made]) == (("sized", sum(file.stat().st_size for file in made.iterdir())),)
