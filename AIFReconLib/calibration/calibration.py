@@ -48,7 +48,7 @@ class Calibration(Mending):
 
     @property
     def needed(self) -> bool:
-        """Whether it moves the echoes by more than it is sure of; else there is no need to change what was given."""
+        """Whether it moves echoes by more than it is sure of; else what was given needs no change."""
         return self.changed > self.uncertainty
 
     @property

@@ -73,7 +73,7 @@ def run(asked: _StartCalibrationOptions) -> None:
     write_text(
         output,
         f"""<PlusConfiguration version="2.9">
-  <!-- A matrix with an Error, in mm, was measured by hand; the one that aifrecon calibrate writes has none -->
+  <!-- A matrix with an Error (mm) was measured by hand; aifrecon calibrate takes the Error out -->
   <CoordinateDefinitions>
     <Transform From="Image" To="{tool}" Error="{ERROR:g}" Matrix="
 {rows}" />

@@ -16,8 +16,8 @@ from ..message import listed
 from .quantities import HEADINGS, NOT_KNOWN, OWN_BONE, QUANTITIES, spreadsheet_cell
 
 LEVEL, DRAWS, FEW, FEWEST = 0.95, 10_000, 10, 5
-"""Of the confidence intervals: their level, how many times cases are drawn anew, how many cases are enough, and the fewest of which one
-is told: of three it would be smallest and largest difference."""
+"""Of the confidence intervals: their level, how many times cases are drawn anew, how many cases are enough, and
+the fewest of which one is told: of three it would be smallest and largest difference."""
 
 MOST_BYTES = 2**28
 

@@ -43,7 +43,7 @@ _FOUND = ("found", "frames", "inputs", "grid_to_reference", "grid_size", "gray_l
 """What is found for each recording."""
 
 _LEFT_OUT = ("method", "engine", "frames", "inputs", "grid_to_reference", "gray_levels", "found", "simulated")
-"""What is told apart, or of no concern: where a box lies, the images' own levels, what computes the same voxels."""
+"""What is told apart, or of no concern: where a box lies, the images' own levels, the engine."""
 
 
 def made_in_words(name: str, settings: Mapping[str, object]) -> str:

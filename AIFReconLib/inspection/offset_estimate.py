@@ -44,7 +44,7 @@ LARGEST_COST = 0.85
 """Of the mean cost of all offsets: above it, no offset makes the images agree much better than any other."""
 
 STOOD = 0.5
-"""s that a tool must have stood still at first, and by which it must begin later or earlier than the images."""
+"""s that a tool must have stood still at first, and that it must begin apart from the images."""
 
 LEAST_SURE = 0.1
 """s. An estimate that is less sure than this is none."""
@@ -68,7 +68,7 @@ class OffsetEstimate:
     """s. Twice the standard error (jackknife over ten parts of the sweep), and not below half a step."""
     reason: str = ""  #: Why it cannot be told; "" otherwise
     begins_late: float | None = None
-    """s by which a tool that stood still at first begins to move after the images change; None where not seen, or near."""
+    """s by which a tool that stood still begins to move after the images change; None: not seen, or near."""
 
     @property
     def out_of_step(self) -> bool:
@@ -98,8 +98,8 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     Parameters
     ----------
     sequence : TrackedSequence
-        Images are read one at a time, `MOST_FRAMES` at most, and only when the sweep turns back on itself or first
-        stands still.
+        Images are read one at a time, `MOST_FRAMES` at most, and only when the sweep turns back on itself
+        or first stands still.
     poses : SweepPoses
         As `sweep_poses` finds them.
     """

@@ -89,7 +89,7 @@ def with_origin(
 ) -> Reconstruction:
     """A result as it was made, signed with its settings and inputs; see `kept_settings` and `signed`.
 
-    `found_width` says that the width of the bone map was not given. A header names what was found, and says what is simulated.
+    `found_width`: the width of the bone map was not given. A header names what was found or is simulated.
     """
     kept = kept_settings(asked, resolved, result, imaging, configuration)
     found = {"bone_sigma_mm": found_width, "hole_limit": asked.hole_limit == AUTOMATIC}

@@ -24,11 +24,11 @@ LARGEST_OFFSET = 10.0
 """s. More is a mistake in the unit."""
 
 BEGUN_MM, SPREAD, IN_STEP = 1.0, 30, 0.2
-"""mm by which a tool has begun to move, images that tell the usual change, and s that both may differ unsaid."""
+"""mm by which a tool has begun to move, images that tell the usual change, s that both may differ."""
 
 
 def first_change(images: ImageStack, numbers: Sequence[int], times: Floats) -> float | None:
-    """When images of these numbers show something else than at first: half of their median change; None: not seen."""
+    """When images of these numbers have changed by half of their median change; None where that is not seen."""
     first = np.asarray(images[numbers[0]], np.float32)
 
     def change(number: int) -> float:
