@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .bone.echoes.surface import bone_from_sweep as bone_from_sweep
     from .bone.map import BoneMap as BoneMap
     from .bone.predicted_bone import bone_from_masks as bone_from_masks
+    from .calibration.calibration import Calibration as Calibration
     from .calibration.calibration import calibrate as calibrate
     from .calibration.check import check_calibration as check_calibration
     from .calibration.crossing import calibrate_by_crossing as calibrate_by_crossing
@@ -68,6 +69,7 @@ __version__ = "0.1.0"
 _PUBLIC = {
     "AIFReconError": "errors",
     "BoneMap": "bone.map",
+    "Calibration": "calibration.calibration",
     "DisagreementWarning": "errors",
     "Fan": "imaging.region",
     "ClipRectangle": "imaging.region",

@@ -223,6 +223,7 @@ class _Work:
         self._arguments = with_values(arguments, **lies)
         self._numbers |= {
             **_agreement_numbers(found.agreement),
+            "registered": "yes",
             "registration_moved_mm": None if found.moved is None else float(found.moved),
         }
         if found.uncertain:

@@ -40,7 +40,7 @@ MEANS = {
     "oblique_": "of bone that beams hit at more than 45\N{DEGREE SIGN} at best",
     "interspinous_": "of the borders of the gaps between spinous processes",
 }
-"""What the parts of the bone are, by how the names of numbers begin; else it is all bone that beams could reach."""
+"""What the parts of the bone are, by how the names of numbers begin; else it is all bone that beams met."""
 
 DEFINITIONS = {
     "sweep_met": "Share of the bone within reach that a beam hit, as aifrecon coverage tells.",

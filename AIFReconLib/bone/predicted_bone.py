@@ -160,7 +160,7 @@ def bone_from_masks(
     Parameters
     ----------
     sequence : TrackedSequence or several in one Reference
-    masks : (frames, rows, columns) array, or one array for each frame
+    masks : (frames, rows, columns) or (frames, 1, rows, columns) array, or one array for each frame
         Where bone is: True, or from 0 to 1; 8 bit: 0 to 255. As large as the frames, or resized ones of all of them; a note warns of those
         of another shape.
     recipe : Recipe or None
@@ -169,6 +169,8 @@ def bone_from_masks(
     sequence = joined(sequence, recipe or Recipe())
     if len(masks) != len(sequence):
         raise GeometryError(f"Input masks must be one for each of {len(sequence)} frames, (frames, rows, columns); got {np.shape(masks)}.")
+    if np.shape(masks[0])[:-2] == (1,):
+        masks = [mask[0] for mask in masks]
     share = np.mean([np.mean(np.asarray(mask) > np.max(mask, initial=0) / 2) for mask in masks])
     if share > MOST_BONE:
         raise GeometryError(f"Input masks must be set where bone is; {share:.0%} of all pixels are. Turn them round if bone is 0.")

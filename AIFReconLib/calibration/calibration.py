@@ -44,7 +44,12 @@ class Calibration(Mending):
     given: Solved  #: The CT's place by the calibration as given
 
     def _facts(self) -> list[tuple[str, str]]:
-        return [("accepted", str(self.accepted)), ("held", listed(named(self.held)) or "nothing")]
+        return [("accepted", str(self.accepted)), ("needed", str(self.needed)), ("determined", listed(named(self.held)) or "nothing")]
+
+    @property
+    def needed(self) -> bool:
+        """Whether it moves echoes by more than it is sure of; else what was given needs no change."""
+        return self.changed > self.uncertainty
 
     @property
     def echoes_on_bone(self) -> tuple[Floats, Floats]:
@@ -164,7 +169,7 @@ def findings(found: Calibration) -> list[str]:
     if found.accepted:
         within = f"image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median"
         lines.append(f"{within}; the change is {found.changed:.1f} mm")
-        if found.changed <= found.uncertainty:
+        if not found.needed:
             lines.append("the calibration as given agrees with this sweep: there is no need to change it")
     return [*lines, *found.lines()]
 

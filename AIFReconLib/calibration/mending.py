@@ -29,7 +29,7 @@ HALVES_APART = 0.8
 """mm. Farther apart the calibrations of two halves of a sweep do not tell the same."""
 
 LATE = 0.005
-"""s of a delay that is worth to be told, where its deviation is not known."""
+"""s of a delay that is worth another import."""
 
 MOVEMENTS = {
     "there and back": ("delay",),
@@ -87,7 +87,7 @@ class Mending(Judged):
             within = "" if np.isnan(deviation) else f", give or take {deviation:.2f}"
             lines += [f"{name}: {value:+.2f} {unit}{within}"] if held else []
         delay = self.correction.delay
-        if self.held[-1] and abs(delay) > np.nan_to_num(2 * self.deviation[-1], nan=LATE):
+        if self.held[-1] and abs(delay) > np.fmax(2 * self.deviation[-1], LATE):
             lines.append(Sentence("the delay is not part of a calibration.", ADD_TIME_OFFSET, offset=f"{delay:.3f}"))
         return [*lines, *([self.advice] if self.advice else [])]
 

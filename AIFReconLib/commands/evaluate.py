@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from ..errors import SettingsError
-from ..evaluation.cases import FEW, LEVEL, CaseNumbers
+from ..evaluation.cases import FEW, FEWEST, LEVEL, CaseNumbers
 from ..evaluation.figures import ComparisonFigure, require_matplotlib, within_spinous_process
 from ..evaluation.paragraph import methods_paragraph, unlike_settings
 from ..evaluation.quantities import BoneMetrics, achieved, hardly_shown, metrics_csv, table, what_counted
@@ -147,7 +147,7 @@ def _over_cases(asked: _EvaluateOptions) -> None:
     print(f"{cases} cases: mean \N{PLUS-MINUS SIGN} standard deviation\n{columns(means)}")
     print(f"\nminus {against}: mean of paired differences [{LEVEL:.0%} confidence interval, bootstrap over cases]\n{columns(differences)}")
     if cases < FEW:
-        print(f"\n  Of fewer than {FEW} cases such intervals are too narrow.")
+        print(f"\n  Of fewer than {FEW} cases such intervals are too narrow, and of fewer than {FEWEST} there is none.")
     if found.own_bone:
         print(f"\n  {OWN.format(listed(sorted(found.own_bone)))}")
     unlike = unlike_settings(found.volumes)
@@ -159,9 +159,9 @@ def _over_cases(asked: _EvaluateOptions) -> None:
         firsts = {name: next(iter(paths.items())) for name, paths in found.volumes.items()}
         made = {name: made_by(read_volume(path)) if path.is_file() else {} for name, (_, path) in firsts.items()}
         first = listed(dict.fromkeys(case for case, _ in firsts.values()))
-        told = f"Settings are those of {first}: widths, limits and boxes that are found differ from case to case."
-        told = " ".join([told, *(f"Not alike in all cases: {each}." for each in unlike)])
-        write_text(asked.methods, methods_paragraph(made, told if any(made.values()) else "", sorted(found.own_bone), cases))
+        settings = f"Settings are those of {first}: what was found may differ from case to case." if any(made.values()) else ""
+        told = " ".join([settings, *(f"Not alike in all cases: {each}." for each in unlike), found.registration_in_words()])
+        write_text(asked.methods, methods_paragraph(made, told.strip(), sorted(found.own_bone), cases))
     for path in filter(None, (asked.csv, asked.methods)):
         print(f"  wrote {path}")
 

@@ -73,7 +73,7 @@ def run(asked: _StartCalibrationOptions) -> None:
     write_text(
         output,
         f"""<PlusConfiguration version="2.9">
-  <!-- Measured by hand: make it exact with aifrecon calibrate -->
+  <!-- A matrix with an Error (mm) was measured by hand; aifrecon calibrate takes the Error out -->
   <CoordinateDefinitions>
     <Transform From="Image" To="{tool}" Error="{ERROR:g}" Matrix="
 {rows}" />

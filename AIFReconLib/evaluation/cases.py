@@ -15,8 +15,9 @@ from ..io.disk.small_files import read_bytes
 from ..message import listed
 from .quantities import HEADINGS, NOT_KNOWN, OWN_BONE, QUANTITIES, spreadsheet_cell
 
-LEVEL, DRAWS, FEW = 0.95, 10_000, 10
-"""Of the confidence intervals: their level, how many times cases are drawn anew, and how many cases are enough."""
+LEVEL, DRAWS, FEW, FEWEST = 0.95, 10_000, 10, 5
+"""Of the confidence intervals: their level, how many times cases are drawn anew, how many cases are enough, and
+the fewest of which one is told: of three it would be smallest and largest difference."""
 
 MOST_BYTES = 2**28
 
@@ -42,6 +43,8 @@ class CaseNumbers:
         By volume or method, and case.
     own_bone : set of str
         Volumes that were measured against the bone that weighted their frames.
+    registered : dict of str to float
+        By case whose CT was placed by its sweep: the share of the bone echoes that lie on its bone.
     notes : list of str
         What is doubtful about them.
     """
@@ -49,6 +52,7 @@ class CaseNumbers:
     numbers: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
     volumes: dict[str, dict[str, Path]] = field(default_factory=dict)
     own_bone: set[str] = field(default_factory=set)
+    registered: dict[str, float] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     @classmethod
@@ -80,11 +84,20 @@ class CaseNumbers:
         same = "WARNING: {} of {} has the same numbers as that of {}. Are these two patients?"
         self.notes.extend(same.format(volume, case, other) for other in alike)
         known[case] = numbers
+        if row.get("registered"):
+            self.registered[case] = float(row["registration_agreement"].replace(",", "."))
         doubt = f"{case}: {row.get('notes')}"
         if "WARNING" in doubt and doubt not in self.notes:
             self.notes.append(doubt)
         self.volumes.setdefault(volume, {})[case] = path.parent / row["volume"]
         self.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
+
+    def registration_in_words(self) -> str:
+        """How the CTs were placed, where their sweeps did it."""
+        if not (shares := list(self.registered.values())):
+            return ""
+        lay = f"{np.mean(shares):.0%} of them lay on its bone (mean of these; least {min(shares):.0%})"
+        return f"In {len(shares)} cases the CT was registered to the bone echoes of its sweep [1]; {lay}."
 
     def reference(self, against: str | None) -> str:
         """The volume that others are compared with: the one that is asked for, else the average, else the first."""
@@ -101,7 +114,7 @@ class CaseNumbers:
         values = np.array(list(mine.values()))
         pairs = np.array([value - others[case] for case, value in mine.items() if case in others])
         mean, spread = (values.mean() if len(values) else np.nan), (values.std(ddof=1) if len(values) > 1 else np.nan)
-        if len(pairs) < 2 or volume == against:
+        if len(pairs) < FEWEST or volume == against:
             return len(values), mean, spread, len(pairs), (pairs.mean() if len(pairs) else np.nan), np.nan, np.nan
         drawn = np.random.default_rng(0).integers(0, len(pairs), (DRAWS, len(pairs)))
         low, high = np.quantile(pairs[drawn].mean(axis=1), [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
@@ -116,8 +129,8 @@ class CaseNumbers:
             means.append([heading, *(f"{s[1]:{form}} \N{PLUS-MINUS SIGN} {s[2]:{form}}" if s[0] > 1 else NOT_KNOWN for s in of.values())])
             # Of shares in points: "+5%" could be a twentieth more
             scale, heading, form = (100, f"{heading}, points", ".1f") if form.endswith("%") else (1, heading, form)
-            compared = ([scale * value for value in s[4:]] if s[3] > 1 else None for name, s in of.items() if name != against)
-            told = (NOT_KNOWN if d is None else f"{d[0]:+{form}} [{d[1]:+{form}}, {d[2]:+{form}}]" for d in compared)
+            compared = ([f"{scale * value:+{form}}" for value in s[4:]] if s[3] > 1 else None for name, s in of.items() if name != against)
+            told = (NOT_KNOWN if d is None else f"{d[0]} [{d[1]}, {d[2]}]".replace(" [+nan, +nan]", "") for d in compared)
             differences.append([heading, *told])
         return means, differences
 

@@ -15,8 +15,8 @@ from ..message import listed
 from ..provenance.record import made_in_header
 from ..provenance.settings_files import VOLUME_SUFFIXES
 from ..recipe.recipe import AUTOMATIC, RULES
-from .cases import DRAWS, FEW, LEVEL
-from .quantities import HEADINGS, OBLIQUE, QUANTITIES
+from .cases import DRAWS, FEW, FEWEST, LEVEL
+from .quantities import OBLIQUE, OF_SURFACE, OF_VOLUME
 
 OF_THE_PAPER = ("aif", "aif-compensated")
 """Methods that `CITATION` is of."""
@@ -28,24 +28,31 @@ CITATION = (
 PROGRAM = f"AIFRecon {__version__}"
 ITSELF = f"The AIFRecon contributors, {PROGRAM}: insonification-angle-based ultrasound volume reconstruction, BSD-3-Clause."
 
-OVER_CASES = (
-    f"Numbers are mean and standard deviation over {{}} cases; differences are paired, with {LEVEL:.0%} confidence intervals by the "
-    f"percentile bootstrap over cases ({DRAWS:,} draws{{}})."
-)
+OVER_CASES = "Numbers are mean and standard deviation over {} cases; differences are paired"
+INTERVALS = f"with {LEVEL:.0%} confidence intervals by the percentile bootstrap over cases ({DRAWS:,} draws{{}})"
+NO_INTERVALS = f"of fewer than {FEWEST} cases without confidence intervals"
 TOO_NARROW = f"; of fewer than {FEW} cases they are too narrow"
 
-_FOUND = ("frames", "inputs", "grid_to_reference", "grid_size", "gray_levels", "hole_limit", "bone_sigma_mm", "bone_belief")
+BRIGHTENS = {
+    "bone_gain": "multiplies a pixel of sure bone by 1 + this x C, C from 1 to 3 the more obliquely the beam meets it",
+    "alpha": "multiplies a pixel by 1 + this x the method's weight by angle and probability of bone",
+}
+"""What such a setting does to bone, and so to every number that compares bone with tissue."""
+
+_FOUND = ("found", "frames", "inputs", "grid_to_reference", "grid_size", "gray_levels", "hole_limit", "bone_sigma_mm", "bone_belief")
 """What is found for each recording."""
 
-_LEFT_OUT = ("method", "frames", "inputs", "grid_to_reference", "gray_levels")
-"""What is told apart, and settings that say where a box lies, and what the images' own levels are."""
+_LEFT_OUT = ("method", "engine", "frames", "inputs", "grid_to_reference", "gray_levels", "found", "simulated")
+"""What is told apart, or of no concern: where a box lies, the images' own levels, the engine."""
 
 
 def made_in_words(name: str, settings: Mapping[str, object]) -> str:
     """How a volume was made, by the settings in its header."""
     method = str(settings["method"])
     words = f" ({built_in(method).words})" if method in METHODS else ""
-    values = (setting_in_words(key, value) for key, value in settings.items() if key not in _LEFT_OUT)
+    more = {**BRIGHTENS, **dict.fromkeys(cast("list[str]", settings.get("found", [])), "found")}
+    told = {key: setting_in_words(key, value) for key, value in settings.items() if key not in _LEFT_OUT}
+    values = (f"{words} ({more[key]})" if key in more else words for key, words in told.items())
     made_from = [
         f"{settings['frames']} frames" if settings.get("frames") else "",
         listed(map(str, cast("list[str]", settings.get("inputs", [])))),
@@ -98,16 +105,17 @@ def methods_paragraph(made: Mapping[str, Mapping[str, object]], measured: str, o
     own_bone : iterable of str
         Volumes that were measured against the bone that weighted their frames.
     """
+    intervals = NO_INTERVALS if cases < FEWEST else INTERVALS.format(TOO_NARROW if cases < FEW else "")
     known = listed((made_in_words(name, settings) for name, settings in made.items() if settings), "; ")
     unknown = listed(name for name, settings in made.items() if not settings)
-    definitions = {QUANTITIES[key].label: QUANTITIES[key].definition for key in HEADINGS}
     parts = [
         f"Volumes were reconstructed from tracked 2D ultrasound with {PROGRAM} [1], which follows [2]: {known}." if known else "",
         f"How {unknown} was made is not known." if unknown else "",
+        "The recordings are simulated." if any(each.get("simulated") for each in made.values()) else "",
         measured,
-        *(f"{label}: {definition}" for label, definition in definitions.items()),
+        *(f"{each.label} ({key}): {each.definition}" for key, each in {**OF_SURFACE, **OF_VOLUME}.items()),
         f"{OBLIQUE[:1].upper()}{OBLIQUE[1:]}.",
         f"The bone that {listed(own_bone)} was measured against had weighted its frames." if own_bone else "",
-        OVER_CASES.format(cases, TOO_NARROW if cases < FEW else "") if cases > 1 else "",
+        f"{OVER_CASES.format(cases)}, {intervals}." if cases > 1 else "",
     ]
     return " ".join(filter(None, parts)) + f"\n\n[1] {ITSELF}\n[2] {CITATION}\n"

@@ -80,7 +80,7 @@ class BoneMetrics:
     Parameters
     ----------
     bone : SurfaceMetrics
-        All bone that a beam of the sweep could reach; without a sweep all bone where the volume was measured.
+        All bone that a beam of the sweep met; without a sweep all bone where the volume was measured.
     oblique : SurfaceMetrics
         The part of it whose best angle of incidence is beyond 45 degrees; nothing without a sweep.
     interspinous : SurfaceMetrics
@@ -169,9 +169,9 @@ HEADINGS = {
     "oblique_coverage": "oblique coverage",
     "interspinous_coverage": "interspinous",
     "bone_thickness": "thickness mm",
-    "bone_localization_error": "off by mm",
+    "bone_localization_error": "localization error mm",
     "lines_called_free": "blocked called free",
-    "shadow_mean": "shadow",
+    "shadow_mean": "shadow mean gray level",
     "speckle_snr": "speckle SNR",
 }
 """The numbers worth a line on a terminal, and what they are called there."""
@@ -227,9 +227,9 @@ def what_counted(result: BoneMetrics, frames: int | None) -> str:
     """Which bone the numbers are of, in a line."""
     area = result.bone.area / 100
     if frames is None:
-        return f"of all {area:.1f} cm2 of bone surface where the volume was measured, whether a beam could reach it or not"
+        return f"of all {area:.1f} cm2 of bone surface where the volume was measured, whether a beam met it or not"
     return (
-        f"of the {area:.1f} cm2 of bone surface that the {frames} frames could reach "
+        f"of the {area:.1f} cm2 of bone surface that beams of the {frames} frames met "
         f"({result.oblique.area / 100:.1f} cm2 oblique, {result.interspinous.area / 100:.1f} cm2 at interspinous borders)"
     )
 
@@ -241,7 +241,7 @@ OBLIQUE = "oblique: bone that beams hit at more than 45 degrees at best"
 IN_WORDS = (
     "CNR, contrast-to-noise ratio: by how many standard deviations bone is brighter than the tissue before it",
     OBLIQUE,
-    "coverage: share of the bone in reach that stands out from the tissue before it",
+    "coverage: share of the bone that beams met that stands out from the tissue before it",
 )
 """What the lines of a terminal's table mean."""
 
@@ -271,7 +271,7 @@ def achieved(metrics: dict[str, BoneMetrics], frames: int | None, against: str =
         return "How much bone is shown cannot be told."
     most = max(known, key=lambda name: known[name].coverage)
     other = against if against in known else min(known, key=lambda name: known[name].coverage)
-    which = "the bone where the volume was measured" if frames is None else "the bone that the probe could see"
+    which = "the bone where the volume was measured" if frames is None else "the bone that beams met"
     shows = f"{most} shows {known[most].coverage:.0%} of {which}"
     if other == most:
         return f"{shows}. It is {known[most].cnr:.1f} standard deviations brighter than the tissue before it."

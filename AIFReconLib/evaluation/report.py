@@ -118,7 +118,7 @@ def report_html(report: Report) -> str:
     metrics = report.metrics
     numbers = {name: result.to_dict() for name, result in metrics.items()}
     notes = {name: number for number, name in enumerate([*OF_SURFACE, *OF_VOLUME], 1)}
-    labels = PARTS if report.frames is None else {**PARTS, "bone": "All reachable bone"}
+    labels = PARTS if report.frames is None else {**PARTS, "bone": "All bone that beams met"}
     groups = [(label, [(f"{part}_{name}", notes[name]) for name in OF_SURFACE]) for part, label in labels.items()]
 
     def shown(key: str, name: str) -> str:

@@ -85,10 +85,11 @@ def _found_offset(sequence: TrackedSequence, name: TransformName) -> float:
     try:
         poses = sweep_poses(sequence, reference=_reference(sequence, name))
     except AIFReconError as error:
-        raise SettingsError(f"{error}", "To find the time offset, give the calibration with {calibration:[ImageToProbe=]FILE}.") from None
+        raise SettingsError(said(error), "To find the time offset, give the calibration with {calibration:[ImageToProbe=]FILE}.") from None
     found = estimate_time_offset(sequence, poses)
     if found.time_offset is None:
-        raise SettingsError(f"{found.to_text()}", "Give the seconds as {time_offset:S}, or leave it out.")
+        told = said(found.to_text())
+        raise SettingsError(told, told if told.advice else "Give the seconds as {time_offset:S}, or leave it out.")
     return found.time_offset if found.out_of_step else 0.0
 
 

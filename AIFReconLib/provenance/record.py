@@ -24,7 +24,7 @@ from ..sweep.configuration import PlusConfiguration
 from ..sweep.frames import TrackedSequence
 
 SETTINGS, INPUTS, VERSION, METHOD = "AIFRecon_settings", "AIFRecon_inputs", "AIFRecon_version", "AIFRecon_method"
-FRAMES = "AIFRecon_frames"
+FRAMES, FOUND, SIMULATED = "AIFRecon_frames", "AIFRecon_found", "AIFRecon_simulated"
 """Keys of a volume's header."""
 
 PLACES = (".tfm", ".h5", ".mat")
@@ -86,9 +86,16 @@ def with_origin(
     resolved: Recipe,
     configuration: PlusConfiguration,
     inputs: Iterable[Path],
+    found_width: bool = False,
 ) -> Reconstruction:
-    """A result as it was made, signed with its settings and inputs; see `kept_settings` and `signed`."""
-    return signed(result, kept_settings(asked, resolved, result, imaging, configuration), inputs)
+    """A result as it was made, signed with its settings and inputs; see `kept_settings` and `signed`.
+
+    `found_width`: the width of the bone map was not given. A header names what was found or is simulated.
+    """
+    kept = kept_settings(asked, resolved, result, imaging, configuration)
+    found = {"bone_sigma_mm": found_width, "hole_limit": asked.hole_limit == AUTOMATIC}
+    fields = {FOUND: " ".join(name for name, is_found in found.items() if is_found), SIMULATED: "true" * configuration.simulated}
+    return _with_fields(signed(result, kept, inputs), {key: value for key, value in fields.items() if value})
 
 
 def input_files(sequence: TrackedSequence) -> list[Path]:
@@ -126,8 +133,8 @@ def signed(
 
 
 def _with_fields(result: Reconstruction, fields: Mapping[str, str]) -> Reconstruction:
-    volumes = {name: replace(volume, fields=fields) for name in VOLUMES if (volume := getattr(result, name)) is not None}
-    return replace(result, **volumes)
+    volumes = {name: volume for name in VOLUMES if (volume := getattr(result, name)) is not None}
+    return replace(result, **{name: replace(volume, fields={**volume.fields, **fields}) for name, volume in volumes.items()})
 
 
 def settings_of(volume: Volume) -> dict[str, object]:
@@ -149,7 +156,8 @@ def made_in_header(fields: Mapping[str, str]) -> dict[str, object]:
         return {}
     names = [each["name"] for each in _inputs(fields)]
     known = settings if isinstance(settings, dict) else {}
-    return {**known, "method": method, "frames": fields.get(FRAMES, ""), "inputs": names}
+    found, simulated = fields.get(FOUND, "").split(), SIMULATED in fields
+    return {**known, "method": method, "frames": fields.get(FRAMES, ""), "inputs": names, "found": found, "simulated": simulated}
 
 
 def _said(fields: Mapping[str, str], key: str) -> object:
@@ -194,8 +202,11 @@ def unlike_inputs(headers: Mapping[str, Mapping[str, str]], given: Iterable[Path
     ]
     for name, found in inputs.items():
         place = next(filter(_is_place, found), None)
-        if place is not None and any(each in found for each in files) and not any(map(_is_place, files)):
-            told.append(f"WARNING: {name} was made with {place['name']}, which places the CT, and it is not given now.")
+        if place is None or place in files or not any(each in found for each in files):
+            continue
+        if all(each["name"] == place["name"] for each in files if _is_place(each)):
+            which = f"{place['name']} ({place.get('bytes')} bytes)"
+            told.append(f"WARNING: {name} was made with {which}, which places the CT, and it is not given now.")
     return told
 
 

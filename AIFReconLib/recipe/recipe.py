@@ -402,7 +402,7 @@ def _explained(name: str) -> str:
     rule = RULES[name]
     kind = " or ".join(map(str, rule["choices"])) if rule["choices"] else rule["unit"] or rule["kind"]
     default = "" if rule["default"] is None else f" Default: {rule['default']!r}."
-    of_files = "Of a recording that is read from a file: " if name in OF_READING and name != "skip" else ""
+    of_files = "Of a recording that is read from a file: " if name in OF_READING and name not in ("skip", "motion") else ""
     return f"    {name} : {kind}\n        {of_files}{rule['help'][:1].upper()}{rule['help'][1:]}.{default}\n"
 
 

@@ -104,6 +104,8 @@ def checked(name: str, value: Any, rule: Rule) -> Any:
         return None
     if rule["own"] and isinstance(value, CompoundingMethod):
         value = value.name
+    if rule["own"] and callable(value):
+        raise SettingsError(f"Input {name} must be the name of a method, or a method. Write @register_method above it.")
     several = not isinstance(value, str) and isinstance(value, Iterable)
     if rule["kind"] == NUMBERS and several:
         value = tuple(value)

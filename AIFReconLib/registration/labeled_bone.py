@@ -14,18 +14,24 @@ from ..bone.echoes.surface import bone_from_sweep
 from ..bone.field import BoneField
 from ..bone.map import BoneMap
 from ..bone.widths import SIGMA_VOXELS, UNKNOWN_WIDTH
-from ..compounding.methods.table import method_named
+from ..compounding.methods.table import is_own_method, method_named
 from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix, invert, transform_points, why_not_rigid
 from ..geometry.volume import Volume
-from ..message import Described, said
+from ..message import Described, Sentence, said
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
 from .agreement import Comparison
 from .comparison import compared
+
+PAPERS_WIDTH = Sentence(
+    f"The bone map is {SIGMA_VOXELS:g} voxels of the labels wide, as the paper has it.",
+    "{bone_sigma_mm:auto} finds the width by how well CT and sweep agree, as for weighted.",
+)
+"""Of a method of one's own."""
 
 
 class LabeledBone(Described):
@@ -184,7 +190,9 @@ class LabeledBone(Described):
         comparison = self.comparison(progress)
         lines = [] if comparison is None else list(comparison.lines)
         if not self.is_automatic(method):
-            return lines
+            unasked = self._sigma_mm is None and self._sigma_voxels is None
+            own = is_own_method(method) and method_named(method).needs_bone
+            return [*lines, PAPERS_WIDTH] if unasked and own else lines
         if self.taken_from_echoes(method):
             return [*lines, "Bone is taken from the sweep's own echoes, as the CT does not lie on them."]
         width = self.settings(method)["bone_sigma_mm"]

@@ -19,6 +19,7 @@ from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ..geometry.transforms import affine
 from ..progress import Progress, report
+from ..sweep.configuration import SIMULATION
 from ..sweep.frames import FrameRecord, TrackedSequence
 from .phased_array import PhasedArray
 from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
@@ -310,7 +311,7 @@ def plus_configuration_xml(probe: PhasedArray, image_to_probe: Matrix | None = N
     apex, center = fan.apex_px, (fan.apex_px[0], fan.apex_px[1] + probe.radii[0] / spacing)
     return f"""<PlusConfiguration version="2.9">
   <DataCollection StartupDelaySec="1.0">
-    <DeviceSet Name="AIFRecon simulation" Description="Simulated phased array with optical tracking." />
+    <DeviceSet Name="{SIMULATION}" Description="Simulated phased array with optical tracking." />
   </DataCollection>
   <CoordinateDefinitions>
     <Transform From="Image" To="Probe"

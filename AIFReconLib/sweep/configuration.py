@@ -23,6 +23,7 @@ class PlusConfiguration:
     transforms: dict[TransformName, TransformSample] = field(default_factory=dict)
     """From CoordinateDefinitions: the calibration and other fixed relations."""
     rough: tuple[TransformName, ...] = ()  #: Those that may be many mm off, as they say themselves
+    simulated: bool = False  #: Whether `aifrecon simulate` wrote it
     image_frame: str | None = None
     reference_frame: str | None = None
     """Names of the coordinate frames, None when not given."""
@@ -74,6 +75,9 @@ class PlusConfiguration:
         # It is asked for by `is`, in other processes too
         return "NO_CONFIGURATION" if self is NO_CONFIGURATION else super().__reduce_ex__(protocol)
 
+
+SIMULATION = "AIFRecon simulation"
+"""Name of the device set of a simulated recording."""
 
 NO_CONFIGURATION = PlusConfiguration()
 """Of a recording that came without one."""

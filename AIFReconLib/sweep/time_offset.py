@@ -7,18 +7,35 @@ are mended by +0.1.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ..arrays import Floats
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName, TransformSample, TransformStatus
+from ..imaging.images import ImageStack
 from ..recipe.recipe import LONGEST_GAP, ReadingSettings
 from .frames import TrackedSequence
 from .pose_tracks import PoseTrack
 
 LARGEST_OFFSET = 10.0
 """s. More is a mistake in the unit."""
+
+BEGUN_MM, SPREAD, IN_STEP = 1.0, 30, 0.2
+"""mm by which a tool has begun to move, images that tell the usual change, s that both may differ."""
+
+
+def first_change(images: ImageStack, numbers: Sequence[int], times: Floats) -> float | None:
+    """When images of these numbers have changed by half of their median change; None where that is not seen."""
+    first = np.asarray(images[numbers[0]], np.float32)
+
+    def change(number: int) -> float:
+        return float(np.abs(np.asarray(images[number], np.float32) - first).mean())
+
+    usual = np.median([change(numbers[at]) for at in np.linspace(0, len(numbers) - 1, SPREAD).astype(int)])
+    return next((float(time) for time, number in zip(times, numbers, strict=True) if change(number) > usual / 2), None)
 
 
 def with_time_offset(sequence: TrackedSequence, time_offset: float, longest_gap: float = LONGEST_GAP) -> TrackedSequence:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from .. import __version__
+from ..compounding.needs import needs_bone
 from ..compounding.state import Reconstruction
 from ..errors import SettingsError
 from ..geometry.labels import Labels
@@ -22,7 +23,7 @@ from ..progress import Progress
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import read_settings
 from ..provenance.settings_schema import KeptSettings
-from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
+from ..recipe.recipe import AUTOMATIC, BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
 from ..sweep.poses import ends_of
 from ..workflows.job import BoneSource
 from .arguments import Options, Output, Rivals, Settings
@@ -166,7 +167,7 @@ def _target(reference: object, image_to_reference: object) -> str | None:
 
 
 def with_provenance(
-    result: Reconstruction, asked: _KeptOptions, inputs: list[Path | None], stream: Mapping[str, object] | None = None
+    result: Reconstruction, asked: ReconstructionOptions, inputs: list[Path | None], stream: Mapping[str, object] | None = None
 ) -> Reconstruction:
     """The result with volumes that know all settings and inputs; notes say what differs from the volume that was to be repeated.
 
@@ -174,13 +175,14 @@ def with_provenance(
     ----------
     result : Reconstruction
         As `reconstruct` returns it.
-    asked : _KeptOptions
+    asked : ReconstructionOptions
     inputs : list of Path or None
-        Files that were read.
+        Files that were read; those that say where bone is are not named where that was not asked.
     stream : mapping or None
         See `signed`.
     """
-    files, kept = [path for path in inputs if path is not None], asked.kept
+    unused = () if needs_bone(result.method, asked.recipe) or asked.recipe.motion == AUTOMATIC else bone_inputs(asked)
+    files, kept = [path for path in inputs if path is not None and path not in unused], asked.kept
     notes = [] if kept is None else list(other_inputs(kept.path.name, kept.inputs, files))
     if kept is not None and kept.version not in ("", __version__):
         notes.insert(0, f"The settings are of version {kept.version}, and this is {__version__}: voxels may differ.")

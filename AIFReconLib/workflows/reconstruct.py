@@ -391,7 +391,8 @@ def execute(
     gray_notes = imaging.gray_levels.notes if settings.gray_levels else ()
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     inputs = input_files(sequence)
-    result = with_origin(result, imaging, decided.asked, settings, sequence.configuration, inputs)
+    found_width = isinstance(decided.source, LabeledBone) and decided.source.is_automatic(decided.method)
+    result = with_origin(result, imaging, decided.asked, settings, sequence.configuration, inputs, found_width)
     before = (*warnings, *decided.parts.notes, *decided.poses.notes, *imaging.notes, *gray_notes)
     result = replace(
         result,

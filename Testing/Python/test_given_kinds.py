@@ -101,6 +101,20 @@ def test_arrays_that_do_not_fit_are_refused_with_their_shapes(call, words):
         call()
 
 
+@pytest.mark.parametrize("channel", [False, True])
+def test_masks_may_have_the_one_channel_of_a_network(channel):
+    """What is refused of them is the same."""
+    masks = np.zeros(IMAGES.shape, bool)
+    with pytest.raises(AIFReconLib.AIFReconError, match="bone") as none:
+        library.bone_from_masks(SEQUENCE, masks[:, None] if channel else masks, LINEAR)
+    assert "must be (rows, columns)" not in str(none.value)
+
+
+def test_a_function_that_is_no_method_yet_is_refused_with_what_makes_it_one():
+    with pytest.raises(AIFReconLib.AIFReconError, match="Write @register_method above it"):
+        library.Recipe(method=lambda intensity: (1.0, intensity))
+
+
 def test_poses_may_be_3_x_4_and_lists():
     given = library.TrackedSequence.from_arrays(IMAGES.tolist(), [pose[:3].tolist() for pose in POSES])
     for record, pose in zip(given.records, POSES, strict=True):

@@ -197,4 +197,4 @@ def test_a_volume_of_several_sweeps_is_measured_under_all_of_them(recordings, re
     assert main(["reconstruct", *sweeps, "--config", config, *patient.bone, "-o", output]) == 0
     labels = ["--bone", str(patient.labels), "--bone-transform", str(patient.transform)]
     assert main(["evaluate", output, *labels, "--sweep", *sweeps, "--config", config]) == 0
-    assert "the 12 frames could reach" in capsys.readouterr().out
+    assert "beams of the 12 frames met" in capsys.readouterr().out

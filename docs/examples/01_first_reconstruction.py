@@ -61,7 +61,7 @@ picture
 # %%
 # In numbers
 # ----------
-# How far bone stands out from tissue (CNR), and how much of the bone that the sweep could reach is seen.
+# How far bone stands out from tissue (CNR), and how much of the bone that its beams met is seen.
 
 from AIFReconLib import evaluate
 

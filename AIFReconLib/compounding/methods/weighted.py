@@ -31,7 +31,7 @@ def _insert(kept: Accumulator, pixels: Pixels) -> None:
 
 WEIGHTED = BuiltInMethod(
     name="weighted",
-    words="mean weighted by the bone and shadow that frames show",
+    words="mean weighted by the bone and shadow that frames show, bone brightened",
     kept=_kept,
     insert=_insert,
     reads_bone="at onsets",

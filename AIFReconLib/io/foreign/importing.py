@@ -27,6 +27,7 @@ from ...remedies import (
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.pixel_size import implausible_size
 from ...sweep.pose_tracks import PoseTrack
+from ...sweep.time_offset import BEGUN_MM, IN_STEP, first_change
 from ..sequence.orientation import IN_MEMORY, parse_orientation
 from .calibration import read_calibration
 from .images import ImportedImages, bare_name, flipped
@@ -39,8 +40,8 @@ from .poses.times import FASTEST, SLOWEST
 
 IMAGE_FRAME, REFERENCE_FRAME = "Image", "Reference"
 
-BEGUN_MM, BEGUN_TURN, LOOKED_AT, IN_STEP = 1.0, 0.02, 300, 0.2
-"""mm and part of a turn by which a tool has begun to move, the images that are looked at for it, and s that both may differ unsaid."""
+BEGUN_TURN = 0.02
+"""Part of a turn by which a tool has begun to move."""
 
 LONGER = 1.0
 """s by which poses may last longer than images at a steady rate before it is said."""
@@ -150,7 +151,7 @@ def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[fl
     told = "note: images and poses both count from 0, and were taken to begin at one moment."
     if offset:
         told = f"note: the images were taken to begin {offset:g} s after the poses."
-    moves, changes = _first_motion(poses), _first_change(images)
+    moves, changes = _first_motion(poses), first_change(images.stack, range(len(images.stack)), taken)
     if moves is not None and changes is not None and abs(moves - changes - offset) > IN_STEP:
         told += f" The tool begins to move at {moves:.2f} s, and the images to change at {changes:.2f} s."
         return 0.0, [Sentence(told, SAME_MOVEMENT, offset=f"{moves - changes:.2f}")]
@@ -166,16 +167,6 @@ def _first_motion(poses: PoseTable) -> float | None:
     turned = np.linalg.norm(matrices[:, :3, :3] - matrices[0, :3, :3], axis=(1, 2))
     gone = np.flatnonzero((np.linalg.norm(matrices[:, :3, 3] - matrices[0, :3, 3], axis=1) > BEGUN_MM) | (turned > BEGUN_TURN))
     return float(poses.times[known][gone[0]]) if gone.size else None
-
-
-def _first_change(images: ImportedImages) -> float | None:
-    """s until the images show something else than at first: half of what they change in the end; None where that is not seen."""
-    if images.times is None:
-        return None
-    first = np.asarray(images.stack[0], np.float32)
-    changes = np.array([np.abs(np.asarray(images.stack[n], np.float32) - first).mean() for n in range(min(len(images.stack), LOOKED_AT))])
-    gone = np.flatnonzero(changes > np.median(changes) / 2)
-    return float(images.times[gone[0]]) if gone.size else None
 
 
 def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) -> list[str]:

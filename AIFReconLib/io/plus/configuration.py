@@ -13,7 +13,7 @@ from ...geometry.transform_graph import TransformName, TransformSample, Transfor
 from ...geometry.transforms import as_matrix
 from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
 from ...imaging.region import ClipRectangle, Fan, ImageRegion
-from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
+from ...sweep.configuration import NO_CONFIGURATION, SIMULATION, PlusConfiguration
 from ..disk.xml_tree import parse_xml
 from .reconstruction import read_reconstruction
 from .xml_attributes import Attributes
@@ -40,7 +40,8 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     configuration = NO_CONFIGURATION if reconstruction is None else read_reconstruction(path, reconstruction)
     told = tuple(f"{name} was measured by hand: make it exact with aifrecon calibrate before you believe a volume." for name in rough)
     warnings = (*configuration.warnings, *told)
-    configuration = replace(configuration, path=path, transforms=transforms, rough=rough, warnings=warnings)
+    simulated = any(devices.get("Name") == SIMULATION for devices in root.iter("DeviceSet"))
+    configuration = replace(configuration, path=path, transforms=transforms, rough=rough, simulated=simulated, warnings=warnings)
     conversion = root.find("ScanConversion")
     conversion = next(root.iter("ScanConversion"), None) if conversion is None else conversion
     if conversion is not None:

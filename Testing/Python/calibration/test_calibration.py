@@ -48,6 +48,7 @@ def found(true, bone) -> Calibration:
 def test_echoes_lie_where_they_are_after_a_calibration_that_was_wrong_in_everything(true, found):
     off = misplaced(true, found.echoes, found.correction, found.labels_to_reference)
     assert found.accepted
+    assert found.needed
     assert np.median(off) < 0.3
     assert np.quantile(off, 0.95) < 0.5
     assert np.median(misplaced(true, found.echoes, Correction.none(found.echoes.center), found.given.labels_to_reference)) > 1.0
@@ -73,6 +74,8 @@ def test_a_right_calibration_is_left_where_it_is(true, bone):
     before = misplaced(true, true, Correction.none(true.center), found.given.labels_to_reference)
     assert np.median(misplaced(true, true, found.correction, found.labels_to_reference)) < np.median(before) + 0.2
     assert any("no need to change it" in line for line in findings(found))
+    assert not found.needed
+    assert "accepted True, needed False, determined shift across" in repr(found)
 
 
 def test_a_ct_that_lies_on_the_sweep_is_not_looked_for_elsewhere(true, bone, monkeypatch):

@@ -74,7 +74,7 @@ def test_the_ball_lies_where_its_registration_puts_it(case, tmp_path):
 def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, capsys):
     output = tmp_path / "metrics.csv"
     assert main(command(case, "shell", sweep=False, extra=["--csv", output])) == 0
-    assert "whether a beam could reach it or not. Give --sweep" in capsys.readouterr().out
+    assert "whether a beam met it or not. Give --sweep" in capsys.readouterr().out
     (row,) = rows_of(output)
     assert row["reachability"] == "unknown"
     assert row["oblique_coverage"] == ""
@@ -173,14 +173,21 @@ def of_cases(tmp_path, count):
 
 def test_tables_of_many_cases_give_means_and_paired_differences(tmp_path, capsys):
     outputs = ["--csv", str(tmp_path / "s.csv"), "--methods", str(tmp_path / "m.txt")]
-    assert main(["evaluate", *of_cases(tmp_path, 3), *outputs]) == 0
+    assert main(["evaluate", *of_cases(tmp_path, 5), *outputs]) == 0
     said = capsys.readouterr().out
-    assert "3 cases: mean \N{PLUS-MINUS SIGN} standard deviation" in said
+    assert "5 cases: mean \N{PLUS-MINUS SIGN} standard deviation" in said
     assert "minus average.nrrd: mean of paired differences [95% confidence interval, bootstrap over cases]" in said
-    assert "Of fewer than 10 cases such intervals are too narrow." in said
+    assert "Of fewer than 10 cases such intervals are too narrow" in said
     [row] = [row for row in rows_of(tmp_path / "s.csv") if row["volume"] == "weighted.nrrd" and row["quantity"] == "bone_cnr"]
-    assert (row["cases"], row["mean"], row["mean_difference"]) == ("3", "2.75", "1.25")
-    assert "over 3 cases" in (tmp_path / "m.txt").read_text("utf-8")
+    assert (row["cases"], row["mean"], row["mean_difference"]) == ("5", "4.75", "2.25")
+    assert "over 5 cases" in (tmp_path / "m.txt").read_text("utf-8")
+
+
+def test_of_few_cases_no_interval_is_told(tmp_path, capsys):
+    assert main(["evaluate", *of_cases(tmp_path, 3)]) == 0
+    said = capsys.readouterr().out
+    assert "of fewer than 5 there is none" in said
+    assert "[+" not in said
 
 
 @pytest.mark.parametrize("more", [["shell.nrrd"], ["--report", "x.html"]])
@@ -203,8 +210,8 @@ def test_a_volume_that_its_yardstick_weighted_is_told(case, tmp_path, capsys):
 
 
 def test_files_of_another_patient_and_a_place_that_is_left_out_are_told(case, tmp_path, capsys):
-    def named(labels, size, *places):
-        inputs = [{"name": labels.name, "bytes": size}, *({"name": place.name, "bytes": 1} for place in places)]
+    def named(labels, size, *places, more=0):
+        inputs = [{"name": labels.name, "bytes": size}, *({"name": place.name, "bytes": place.stat().st_size + more} for place in places)]
         shell = read_volume(tmp_path / "shell.nrrd")
         replace(shell, fields={METHOD: "weighted", SETTINGS: "{}", INPUTS: json.dumps(inputs)}).write(tmp_path / "made.nrrd")
 
@@ -214,7 +221,11 @@ def test_files_of_another_patient_and_a_place_that_is_left_out_are_told(case, tm
     assert main(placed) == 0
     assert "WARNING" not in capsys.readouterr().out
     (doubt,) = unlike_inputs({"made.nrrd": read_volume(tmp_path / "made.nrrd").fields}, [case.labels, None])
-    assert doubt == f"WARNING: made.nrrd was made with {case.transform.name}, which places the CT, and it is not given now."
+    place, told = case.transform.stat().st_size, "which places the CT, and it is not given now."
+    assert doubt == f"WARNING: made.nrrd was made with {case.transform.name} ({place} bytes), {told}"
+    named(case.labels, size, case.transform, more=1)
+    assert main(placed) == 0
+    assert f"made with {case.transform.name} ({place + 1} bytes), {told}" in capsys.readouterr().out
     named(case.labels, size + 1, case.transform)
     assert main(placed) == 0
     assert f"WARNING: made.nrrd was made from another {case.labels.name} than is given." in capsys.readouterr().out

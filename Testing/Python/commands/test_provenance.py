@@ -31,12 +31,25 @@ def test_a_volume_names_version_method_settings_and_inputs(suffix, patient, resu
     assert fields["AIFRecon_version"] == __version__
     assert (fields["AIFRecon_method"], fields["AIFRecon_frames"]) == ("aif", "6")
     settings = json.loads(fields["AIFRecon_settings"])
+    assert fields["AIFRecon_found"] == "hole_limit"
+    assert "AIFRecon_simulated" not in fields
     assert (settings["method"], settings["alpha"], settings["bone_sigma_mm"]) == ("aif", 1.5, 1.6)
     assert not {"beta", "bone_gain"} & set(settings), "no concern of this method"
     assert "output" not in settings
     files = [sweep, patient.config, patient.labels, patient.transform]
     assert json.loads(fields["AIFRecon_inputs"]) == [{"name": path.name, "bytes": path.stat().st_size} for path in files]
     assert fields_of(hits) == fields
+
+
+def test_an_average_names_no_file_of_bone_and_a_simulation_says_that_it_is_one(patient, results):
+    text = patient.config.read_text("utf-8")
+    devices = '<DataCollection><DeviceSet Name="AIFRecon simulation" /></DataCollection></PlusConfiguration>'
+    patient.config.write_text(text.replace("</PlusConfiguration>", devices), "utf-8")
+    words = ["reconstruct", str(patient.sweep), "--config", str(patient.config), *patient.bone[:4], "--method", "average"]
+    assert main([*words, "-q", "-o", str(results / "v.nrrd")]) == 0
+    fields = fields_of(results / "v.nrrd")
+    assert [each["name"] for each in json.loads(fields["AIFRecon_inputs"])] == [patient.sweep.name, patient.config.name]
+    assert fields["AIFRecon_simulated"] == "true"
 
 
 def test_no_header_names_a_folder(patient, results):

@@ -18,17 +18,17 @@ from AIFReconLib.evaluation.quantities import OWN_BONE, QUANTITIES
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.provenance.record import METHOD, SETTINGS
 
-CNR = {"average": [1.0, 2.0, 4.0, 3.0], "weighted": [3.0, 3.5, 7.0, 4.0]}
+CNR = {"average": [1.0, 2.0, 4.0, 3.0, 2.5], "weighted": [3.0, 3.5, 7.0, 4.0, 4.5]}
 
 
 @pytest.fixture
 def table(tmp_path):
     """As batch writes it, the rows of one case beside each other."""
-    rows = ["case,method,bone_cnr,bone_coverage,bone_area,yardstick,volume"]
-    for case in range(4):
+    rows = ["case,method,bone_cnr,bone_coverage,bone_area,yardstick,volume,registration_agreement,registered"]
+    for case in range(5):
         for method, values in CNR.items():
             own = OWN_BONE if method == "weighted" else "other bone"
-            rows.append(f"P{case},{method},{values[case]},0.{case + 1},1000,{own},P{case}/{method}.nrrd")
+            rows.append(f"P{case},{method},{values[case]},0.{case + 1},1000,{own},P{case}/{method}.nrrd,0.{94 + case},yes")
     (tmp_path / "results.csv").write_text("\n".join(rows) + "\n", "utf-8")
     return tmp_path / "results.csv"
 
@@ -40,14 +40,14 @@ def found(table):
 
 def test_mean_and_standard_deviation_are_those_of_the_cases(found):
     cases, mean, deviation, *_ = found.summary("bone_cnr", "weighted", "average")
-    assert (cases, mean) == (4, np.mean(CNR["weighted"]))
+    assert (cases, mean) == (5, np.mean(CNR["weighted"]))
     assert deviation == pytest.approx(np.std(CNR["weighted"], ddof=1))
 
 
 def test_differences_are_taken_case_by_case_with_the_interval_of_the_bootstrap(found):
     *_, pairs, mean, low, high = found.summary("bone_cnr", "weighted", "average")
     differences = np.subtract(CNR["weighted"], CNR["average"])
-    assert (pairs, mean) == (4, differences.mean())
+    assert (pairs, mean) == (5, differences.mean())
     theirs = scipy.stats.bootstrap((differences,), np.mean, method="percentile", n_resamples=20_000, rng=np.random.default_rng(1))
     assert (low, high) == pytest.approx(tuple(theirs.confidence_interval), abs=0.05)
 
@@ -55,17 +55,36 @@ def test_differences_are_taken_case_by_case_with_the_interval_of_the_bootstrap(f
 def test_a_case_that_one_volume_lacks_is_no_pair(table):
     lines = table.read_text("utf-8").splitlines()
     table.write_text("\n".join(lines[:-1]) + "\n", "utf-8")
-    cases, *_, pairs, _, _, _ = CaseNumbers.read({"results.csv": table}).summary("bone_cnr", "average", "weighted")
-    assert (cases, pairs) == (4, 3)
+    cases, *_, pairs, _, low, high = CaseNumbers.read({"results.csv": table}).summary("bone_cnr", "average", "weighted")
+    assert (cases, pairs) == (5, 4)
+    assert np.isnan([low, high]).all()  # smallest and largest difference are no interval
+
+
+def test_with_fewer_than_five_cases_a_difference_has_no_interval(table):
+    lines = table.read_text("utf-8").splitlines()
+    table.write_text("\n".join(lines[:-2]) + "\n", "utf-8")
+    found = CaseNumbers.read({"results.csv": table})
+    assert found.tables("average")[1][1] == ["CNR", "+1.88"]
+    row = next(
+        each
+        for each in csv.DictReader(io.StringIO(found.csv("average")))
+        if each["quantity"] == "bone_cnr" and each["volume"] == "weighted"
+    )
+    assert (row["mean_difference"], row["confidence_low"], row["confidence_high"]) == ("1.875", "", "")
+
+
+def test_what_is_known_of_the_place_of_the_ct_is_told(found):
+    lay = "96% of them lay on its bone (mean of these; least 94%)"
+    assert found.registration_in_words() == f"In 5 cases the CT was registered to the bone echoes of its sweep [1]; {lay}."
 
 
 def test_rows_of_the_terminal_are_quantities(found):
     means, differences = found.tables("average")
     assert means[0] == ["", "average", "weighted"]
     assert means[1][0] == "CNR"
-    assert means[1][1].startswith("2.50 ± 1.29")
+    assert means[1][1].startswith("2.50 ± 1.12")
     assert differences[0] == ["", "weighted"]
-    assert differences[1][1].startswith("+1.88 [")
+    assert differences[1][1].startswith("+1.90 [")
 
 
 def test_the_csv_has_one_unit_for_a_quantity(found):
@@ -74,7 +93,7 @@ def test_the_csv_has_one_unit_for_a_quantity(found):
     units = {row["quantity"]: row["unit"] for row in rows}
     assert (units["bone_area"], units["bone_coverage"], units["bone_thickness"]) == ("mm2", "share", "mm")
     area = next(row for row in rows if row["quantity"] == "bone_area")
-    assert (area["mean"], area["standard_deviation"], area["cases"]) == ("1000", "0", "4")
+    assert (area["mean"], area["standard_deviation"], area["cases"]) == ("1000", "0", "5")
 
 
 def test_the_others_are_compared_with_the_average_unless_told_otherwise(found):
@@ -132,9 +151,30 @@ def test_the_paragraph_has_all_settings_and_what_to_cite():
     settings = {"method": "aif", "alpha": 0.1, "spacing": 0.5, "bone_sigma_mm": 4.0, "grid_size": [10, 20, 30], "grid_to_reference": [[1]]}
     text = methods_paragraph({"a.nrrd": settings, "b.nrrd": {}}, "They were measured against bone.nrrd.", ["a.nrrd"], cases=12)
     assert re.search(r"a.nrrd by the method aif \(.*\) \[2\], with alpha", text)
-    assert "with alpha 0.1, spacing 0.5 mm, bone sigma 4 mm, grid size 10 x 20 x 30." in text
+    assert re.search(r"with alpha 0.1 \(multiplies a pixel by 1 . this x the .*\), spacing 0.5 mm", text)
+    assert ", bone sigma 4 mm, grid size 10 x 20 x 30." in text
     assert "How b.nrrd was made is not known. They were measured against bone.nrrd." in text
     assert "The bone that a.nrrd was measured against had weighted its frames." in text
     assert "over 12 cases; differences are paired, with 95% confidence intervals by the percentile bootstrap" in text
     assert "BSD-3-Clause.\n" in text
     assert f"[2] {CITATION}" in text
+
+
+def test_the_paragraph_says_what_was_found_by_what_bone_is_brightened_and_that_data_are_simulated():
+    made = {"method": "weighted", "bone_gain": 4.0, "bone_sigma_mm": 1.0, "gray_levels": [1.0, 2.0], "engine": "auto"}
+    text = methods_paragraph({"w": {**made, "found": ["bone_sigma_mm"], "simulated": True}}, "", [], cases=3)
+    assert "of AIFRecon [1], with bone gain 4 (multiplies a pixel of sure bone by 1 + this x C, C from 1 to 3" in text
+    assert "bone sigma 1 mm (found)" in text
+    assert "The recordings are simulated." in text
+    assert "engine" not in text
+    assert "simulated" not in methods_paragraph({"w": made}, "", [])
+
+
+def test_the_paragraph_defines_every_quantity_of_the_table_by_the_name_that_it_has_there():
+    text = methods_paragraph({}, "", [], cases=3)
+    assert "of fewer than 5 cases without confidence intervals" in text
+    for quantity in QUANTITIES.values():
+        assert f"{quantity.label} (" in text
+    assert "Shadow spread (shadow_std): " in text
+    assert "Localization bias (localization_bias): The mean of that distance with its sign" in text
+    assert "Coverage (coverage): Share of the bone surface that beams met" in text

@@ -67,7 +67,7 @@ class Page(HTMLParser):
         """The cells of the metrics table: {key: [text per volume]}, read from its groups and labels."""
         keys = {quantity.label: key.split("_", 1)[1] for key, quantity in QUANTITIES.items() if key.startswith("bone_")}
         found, part = {}, None
-        parts = {"All reachable bone": "bone", **{label: part for part, label in PARTS.items()}}
+        parts = {"All bone that beams met": "bone", **{label: part for part, label in PARTS.items()}}
         for label, *cells in self.rows:
             if label in parts or label == "Whole volume":
                 part = parts.get(label, "")
@@ -175,7 +175,7 @@ def test_what_was_achieved_is_a_sentence_of_the_best_and_the_average(report):
     metrics = {"average": showing(0.397, 1.63), "aif": showing(0.35, 1.5), "weighted": showing(0.766, 5.81)}
     said = achieved(metrics, 270)
     assert said == (
-        "weighted shows 77% of the bone that the probe could see, average 40%. Bone is 5.8 standard deviations brighter than the tissue "
+        "weighted shows 77% of the bone that beams met, average 40%. Bone is 5.8 standard deviations brighter than the tissue "
         "before it, with average 1.6."
     )
     assert said in Page(report_html(replace(report, metrics=metrics))).text

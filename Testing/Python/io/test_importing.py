@@ -481,6 +481,30 @@ def test_an_offset_that_is_asked_for_is_found_and_applied_in_the_same_run(tmp_pa
     assert "Images and poses are in step" in said
 
 
+def test_an_offset_that_a_sweep_does_not_tell_is_told_by_where_tool_and_images_begin(tmp_path, results, capsys):
+    late = late_sweep(lambda t: 16.0 * max(t - 2.0, 0.0), late=1.3, seconds=8.0)
+    np.save(tmp_path / "a.npy", np.asarray(late.images))
+    matrices = [record.transforms[TransformName("Image", "Reference")].matrix for record in late.records]
+    rows = [[0.05 * n, *matrix.ravel()] for n, matrix in enumerate(matrices)]
+    poses = table(tmp_path / "p.csv", ["time", *(f"m{i}{j}" for i in range(4) for j in range(4))], rows)
+    options = ["--transform", "ImageToTracker", "--spacing", 1, 1, "--rate", 20]
+    words = ["import", tmp_path / "a.npy", "--poses", poses, *options, "--time-offset", "auto", "--output", results / "s.igs.mha"]
+    said = refused(words, capsys, results)
+    assert float(re.search(r"If that is one movement, give --time-offset (\S+);", said)[1]) == pytest.approx(1.3, abs=0.15)
+    imported(results, tmp_path / "a.npy", "--poses", poses, *options)
+    capsys.readouterr()
+    assert main(["info", str(results / "sweep.igs.mha"), "--reference", "Tracker"]) == 0
+    assert "after the images begin to change. If that is one movement, give --time-offset 1." in " ".join(capsys.readouterr().out.split())
+
+
+def test_an_offset_is_not_sought_without_a_calibration_and_that_is_said_in_options(tmp_path, results, twelve, capsys):
+    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.02))
+    words = ["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20, "--time-offset", "auto"]
+    said = refused([*words, "--output", results / "s.igs.mha"], capsys, results)
+    assert "give the calibration with --calibration" in said
+    assert "config=" not in said
+
+
 def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     dicom = pytest.importorskip("pydicom", reason="pydicom is not installed")
     from dicom_samples import write_dicom

@@ -373,4 +373,5 @@ def test_a_column_of_a_table_says_it(name, tmp_path):
 def test_every_setting_is_explained_in_the_docstring_and_only_given_ones_are_shown():
     page = Recipe.__doc__ or ""
     assert [name for name in RULES if f"    {name} : " not in page] == []
+    assert "motion : auto or off\n        Take out of the poses" in page
     assert repr(Recipe(spacing=0.5)) == "Recipe(spacing=0.5)"

@@ -15,11 +15,13 @@ from AIFReconLib.bone.echoes.surface import bone_from_sweep
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.bone.widths import UNKNOWN_WIDTH
+from AIFReconLib.compounding.own.method import register_method
 from AIFReconLib.errors import GeometryError
 from AIFReconLib.geometry.labels import Labels
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.imaging.beams import LINEAR
 from AIFReconLib.io.plus.configuration import read_plus_configuration
+from AIFReconLib.message import advised
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.registration.agreement import Agreement
 from AIFReconLib.registration.comparison import EchoFit, agreement_of, compared
@@ -117,6 +119,17 @@ def test_a_map_that_is_believed_by_half_has_half_the_probability(labels):
     assert half.settings("weighted") == {"bone_sigma_mm": 2.0, "bone_belief": 0.5}
     whole = BoneMap.from_field(BoneField.from_labels(labels), 2.0)
     np.testing.assert_allclose(half.map("weighted").probability.array, 0.5 * whole.probability.array)
+
+
+def test_a_method_of_ones_own_is_told_that_its_map_has_the_papers_width(labels):
+    @register_method
+    def by_bone(intensity, probability):
+        return probability, intensity
+
+    (told,) = LabeledBone(labels).lines(by_bone.name)
+    assert advised(told).startswith("The bone map is 10 voxels of the labels wide, as the paper has it. bone_sigma_mm=")
+    assert not LabeledBone(labels).lines("aif")
+    assert not LabeledBone(labels, recipe=Recipe(bone_sigma_mm=1.0)).lines(by_bone.name)
 
 
 @pytest.mark.parametrize(("off", "taken"), [(0.3, False), (1.4, False), (1.6, True), (5.0, True), (15.0, True)])
