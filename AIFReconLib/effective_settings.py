@@ -22,7 +22,7 @@ from .imaging.images import ImageStack
 from .imaging.recognized import learned_gray_levels, recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
-from .message import Sentence, said
+from .message import Sentence, message_of
 from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
 from .remedies import NAME_THE_PROBE
 from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
@@ -217,7 +217,7 @@ def resolve_imaging(sequence: TrackedSequence, poses: SweepPoses, need_probe: bo
         try:
             known = recognized_imaging(sequence.images, poses, configuration, need_probe, region, probe)
         except BeamGeometryError as error:
-            raise BeamGeometryError(f"{sequence.name}: {' '.join((*notes, said(error)))}", error) from None
+            raise BeamGeometryError(f"{sequence.name}: {' '.join((*notes, message_of(error)))}", error) from None
     elif region is None:
         known = _with_black_surround_told(sequence, known, pixel)
     return replace(known, notes=(*notes, *known.notes)).judging(sequence.images, asked)

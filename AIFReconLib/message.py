@@ -58,7 +58,7 @@ class Sentence(str):
 
     def __new__(cls, text: str, /, advice: str | BaseException = "", **details: object) -> Sentence:
         sentence = super().__new__(cls, one_line(shorten(text.strip(), LONGEST_SENTENCE)))
-        other = said(advice) if isinstance(advice, BaseException) else advice
+        other = message_of(advice) if isinstance(advice, BaseException) else advice
         sentence.advice, sentence.details = (other.advice, other.details) if isinstance(other, Sentence) else (other, details)
         return sentence
 
@@ -102,14 +102,14 @@ def as_label(labels: Mapping[str, str], name: str, value: str = "") -> str:
 def advised(sentence: object, spelling: Spelling = as_argument) -> str:
     """A sentence with its advice, settings as a door writes them; any other text, and an error that has none, as it is."""
     if isinstance(sentence, BaseException):
-        sentence = said(sentence)
+        sentence = message_of(sentence)
     if not isinstance(sentence, Sentence):
         return str(sentence)
     settings = {name: _Setting(name, spelling) for name in sentence.settings}
     return f"{sentence} {sentence.advice.format(**sentence.details, **settings)}".strip()
 
 
-def said(error: object) -> Sentence:
+def message_of(error: object) -> Sentence:
     """What an error says, or a sentence or text that may have an advice."""
     if isinstance(error, BaseException):
         error = error.args[0] if error.args and isinstance(error.args[0], Sentence) else str(error)
@@ -156,17 +156,17 @@ class Described:
 class Judged(Described):
     """An answer that is to be used only where nothing speaks against it."""
 
-    said: str | None
+    reason: str | None
 
     @property
     def accepted(self) -> bool:
         """Whether it may be used unseen."""
-        return self.said is None
+        return self.reason is None
 
     @property
     def refusal(self) -> str | None:
         """Why it must not be used unseen, and what to do about it in Python."""
-        return None if self.said is None else advised(self.said)
+        return None if self.reason is None else advised(self.reason)
 
 
 def columns(rows: Iterable[Iterable[str]], indent: str = "  ") -> str:

@@ -64,7 +64,7 @@ def reconstruct(
     Warns
     -----
     DoubtfulInputWarning
-        For each line of the result's `said` that is a warning: the volume is made, and probably wrong.
+        For each line of the result's `messages` that is a warning: the volume is made, and probably wrong.
 
     Raises
     ------
@@ -75,11 +75,11 @@ def reconstruct(
     recipe = recipe or Recipe()
     job = ReconstructionJob(joined(sequence, recipe), recipe, bone, grid, beside, memory)
     output = reconstruct_job(job, progress)
-    for line in output.result.said:
+    for line in output.result.messages:
         if line.startswith("WARNING: "):
             warnings.warn(advised(line).removeprefix("WARNING: "), DoubtfulInputWarning, stacklevel=2)
     if output.labeled is None:
         return output.result
     warn_of_disagreement(output.labeled.comparison())
     told = (*output.labeled.labels.notes, *output.labeled.lines(output.result.method))
-    return replace(output.result, said=(*output.result.said, *told))
+    return replace(output.result, messages=(*output.result.messages, *told))

@@ -266,7 +266,7 @@ class _Work:
         for name in SIDE_OUTPUTS:
             if getattr(arguments, name):
                 getattr(result, name).write(self._folder / f"{stem}-{name}.nrrd")
-        said_by_it = list(map(in_columns, result.said))
+        said_by_it = list(map(in_columns, result.messages))
         tracking = [{"sequence": name, **one.to_dict()} for name, one in tracking_of(job, result).items()]
         self._report[result.method] = {"tracking": tracking, "notes": said_by_it}
         notes = [*self._notes, *said_by_it]

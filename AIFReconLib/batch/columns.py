@@ -116,8 +116,8 @@ class Columns:
         except WrongArguments as wrong:
             # The column is known
             message = str(wrong)
-            said = message.partition(": ")[2] if message.startswith("argument ") else message
-            raise SettingsError(f"{said.rstrip('.')}.") from None
+            message = message.partition(": ")[2] if message.startswith("argument ") else message
+            raise SettingsError(f"{message.rstrip('.')}.") from None
 
 
 def _beside(folder: Path, value: object) -> object:

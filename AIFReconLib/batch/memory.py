@@ -56,8 +56,8 @@ class Shares:
     def __str__(self) -> str:
         memory = "" if self.memory is None else f" and {self.memory / 1e9:.1f} GB"
         large = f"; the largest case, of {self.needed / 1e9:.1f} GB, is worked in parts"
-        said = f"{self.workers} process(es) with {self.threads} thread(s){memory} each"
-        return said if self.memory is None or self.needed <= self.memory else said + large
+        message = f"{self.workers} process(es) with {self.threads} thread(s){memory} each"
+        return message if self.memory is None or self.needed <= self.memory else message + large
 
 
 def shared_out(cases: Sequence[Case], workers: int | None = None, memory: int | None = None) -> Shares:

@@ -22,7 +22,7 @@ from ..io.disk.regular_files import files_in, require_regular_file
 from ..io.disk.small_files import read_bytes
 from ..io.metafile.opening import data_files
 from ..io.sequence.files import recording_kind
-from ..message import said
+from ..message import message_of
 from ..terminal.arguments import with_values
 from ..terminal.labels_options import names_labels
 from ..terminal.reconstruction_options import check_bone_options, seen_source
@@ -281,6 +281,6 @@ def _why_not_a_file(path: Path) -> str | None:
         require_regular_file(path, FileFormatError)
         return None if path.stat().st_size else f"{path}: the file is empty. Copy it again."
     except FileFormatError as error:
-        return said(error)
+        return message_of(error)
     except OSError as error:
         return f"{path}: the file cannot be read ({error.strerror or str(error)}). Check its permissions."

@@ -73,12 +73,12 @@ class _Masks:
         return as_prediction(np.asarray(self._masks[frame.number]), f"mask {frame.number}", self._full)
 
     def notes(self) -> tuple[str, ...]:
-        said = f"Bone is what {len(self._masks)} masks say."
+        prediction = f"Bone is what {len(self._masks)} masks say."
         (high, wide), (columns, rows) = np.shape(self._masks[0]), self._frame_size
         if abs(high * columns / (wide * rows) - 1) <= SAME_SHAPE:
-            return (said,)
+            return (prediction,)
         cut = f"WARNING: Masks of {high} x {wide} pixels are laid over whole frames of {rows} x {columns}, which have another shape."
-        return (said, f"{cut} Were they cut out of them? Put them back into arrays as large as the frames.")
+        return (prediction, f"{cut} Were they cut out of them? Put them back into arrays as large as the frames.")
 
 
 class PointsOfFrames:
@@ -87,15 +87,17 @@ class PointsOfFrames:
     def __init__(self, imaging: Imaging):
         self._readers = ForEachKind(ScanLineReader, imaging)
 
-    def of(self, frame: TrackedFrame, said: Prediction | BoneEchoes | Numbers) -> SweepEchoes:
+    def of(self, frame: TrackedFrame, prediction: Prediction | BoneEchoes | Numbers) -> SweepEchoes:
         """Of a frame that has an image and a pose; an InputTypeError where an estimator of one's own answers something else."""
-        if isinstance(said, np.ndarray):
-            said = as_prediction(said, f"frame {frame.number}")
-        require_kind("estimate", said, (Prediction, BoneEchoes), "An estimator answers with an array (rows, columns) of 0 to 1, or None.")
+        if isinstance(prediction, np.ndarray):
+            prediction = as_prediction(prediction, f"frame {frame.number}")
+        require_kind(
+            "estimate", prediction, (Prediction, BoneEchoes), "An estimator answers with an array (rows, columns) of 0 to 1, or None."
+        )
         image, pose = frame.placed()
-        if isinstance(said, Prediction):
-            said = points_of(said, self._readers.of(frame), (0.0, 0.0, float(image.shape[1]), float(image.shape[0])))
-        return said.placed(pose, frame.number)
+        if isinstance(prediction, Prediction):
+            prediction = points_of(prediction, self._readers.of(frame), (0.0, 0.0, float(image.shape[1]), float(image.shape[0])))
+        return prediction.placed(pose, frame.number)
 
 
 def bone_from_frames(
@@ -131,11 +133,11 @@ def bone_from_frames(
         report(looking, done / len(usable), "Looking for bone in the sweep")
         if frame.status != "OK":
             continue
-        said = estimator.estimate(frame)
-        if said is None:
+        prediction = estimator.estimate(frame)
+        if prediction is None:
             silent += 1
         else:
-            found.append(points.of(frame, said))
+            found.append(points.of(frame, prediction))
     echoes = SweepEchoes.joined(found)
     if not len(echoes):
         raise GeometryError(f"{sequence.name}: no frame shows bone by what it is looked for with.", "Give {bone_labels}, or no bone.")

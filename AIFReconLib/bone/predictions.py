@@ -36,12 +36,12 @@ def points_of(prediction: Prediction, reader: ScanLineReader, whole: Rectangle) 
 
     `whole` is the rectangle of all of the frame that the reader reads.
     """
-    said = reader.read_rectangle(prediction.probability, prediction.rectangle or whole)
-    lines = np.flatnonzero(said.max(axis=1) >= SURE)
-    said, sample = said[lines], np.arange(said.shape[1])
-    scores, top = said.max(axis=1), said.argmax(axis=1)[:, None]
-    ends = said < AS_SURE * scores[:, None]
+    values = reader.read_rectangle(prediction.probability, prediction.rectangle or whole)
+    lines = np.flatnonzero(values.max(axis=1) >= SURE)
+    values, sample = values[lines], np.arange(values.shape[1])
+    scores, top = values.max(axis=1), values.argmax(axis=1)[:, None]
+    ends = values < AS_SURE * scores[:, None]
     first = np.where(ends & (sample < top), sample, -1).max(axis=1, keepdims=True)
     stop = np.where(ends & (sample > top), sample, len(sample)).min(axis=1, keepdims=True)
-    stretch = np.where((sample > first) & (sample < stop), said, 0.0)
+    stretch = np.where((sample > first) & (sample < stop), values, 0.0)
     return BoneEchoes(*reader.places(lines, stretch @ sample / stretch.sum(axis=1)), scores, np.ones(len(scores), dtype=bool))

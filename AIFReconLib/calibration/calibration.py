@@ -120,11 +120,11 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
     sides = compared_halves(echoes, bone, given, best, free)
     before, after = (check(echoes.placed(one.correction), bone, one.labels_to_reference) for one in (given, best))
     changed = float(np.median(np.linalg.norm(placed_by(best, echoes) - placed_by(given, echoes), axis=1)))
-    said = _refusal(echoes, best, solutions[1:], free, after, sides)
+    reason = _refusal(echoes, best, solutions[1:], free, after, sides)
     report(progress, 1.0, "Calibrated")
     uncertainty = spread_of(many, bone, best, asked, sides.apart)
     place = best.labels_to_reference
-    return Calibration(best.correction, free, deviation, sides, changed, said, echoes, place, before, after, uncertainty, given)
+    return Calibration(best.correction, free, deviation, sides, changed, reason, echoes, place, before, after, uncertainty, given)
 
 
 def _only(free: Mask, correction: Correction) -> Correction:

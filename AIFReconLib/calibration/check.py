@@ -15,7 +15,7 @@ from ..bone.field import BoneField
 from ..errors import AIFReconError, require_kind
 from ..geometry.transforms import affine, as_matrix, invert, with_unit_depth
 from ..geometry.volume import Volume
-from ..message import Sentence, listed, said
+from ..message import Sentence, listed, message_of
 from ..progress import Progress, part, report
 from ..recipe.recipe import SCANNER_SPEED, Recipe
 from ..registration.registration import LEAST_CLOSENESS
@@ -57,7 +57,7 @@ class CalibrationCheck:
     @property
     def lines(self) -> list[str]:
         """All of it, in sentences."""
-        return [Sentence(f"Calibration: {self.finding}", said(self.finding)), *self.more]
+        return [Sentence(f"Calibration: {self.finding}", message_of(self.finding)), *self.more]
 
 
 def check_calibration(
@@ -112,7 +112,7 @@ def checked(
         return _near(found)
     if found.before.enough and found.before.closeness <= LEAST_CLOSENESS:
         # It lies on the bone as it is: what else would lie there tells nothing
-        return CalibrationCheck(None, f"cannot be told from this sweep. {found.said}")
+        return CalibrationCheck(None, f"cannot be told from this sweep. {found.reason}")
     for number, (_, repair, mended) in enumerate(better[:TRIED]):
         again = calibrate_echoes(mended, bone, None, part(progress, 0.5 + 0.2 * number, 0.7 + 0.2 * number))
         if again.accepted:

@@ -149,17 +149,17 @@ def calibrate_crossing_echoes(echoes: ImagedEchoes, progress: Progress | None = 
     before = float(np.mean([off_the_surface(side, none) for side in halves(given)]))
     after = float(np.mean([off_the_surface(side, end) for side, end in zip(reversed(sides), ends, strict=True)]))
     compared = Halves(before, after, _apart(echoes, *ends))
-    said = doubt_of(compared.apart, found, held)
+    reason = doubt_of(compared.apart, found, held)
     if not np.isfinite(before + after):
-        said = NOT_IN_COMMON
+        reason = NOT_IN_COMMON
     elif after > GAIN * before:
-        said = Sentence(
+        reason = Sentence(
             f"No better one is found: frames of other angles lie {before:.2f} mm apart as given, {after:.2f} mm by another calibration."
         )
     report(progress, 1.0, "Calibrated")
     off = off_the_surface(given, none), off_the_surface(echoes, found)
     whole = replace(begun.then(found), delay=found.delay) if rough else found
-    return _CrossedCalibration(whole, held, UNKNOWN, compared, _apart(given, none, whole), said, given, *off)
+    return _CrossedCalibration(whole, held, UNKNOWN, compared, _apart(given, none, whole), reason, given, *off)
 
 
 def _refused(echoes: ImagedEchoes, why: Sentence) -> _CrossedCalibration:

@@ -52,7 +52,7 @@ class Mending(Judged):
     deviation: Floats  #: (9,). Standard deviation of each, in mm, radians, parts and s; NaN where it is not known.
     halves: Halves
     changed: float  #: mm. How far the correction moves the echoes, in the median.
-    said: str | None  #: Why it must not be used; None where it may be
+    reason: str | None  #: Why it must not be used; None where it may be
     echoes: ImagedEchoes = field(repr=False)
 
     @property

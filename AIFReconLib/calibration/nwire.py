@@ -76,7 +76,7 @@ class WireCalibration(Judged):
     apart: float  #: mm. How far apart the two halves place the wires' dots, in the median.
     uncertainty: float  #: mm. Dots are placed within this in the median, 9 times in 10, the phantom's place taken for true.
     depths: tuple[float, float]  #: mm. From where to where wires were seen.
-    said: str | None  #: Why it must not be used; None where it may be
+    reason: str | None  #: Why it must not be used; None where it may be
 
     def _facts(self) -> list[tuple[str, str]]:
         return [("accepted", str(self.accepted)), ("frames", str(len(self.frames.numbers)))]
@@ -140,11 +140,11 @@ def calibrate_on_wires(
     spread = np.sqrt((BLOCKS - 1) / BLOCKS * sum(_apart(found, each, solved) ** 2 for each in without))
     depth = found.points[..., 1].ravel() * np.linalg.norm(solved[:3, 1])
     depths = float(np.quantile(depth, 0.02)), float(np.quantile(depth, 0.98))
-    said = _refusal(found, solved, depths, apart, rival < max(TWO_WAYS * best, AS_NEAR))
+    reason = _refusal(found, solved, depths, apart, rival < max(TWO_WAYS * best, AS_NEAR))
     report(progress, 1.0, "Calibrated")
     uncertainty = math.hypot(1.645 * spread, apart / 2)  # 9 times in 10 of a normal distribution
     before = None if given is None else given.matrix
-    return WireCalibration(called, solved, before, found, tried, shown, float(np.mean(other)), apart, uncertainty, depths, said)
+    return WireCalibration(called, solved, before, found, tried, shown, float(np.mean(other)), apart, uncertainty, depths, reason)
 
 
 def _seen(sweeps: list[TrackedSequence], probe: str, wires: Floats, progress: Progress | None) -> tuple[WireFrames, int]:

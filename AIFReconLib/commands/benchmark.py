@@ -94,8 +94,8 @@ def _report(found: MeasuredSpeed, spacing: float) -> dict[str, object]:
 def answer(shares: dict[str, float], size: tuple[int, int], rate: float) -> str:
     """In words, whether this machine keeps up, and what helps where it does not; `shares` are of the time there is, by method."""
     by_verdict = {word: [m for m, share in shares.items() if verdict(share) == word] for word in (KEEPS_UP, JUST_KEEPS_UP, TOO_SLOW)}
-    said = [f"{word} with {_ANY if len(ms) == len(shares) else ', '.join(ms)}" for word, ms in by_verdict.items() if ms]
-    text = f"At {rate:g} frames/s of {size[0]} x {size[1]} pixels, this machine {'; '.join(said)}."
+    sentences = [f"{word} with {_ANY if len(ms) == len(shares) else ', '.join(ms)}" for word, ms in by_verdict.items() if ms]
+    text = f"At {rate:g} frames/s of {size[0]} x {size[1]} pixels, this machine {'; '.join(sentences)}."
     if len(by_verdict[KEEPS_UP]) == len(shares):
         return text
     numba = "" if optional_module("AIFReconLib.compounding.compiled.numba_engine") else f"numba ({INSTALL_NUMBA}), "

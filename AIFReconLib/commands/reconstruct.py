@@ -117,8 +117,8 @@ def run(asked: _ReconstructOptions) -> None:
     agreement = list(map(in_options, lines))
     tracking = tracking_of(job, result)
     if asked.report and not is_page(asked.report):
-        said = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
-        write_text(asked.report, json.dumps(said, indent=2) + "\n")
+        facts = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
+        write_text(asked.report, json.dumps(facts, indent=2) + "\n")
     if asked.report and is_page(asked.report):
         with ProgressBar() as progress:
             _write_page(asked, replace(job, sequence=output.sequence or sequence), output, result, tracking, progress)
@@ -223,7 +223,7 @@ def report_of(result: Reconstruction, tracking: dict[str, TrackingReport], outpu
             "ijk_to_reference": result.grid.ijk_to_reference.tolist(),
         },
         "tracking": sweeps if len(sweeps) > 1 else next(iter(tracking.values())).to_dict(),
-        "notes": list(map(in_options, result.said)),
+        "notes": list(map(in_options, result.messages)),
         "files": {name: str(path) for name, path in outputs.items()},
     }
 

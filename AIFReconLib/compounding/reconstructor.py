@@ -275,7 +275,7 @@ class Reconstructor:
     def made(self, results: Results, counts: FrameCounts, notes: tuple[str, ...], progress: Progress | None = None) -> Reconstruction:
         """The volume of results of the whole grid, its holes filled."""
         shown = self._region.mask(*self._images.shape[::-1]) if self._images else np.ones((1, 1), dtype=bool)
-        hole_limit, said = results.fill(np.reshape(counts.poses, (-1, 3, 4)), shown, progress)
+        hole_limit, messages = results.fill(np.reshape(counts.poses, (-1, 3, 4)), shown, progress)
         intensity, mask = results.volume("intensity"), results.volume("mask")
         if intensity is None or mask is None:
             raise ValueError("Input results must have been filled; got none.")
@@ -288,7 +288,7 @@ class Reconstructor:
             method=self.method,
             frames_inserted=counts.inserted,
             skipped={reason: numbers.tolist() for reason, numbers in counts.skipped.items()},
-            said=(*notes, *said),
+            messages=(*notes, *messages),
             hole_limit=hole_limit,
             bone=self._made,
             unused=self._unused,

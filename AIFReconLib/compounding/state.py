@@ -222,7 +222,7 @@ class Reconstruction(Described):
         Best cosine of incidence, when it was asked for.
     skipped : dict of str to list of int
         Numbers of the frames that were not inserted, by reason; of several sweeps numbered through.
-    said : tuple of str
+    messages : tuple of str
         What a user should know about how this result came about, with options named as on the command line; see `notes`.
     hole_limit : float, mm
         Up to which holes were filled, as given or as chosen; 0 where they were not, or in the configuration's own way.
@@ -242,7 +242,7 @@ class Reconstruction(Described):
     method: str
     frames_inserted: int
     skipped: dict[str, list[int]]
-    said: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
     hole_limit: float = 0.0
     sweeps: tuple[SweepShare, ...] = ()
     bone: Mapping[str, object] = field(default_factory=dict)
@@ -255,7 +255,12 @@ class Reconstruction(Described):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a user should know about how this result came about, in Python's words."""
-        return tuple(map(advised, self.said))
+        return tuple(map(advised, self.messages))
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """The old name of `messages`, for one release."""
+        return self.messages
 
     @property
     def grid(self) -> VoxelGrid:

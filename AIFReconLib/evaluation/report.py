@@ -36,7 +36,7 @@ class Section:
     ----------
     rows : tuple of (str, str)
         Names and values.
-    said : tuple of str
+    lines : tuple of str
         Sentences.
     table : tuple of tuple of str
         The first row holds the headings, the first column names.
@@ -46,7 +46,7 @@ class Section:
 
     title: str
     rows: tuple[tuple[str, str], ...] = ()
-    said: tuple[str, ...] = ()
+    lines: tuple[str, ...] = ()
     table: tuple[tuple[str, ...], ...] = ()
     pictures: tuple[tuple[str, bytes], ...] = ()
 

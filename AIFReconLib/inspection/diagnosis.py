@@ -13,7 +13,7 @@ from ..errors import AIFReconError, BeamGeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformName, TransformStatus
 from ..geometry.transforms import pixel_spacing
 from ..imaging.recognized import recognized
-from ..message import Sentence, columns, said
+from ..message import Sentence, columns, message_of
 from ..progress import Progress
 from ..remedies import NAME_THE_PROBE
 from ..sweep.frames import TrackedSequence
@@ -91,7 +91,7 @@ def diagnose(
         tracking = tracking_report(sequence, poses)
         poses.require_usable(sequence.name)
     except AIFReconError as error:
-        findings += [Sentence(f"Cannot be reconstructed yet. {said(error)}", error), *sequence.notes]
+        findings += [Sentence(f"Cannot be reconstructed yet. {message_of(error)}", error), *sequence.notes]
         shown = probe or _describe_probe(sequence, None)
     else:
         usable = poses.usable
@@ -109,7 +109,7 @@ def diagnose(
             offset = estimate_time_offset(sequence, poses, progress)
             findings.append(offset.to_text())
         except SequenceFormatError as error:
-            findings.append(Sentence(f"Images cannot be compared with poses: {said(error)}", error))
+            findings.append(Sentence(f"Images cannot be compared with poses: {message_of(error)}", error))
     facts.append(("probe", shown or "not recognized in the images"))
     findings += _about_time(sequence) + _about_tools(sequence)
     findings += sequence.configuration.warnings
@@ -159,7 +159,7 @@ def _describe_probe(sequence: TrackedSequence, spacing: tuple[float, float] | No
     except BeamGeometryError:
         return None
     except SequenceFormatError as error:
-        return f"cannot be looked at: {said(error)}"
+        return f"cannot be looked at: {message_of(error)}"
 
 
 def _describe_statuses(sequence: TrackedSequence, name: TransformName) -> str:

@@ -19,7 +19,7 @@ from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
 from ..io.foreign.openers import open_images
 from ..io.foreign.options import ImportOptions
 from ..io.foreign.poses.files import read_poses, read_times
-from ..message import Sentence, said
+from ..message import Sentence, message_of
 from ..recipe.recipe import AUTOMATIC
 from ..remedies import SURE
 from ..sweep.frames import TrackedSequence
@@ -85,10 +85,12 @@ def _found_offset(sequence: TrackedSequence, name: TransformName) -> float:
     try:
         poses = sweep_poses(sequence, reference=_reference(sequence, name))
     except AIFReconError as error:
-        raise SettingsError(said(error), "To find the time offset, give the calibration with {calibration:[ImageToProbe=]FILE}.") from None
+        raise SettingsError(
+            message_of(error), "To find the time offset, give the calibration with {calibration:[ImageToProbe=]FILE}."
+        ) from None
     found = estimate_time_offset(sequence, poses)
     if found.time_offset is None:
-        told = said(found.to_text())
+        told = message_of(found.to_text())
         raise SettingsError(told, told if told.advice else "Give the seconds as {time_offset:S}, or leave it out.")
     return found.time_offset if found.out_of_step else 0.0
 
@@ -126,13 +128,13 @@ def check_import(imported: Imported, name: str) -> ImportCheck:
         seen = recognized(sequence.images, pixel_spacing(poses.image_to_reference[poses.usable[0]]))
         region, probe = seen.region, f"recognized in the images, blue in the drawing: {seen.description}"
     except BeamGeometryError as error:
-        region, probe = None, said(error)
+        region, probe = None, message_of(error)
     axes = mechanism.lines() if mechanism and reference == transform.target else []
     drawing = draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes, region)
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     if np.isfinite(sequence.timestamps).all():
         offset = estimate_time_offset(sequence, poses).to_text()
-        rows.append(Sentence(f"clocks: {offset}", said(offset)))
+        rows.append(Sentence(f"clocks: {offset}", message_of(offset)))
     return ImportCheck((_size(sequence, poses), probe, *rows), drawing, reference)
 
 

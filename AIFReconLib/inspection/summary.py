@@ -55,7 +55,7 @@ def summary_lines(result: Reconstruction, frames: int, seconds: float | None = N
         done if seconds is None else f"{done}, in {seconds:.1f} s",
         describe_coverage(measured / grid.voxels, filled / grid.voxels if filled else None),
         *_skipped(result),
-        *(advised(note, spelling) for note in result.said),
+        *(advised(note, spelling) for note in result.messages),
     ]
 
 

@@ -109,8 +109,8 @@ class TrackingReport:
         """The same as a table."""
         cells = (f"<td style='padding-right: 8px'>{escape(capital(name))}</td><td>{escape(value)}</td>" for name, value in self.rows())
         rows = "".join(f"<tr>{each}</tr>" for each in cells)
-        said = "".join(f"<p style='margin: 4px 0'>{escape(sentence)}</p>" for sentence in self.findings())
-        return f"<p style='margin: 0 0 4px 0'><b>{escape(title)}</b></p><table cellspacing='0' cellpadding='2'>{rows}</table>{said}"
+        sentences = "".join(f"<p style='margin: 4px 0'>{escape(sentence)}</p>" for sentence in self.findings())
+        return f"<p style='margin: 0 0 4px 0'><b>{escape(title)}</b></p><table cellspacing='0' cellpadding='2'>{rows}</table>{sentences}"
 
     def to_dict(self) -> dict[str, object]:
         """For JSON: numbers rounded to 6 places, units in the names."""

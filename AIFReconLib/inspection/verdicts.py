@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..bone.echoes.found import FEWEST
-from ..message import Sentence, listed, said
+from ..message import Sentence, listed, message_of
 from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 
 if TYPE_CHECKING:
@@ -163,4 +163,4 @@ def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
 def calibration_verdict(checked: CalibrationCheck) -> Verdict:
     """Whether the calibration agrees with the bone of a CT that lies on the sweep."""
     level = Level.UNKNOWN if checked.agrees is None else Level.GOOD if checked.agrees else Level.LOOK
-    return Verdict(level, checked.finding, Sentence(" ".join(checked.more), said(checked.finding)))
+    return Verdict(level, checked.finding, Sentence(" ".join(checked.more), message_of(checked.finding)))

@@ -17,7 +17,7 @@ from ..geometry.labels import Labels
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..machine.read_ahead import read_ahead
-from ..message import Sentence, advised, said
+from ..message import Sentence, advised, message_of
 from ..progress import Progress, report
 from ..recipe.recipe import Recipe
 from ..remedies import PLACE_THE_CT
@@ -135,7 +135,7 @@ def compared(
     except OperationCanceled:
         raise
     except AIFReconError as error:
-        return Comparison(None, (Sentence(f"CT and sweep were not compared. {said(error)}", error),))
+        return Comparison(None, (Sentence(f"CT and sweep were not compared. {message_of(error)}", error),))
     warning, sentence = agreement.warning(labels.names if isinstance(labels, Labels) else None), agreement.sentence()
     if warning is None:
         return Comparison(agreement, (sentence,), echoes)

@@ -19,7 +19,7 @@ from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix, invert, transform_points, why_not_rigid
 from ..geometry.volume import Volume
-from ..message import Described, Sentence, said
+from ..message import Described, Sentence, message_of
 from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, Recipe
 from ..sweep.frames import TrackedSequence
@@ -161,7 +161,7 @@ class LabeledBone(Described):
             except GeometryError as none:  # a sweep that shows no bone is not a reason to make no volume
                 nothing = np.zeros(self.labels.array.shape, np.uint8)
                 place = self.in_reference().ijk_to_reference
-                return BoneMap(Volume(nothing.astype(np.float32), place), Volume(nothing, place), (said(none),))
+                return BoneMap(Volume(nothing.astype(np.float32), place), Volume(nothing, place), (message_of(none),))
         voxels, mm = (None if name not in settings else float(settings[name]) for name in ("bone_sigma_voxels", "bone_sigma_mm"))
         if mm is not None and method_named(method).follows_agreement:
             return BoneMap.from_field(self.field, mm, self.labels_to_reference)

@@ -63,7 +63,7 @@ class Registration(Judged):
 
     transform: Floats  #: (4, 4), mm. labels_to_reference, RAS.
     agreement: Agreement  #: Of that place, or, where each bone moved on its own, of the bones where they came to lie
-    said: str | None
+    reason: str | None
     """Sentence. Why the answer must not be used unseen, with options named as on the command line; see `refusal`."""
     loose: tuple[UnconstrainedMotion, ...]  #: Motions that the sweep does not hold
     restarts: float  #: mm. How far apart refinements from nearby starts ended.

@@ -20,7 +20,7 @@ from ..geometry.transform_graph import (
     connected,
     find_ways,
 )
-from ..message import Sentence, listed, said
+from ..message import Sentence, listed, message_of
 from ..remedies import MISSING_LINK, TRANSFORM_SEQUENCES
 from .configuration import PlusConfiguration
 from .frame_pose import frame_pose, require_agreement
@@ -317,7 +317,7 @@ def _find_ways(
         advice = none if not names else missing_link(wanted, names, [name for name in recorded if _moves(sequence, name)])
         if advice.advice == CHOOSE_FRAME and wanted.target == "Reference":
             advice = Sentence("", CHOOSE_OR_IMPORT, **advice.details)
-        raise TransformError(f"{sequence.name}: {said(error)} {advice}", advice) from None
+        raise TransformError(f"{sequence.name}: {message_of(error)} {advice}", advice) from None
 
 
 NO_TRANSFORMS = Sentence("The recording has no transforms at all: was a tracker connected?", TRANSFORM_SEQUENCES)

@@ -186,7 +186,7 @@ def with_provenance(
     notes = [] if kept is None else list(other_inputs(kept.path.name, kept.inputs, files))
     if kept is not None and kept.version not in ("", __version__):
         notes.insert(0, f"The settings are of version {kept.version}, and this is {__version__}: voxels may differ.")
-    return replace(signed(result, settings_of(result.intensity), files, stream), said=(*result.said, *notes))
+    return replace(signed(result, settings_of(result.intensity), files, stream), messages=(*result.messages, *notes))
 
 
 def gigabytes(text: str) -> int:

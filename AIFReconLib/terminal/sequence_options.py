@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 from ..errors import SettingsError
 from ..inspection.offset_estimate import estimate_time_offset
 from ..io.sequence.files import read_sequence
-from ..message import said
+from ..message import message_of
 from ..recipe.recipe import AUTOMATIC
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import ends_of, sweep_poses
@@ -130,7 +130,7 @@ def _time_offset(asked: RecordingOptions, sequences: Sequence[TrackedSequence]) 
         found = estimate_time_offset(sequence, sweep_poses(sequence, recipe.image_to_reference, recipe.reference))
         if found.time_offset is not None:
             return found.time_offset if found.out_of_step else 0.0
-    told = said(found.to_text())
+    told = message_of(found.to_text())
     raise SettingsError(f"{sequence.name}: {told}", told if told.advice else "Give {time_offset:S}, or leave it out.")
 
 

@@ -20,7 +20,7 @@ from ..geometry.volume import Volume, VoxelGrid
 from ..guidance.snapshot import GuidanceSnapshot, Share
 from ..inspection.verdicts import Verdict, calibration_verdict, motion_verdict
 from ..io.disk.workspace import workspace
-from ..message import Sentence, said
+from ..message import Sentence, message_of
 from ..progress import Progress, part, report
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..remedies import ADD_TIME_OFFSET, PLACE_THE_CT
@@ -104,8 +104,8 @@ def calibrated_by(
     from ..calibration.calibration import calibrate
 
     found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
-    if found.said is not None:
-        return _Calibrated((Sentence(f"The calibration was not changed. {found.said}", said(found.said)),), None)
+    if found.reason is not None:
+        return _Calibrated((Sentence(f"The calibration was not changed. {found.reason}", message_of(found.reason)),), None)
     if found.changed <= found.uncertainty:
         agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
         return _Calibrated((agrees, *_more(found)), None)

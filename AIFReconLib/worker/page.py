@@ -72,18 +72,18 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
         sections.append(Section(title, rows, tuple(advised(sentence, words) for sentence in tracking.findings())))
     if about.motion is not None:
         drawn = (("How the patient moved against the reference", motion_figure(about.motion)),)
-        sections.append(Section("Motion of the patient", said=about.motion.lines, pictures=drawn))
-    said = []
+        sections.append(Section("Motion of the patient", lines=about.motion.lines, pictures=drawn))
+    lines = []
     for section, of_line in (_agreement(about, words, part(progress, 0.2, 0.6)), _coverage(about, words, part(progress, 0.6, 1.0))):
         sections += [] if section is None else [section]
-        said += [of_line] if of_line else []
+        lines += [of_line] if of_line else []
     versions = software_versions()
     voxels = f"voxels of {' x '.join(f'{size:.3g}' for size in about.spacing)} mm"
     speeds = [tracking.median_speed for tracking in about.tracking.values()]
     speed = " at " + ", ".join(f"{speed:.0f}" for speed in speeds if speed is not None) + " mm/s" if any(speeds) else ""
     used, all_ = (sum(getattr(tracking, name) for tracking in about.tracking.values()) for name in ("used", "frames"))
     frames, software = f"{used} of {all_} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
-    line = f"{about.name}: {'; '.join([frames, *said, voxels, software])}. Research use only: not for guiding a needle."
+    line = f"{about.name}: {'; '.join([frames, *lines, voxels, software])}. Research use only: not for guiding a needle."
     if path is not None:
         made_with = understood(Path(about.name), json.loads(about.settings), "", ()).recipe
         page = Report(
@@ -112,11 +112,11 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
     labels = None if about.labels is None or about.labels_to_reference is None else about.labels.placed_by(about.labels_to_reference)
     bands = None if about.plain is None else Volume(raised_bands(about.shown, about.plain), about.shown.ijk_to_reference)
     kinds = [(about.method, Scene(about.shown, about.window, labels, about.ct, bands))]
-    said = ["Orange: bone of the CT."] if labels is not None else []
-    said += ["Where nothing was scanned the CT is seen, darker."] if about.ct is not None else []
+    lines = ["Orange: bone of the CT."] if labels is not None else []
+    lines += ["Where nothing was scanned the CT is seen, darker."] if about.ct is not None else []
     if about.plain is not None:
         kinds.append(("as measured", Scene(about.plain, about.window, labels, about.ct)))
-        said.append(
+        lines.append(
             "Violet: the method has made the picture brighter there than the echoes are on the mean; the stronger, the more. What was "
             "measured alone is shown as well."
         )
@@ -124,7 +124,7 @@ def _pictures(about: PageAbout) -> tuple[Section, ...]:
     pictures = [(f"{caption}; {kind}", data) for kind, scene in kinds for caption, data in cut_pictures(scene, middle)]
     if about.spine is not None:
         pictures.append(("Bone of the ultrasound, from behind; the CT's is translucent", about.spine))
-    return (Section("Pictures", said=tuple(said), pictures=tuple(pictures)),)
+    return (Section("Pictures", lines=tuple(lines), pictures=tuple(pictures)),)
 
 
 def _agreement(about: PageAbout, words: Spelling, progress: Progress | None) -> tuple[Section, str]:
@@ -134,19 +134,19 @@ def _agreement(about: PageAbout, words: Spelling, progress: Progress | None) -> 
 
     title = "CT and sweep"
     if about.labels is None or about.labels_to_reference is None:
-        return Section(title, said=(about.problem,)), ""
+        return Section(title, lines=(about.problem,)), ""
     found = compared(about.sequence, about.labels, about.labels_to_reference, about.recipe, progress)
     agreement = found.agreement
     if agreement is None:
-        return Section(title, said=tuple(advised(line, words) for line in found.lines)), ""
+        return Section(title, lines=tuple(advised(line, words) for line in found.lines)), ""
     rows = [
         (about.names.get(label) or f"label {label}", f"{own.agreement:.0%}", f"{own.median_distance:.1f} mm")
         for label, own in sorted(agreement.per_label.items())
     ]
     table = (("Bone", "Echoes that agree", "Median distance"), *rows) if rows else ()
     warning = agreement.warning(about.names)
-    said = (agreement.sentence(), *(() if warning is None else (warning,)))
-    return Section(title, said=said, table=table), registration_verdict(agreement, about.names).finding
+    lines = (agreement.sentence(), *(() if warning is None else (warning,)))
+    return Section(title, lines=lines, table=table), registration_verdict(agreement, about.names).finding
 
 
 def _coverage(about: PageAbout, words: Spelling, progress: Progress | None) -> tuple[Section | None, str]:
@@ -162,19 +162,19 @@ def _coverage(about: PageAbout, words: Spelling, progress: Progress | None) -> t
     except OperationCanceled:
         raise
     except AIFReconError as error:
-        return Section(title, said=(advised(error, words),)), ""
+        return Section(title, lines=(advised(error, words),)), ""
     by_name = [(name if about.names else f"label {name}", share) for name, share in found.by_label.items()]
     rows = [
         (name, *map(_percent, (share.met, share.below_45_deg, share.expected_visibility))) for name, share in [*by_name, ("all", found.all)]
     ]
-    said = (
+    lines = (
         "Shares of the bone that some beam from the back could reach, its sides too. In Slicer the light “Coverage” counts only what faces "
         "the back.",
         *(advised(note, words) for note in found.notes),
     )
     of_line = ", ".join(f"{name}: {_percent(share.met)}" for name, share in by_name)
     table = (("Bone", "Hit", "Squarely, below 45°", "Expected to show"), *rows)
-    return Section(title, said=said, table=table), f"bone hit, its sides included: {of_line}"
+    return Section(title, lines=lines, table=table), f"bone hit, its sides included: {of_line}"
 
 
 def _percent(share: float) -> str:

@@ -42,7 +42,7 @@ class Found:
     """Where the CT belongs; see `Registration`."""
 
     placed: PlacedCT
-    said: str | None  #: Why the answer must not be used unseen
+    reason: str | None  #: Why the answer must not be used unseen
     agreement: Agreement
     moved: float | None  #: mm
     uncertain: tuple[str, ...]  #: What the sweep does not hold, in words
@@ -74,7 +74,7 @@ class Placing:
         found = register_echoes(self._echoes, self._bone, start, per_segment=per_segment, progress=progress)
         others = tuple(_Offered(other.transform, other.agreement, other.levels) for other in found.alternatives)
         apart = placed_labels(self._bone.labels, found.segments.transforms) if found.segments else None
-        return Found(self.at(found.transform), found.said, found.agreement, found.moved, tuple(found.uncertain), others, apart)
+        return Found(self.at(found.transform), found.reason, found.agreement, found.moved, tuple(found.uncertain), others, apart)
 
 
 def echoes_in(sequence: TrackedSequence, recipe: Recipe, progress: Progress | None = None) -> SweepEchoes:

@@ -24,7 +24,7 @@ from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.messages import StreamMessage
 from ..live.wire.sources import QueueSource
 from ..machine.threads import usable_cores
-from ..message import said
+from ..message import message_of
 from ..progress import Progress, part, report
 from ..registration.live import SECONDS
 from ..workflows.job import ScanJob
@@ -105,7 +105,7 @@ class Scan(LiveScan):
         state = None if self._agreement is None else self._agreement.state
         agreement = None if state is None or state.agreement is None else state.agreement
         problems = [] if state is None else [state.problem]
-        problems += [None if self._snapshots.error is None else said(self._snapshots.error), *self._recording_problems()]
+        problems += [None if self._snapshots.error is None else message_of(self._snapshots.error), *self._recording_problems()]
         latest = session.latest
         guidance = None if self._guidance is None else self._guidance.state
         is_told, self._told = guidance is self._told, guidance

@@ -23,7 +23,7 @@ from ..io.plus.calibration import write_calibrated
 from ..io.plus.configuration import read_plus_configuration
 from ..io.plus.phantom import read_wire_phantom
 from ..io.transform.files import write_transform
-from ..message import said
+from ..message import message_of
 from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..sweep.frames import TrackedSequence
@@ -49,8 +49,8 @@ class _CalibrationOutput:
 
     def require_accepted(self) -> None:
         """Return if it may be used; RegistrationRefused says why not."""
-        if self.found.said is not None:
-            raise RegistrationRefused(f"No calibration is written. {self.found.said}", said(self.found.said))
+        if self.found.reason is not None:
+            raise RegistrationRefused(f"No calibration is written. {self.found.reason}", message_of(self.found.reason))
 
     def write(self, path: Path, configurations: Sequence[Path]) -> None:
         """Write the first configuration with it in the place of its own; without a name, a correction of the image."""

@@ -93,7 +93,7 @@ class ReconstructionPlan:
     bone : BoneMap or None
     source : BoneMap, LabeledBone or None
         What was found where bone was asked for: of the same job by another method it is the source.
-    said : tuple of str
+    messages : tuple of str
         Of the bone that nobody has asked for.
     """
 
@@ -109,7 +109,7 @@ class ReconstructionPlan:
     grid: VoxelGrid
     bone: BoneMap | None = None
     source: BoneMap | LabeledBone | None = None
-    said: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
     motion: PatientMotion | None = None  #: That is taken out of the sequence
 
     def costs(self, beside: Collection[str] = BESIDE) -> Costs:
@@ -191,24 +191,24 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     report(progress, 0.0, "Looking at the sweep")
     job, motion = without_motion(replace(job, sequence=joined(job.sequence, job.recipe)), progress)
     sequence, asked = job.sequence, job.recipe
-    said: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
     with _about(job.bone.name if isinstance(job.bone, BoneSource) else ""):
         bone = source = found_bone(job, progress)
         if isinstance(bone, LabeledBone):
             bone = bone.map(asked.method_for(True), progress)
     if bone is None:
-        asked, bone, said = default_bone(sequence, asked, progress)
+        asked, bone, messages = default_bone(sequence, asked, progress)
     require_kinds(bone=bone)
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
-        said = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
-    if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in said):
-        said = (*said, *motion.lines)
+        messages = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
+    if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in messages):
+        messages = (*messages, *motion.lines)
     if motion is None and asked.motion == AUTOMATIC:
-        said = (*said, f"{CANNOT_TELL[:1].upper()}{CANNOT_TELL[1:]}.")
+        messages = (*messages, f"{CANNOT_TELL[:1].upper()}{CANNOT_TELL[1:]}.")
     found = _decided(replace(job, recipe=asked), bone is not None)
     taken = motion if motion is not None and motion.applied else None
-    return replace(found, bone=bone, source=source, said=said, motion=taken)
+    return replace(found, bone=bone, source=source, messages=messages, motion=taken)
 
 
 def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
@@ -396,7 +396,7 @@ def execute(
     before = (*warnings, *decided.parts.notes, *decided.poses.notes, *imaging.notes, *gray_notes)
     result = replace(
         result,
-        said=(*before, *result.said, *decided.said),
+        messages=(*before, *result.messages, *decided.messages),
         sweeps=shares(sequence, decided.order, result.skipped),
     )
     labeled = decided.source if isinstance(decided.source, LabeledBone) else None

@@ -12,7 +12,7 @@ from ..calibration.check import CalibrationCheck, checked
 from ..errors import AIFReconError, RegistrationRefused
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
-from ..message import Sentence, said
+from ..message import Sentence, message_of
 from ..progress import Progress
 from ..recipe.recipe import Recipe
 from ..registration.labeled_bone import LabeledBone
@@ -53,7 +53,7 @@ class RegistrationOutput:
     def require_taken(self, more: str = "") -> None:
         """Return if the answer may be used; RegistrationRefused says why not, and `more`."""
         if not self.is_taken:
-            raise RegistrationRefused(f"No transform is written. {self.found.said}{more}", said(self.found.said))
+            raise RegistrationRefused(f"No transform is written. {self.found.reason}{more}", message_of(self.found.reason))
 
     @property
     def placed(self) -> Volume:
@@ -130,4 +130,4 @@ def calibration_by(
     try:
         return checked(sequences, labels, np.eye(4) if placed is None else placed, recipe=recipe, progress=progress, known=known)
     except AIFReconError as error:
-        return CalibrationCheck(None, Sentence(f"cannot be told. {said(error)}", error))
+        return CalibrationCheck(None, Sentence(f"cannot be told. {message_of(error)}", error))

@@ -12,7 +12,7 @@ import pytest
 from AIFReconLib.commands.parser import COMMANDS as COMMANDS_OF_THE_TERMINAL
 from AIFReconLib.commands.parser import parser_of
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, one_line, said
+from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, message_of, one_line
 from AIFReconLib.terminal.remedies import as_option, in_columns, in_options
 
 LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
@@ -27,7 +27,7 @@ def test_a_sentence_is_the_text_alone():
 
 def test_each_door_says_the_remedy_in_its_own_words():
     error = SettingsError("got 0.", HOLES)
-    assert (str(error), in_options(error), in_columns(error), said(error)) == (
+    assert (str(error), in_options(error), in_columns(error), message_of(error)) == (
         "got 0. Give hole_limit=mm.",
         "got 0. Give --hole-limit MM.",
         "got 0. Give hole_limit MM.",
@@ -68,7 +68,7 @@ def test_details_are_named_in_the_remedy():
 
 @pytest.mark.parametrize("inner", [SettingsError("late.", HOLES), Sentence("late.", HOLES)])
 def test_an_error_about_another_takes_its_remedy_over(inner):
-    outer = OutputError(f"a.mha: {said(inner) if isinstance(inner, Exception) else inner}", inner)
+    outer = OutputError(f"a.mha: {message_of(inner) if isinstance(inner, Exception) else inner}", inner)
     assert (str(outer), in_options(outer)) == ("a.mha: late. Give hole_limit=mm.", "a.mha: late. Give --hole-limit MM.")
 
 

@@ -45,7 +45,7 @@ def test_a_clip_rectangle_that_is_the_whole_image_is_told_of_its_black_surround(
     (note,) = (note for note in result.notes if "clip rectangle" in note)
     assert "whole image of 40 x 30 pixels" in note
     assert "clip_px=(5, 3, 29, 23)" in advised(note)
-    assert "--clip-px 5 3 29 23" in in_options(result.said[result.notes.index(note)])
+    assert "--clip-px 5 3 29 23" in in_options(result.messages[result.notes.index(note)])
 
 
 def test_a_scan_conversion_of_another_depth_is_not_used_and_said():

@@ -89,8 +89,8 @@ class GuidancePanel(PanelPart):
 
     def onSweep(self) -> None:
         """Color the bone by what the chosen sweeps have met."""
-        if said := self._do(_("Guidance"), _("What the sweep has hit could not be told."), self._ofSweep):
-            self._say(said)
+        if message := self._do(_("Guidance"), _("What the sweep has hit could not be told."), self._ofSweep):
+            self._say(message)
 
     def _ofSweep(self, parameters, progress) -> str:
         seen = self._logic.verdicts.guide(parameters, progress, self._logic.paths.unseen)

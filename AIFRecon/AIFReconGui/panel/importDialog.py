@@ -77,17 +77,17 @@ class ImportDialog(PanelPart):
     def onCheck(self) -> None:
         """Have the files read, and show how they were understood, or ask what they leave open."""
         self._change()
-        said = self._run(_("Reading images and poses"), _("The files could not be read."), self._read)
-        if said and self._window:
-            self._ui.importWordsEdit.plainText = said
+        message = self._run(_("Reading images and poses"), _("The files could not be read."), self._read)
+        if message and self._window:
+            self._ui.importWordsEdit.plainText = message
 
     def onTake(self) -> None:
         """Load what was seen."""
 
         def work(parameters, progress) -> str:
-            said = self._take(parameters, self._seen, progress)
+            message = self._take(parameters, self._seen, progress)
             self._window.close()
-            return said
+            return message
 
         self._run(_("Import"), _("The sweep could not be imported."), work)
 
@@ -112,13 +112,13 @@ class ImportDialog(PanelPart):
         except OperationCanceled:
             raise
         except AIFReconError as error:
-            said = [error]
+            message = [error]
         else:
-            said = [*self._seen.understood, *self._seen.checked.lines]
-        for each in said:
+            message = [*self._seen.understood, *self._seen.checked.lines]
+        for each in message:
             self._ask(questions_of(each))
         self._show(self._seen and self._seen.checked.drawing)
-        return "\n".join(map(inImportWords, said))
+        return "\n".join(map(inImportWords, message))
 
     # ---- what is shown
 

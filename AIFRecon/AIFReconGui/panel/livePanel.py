@@ -157,11 +157,11 @@ class LivePanel(PanelPart):
             parameters.liveHost, parameters.livePort = found
             return _("Found at {host}, port {port}: press Start.").format(host=found[0], port=found[1])
 
-        said = self._do(_("Live reconstruction"), _("The search for the scanner failed."), work)
+        message = self._do(_("Live reconstruction"), _("The search for the scanner failed."), work)
         self._ui.liveRecordedLabel.text = ""
-        if said:
-            self._say(said)
-            self._showMove(said)
+        if message:
+            self._say(message)
+            self._showMove(message)
 
     def onUseBox(self) -> None:
         """Reconstruct in the box that was scanned so far."""

@@ -60,8 +60,8 @@ class PathsPanel(PanelPart):
 
     def onFind(self) -> None:
         """Look for paths, and show the best."""
-        if said := self._do(_("Paths"), _("Paths could not be looked for."), self._find):
-            self._say(said)
+        if message := self._do(_("Paths"), _("Paths could not be looked for."), self._find):
+            self._say(message)
 
     def onLine(self, row: int) -> None:
         """Show another line, with the slices along and across it."""

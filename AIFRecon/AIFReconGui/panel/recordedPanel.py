@@ -166,9 +166,9 @@ class RecordedPanel(PanelPart):
         """Reconstruct with every method that is compared."""
 
         def told(parameters, progress) -> str:
-            said = self._logic.compare(parameters, progress)
+            message = self._logic.compare(parameters, progress)
             qt.QTimer.singleShot(0, offerSpeed)
-            return said
+            return message
 
         failure = _("The methods could not be compared.")
         if packagesAreThere(self._parameterNode, failure):

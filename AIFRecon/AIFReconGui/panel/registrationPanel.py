@@ -127,8 +127,8 @@ class RegistrationPanel(PanelPart):
     # ---- work
 
     def _run(self, title: str, failure: str, work) -> None:
-        if said := self._do(title, failure, work):
-            self._say(said)
+        if message := self._do(title, failure, work):
+            self._say(message)
 
     def _check(self, parameters, progress) -> str:
         self._show(parameters, self._registration.check(parameters, progress))
@@ -141,10 +141,10 @@ class RegistrationPanel(PanelPart):
         scan = self._live.isRunning
         echoes = self._live.echoes() if scan else None
         found, self._unbent = self._registration.register(parameters, part(progress, 0.0, 0.7 if scan else 1.0), echoes), None
-        if found.said is not None:
+        if found.reason is not None:
             self._show(parameters, self._registration.at(rigidPlace(bone)))
             self._offer(_places(found))
-            reason = withNames(inPanelWords(found.said), self._names())
+            reason = withNames(inPanelWords(found.reason), self._names())
             refused = _("The CT was not moved. About the best place found: {reason}").format(reason=reason)
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
@@ -156,12 +156,12 @@ class RegistrationPanel(PanelPart):
             self._show(parameters, self._registration.check(parameters, echoes=echoes))
         self._offer([])
         loose = _("This sweep does not tell exactly: {motions}.").format(motions="; ".join(found.uncertain)) if found.uncertain else ""
-        said = self._words(moved, loose)
+        message = self._words(moved, loose)
         if not scan:
-            return said
+            return message
         # The CT is moved by now: a cancel would come too late
         followed = self._live.followBone(lambda share, message: progress(0.7 + 0.3 * share, message) or True)
-        return "\n".join(line for line in (said, followed) if line)
+        return "\n".join(line for line in (message, followed) if line)
 
     def _moveTo(self, parameters, placed) -> None:
         with slicer.util.RenderBlocker():
@@ -205,10 +205,10 @@ class RegistrationPanel(PanelPart):
     def _takeJudged(self) -> None:
         if not self._task.is_done:
             return
-        task, said, self._saidBefore = self._task, self._saidBefore, ""
+        task, message, self._saidBefore = self._task, self._saidBefore, ""
         try:
             self._show(self._parameterNode, task.result())
-            self._say("\n".join(line for line in (said, self._words()) if line))
+            self._say("\n".join(line for line in (message, self._words()) if line))
         except AIFReconError:  # the worker has died
             self.forget()
         self._refresh()

@@ -29,15 +29,15 @@ class ReportPanel(Follower):
             return
         shown = None
         if self._parameterNode.sweep is None:
-            said = _("Open a recording, or select a tracked sweep.")
+            message = _("Open a recording, or select a tracked sweep.")
         else:
             try:
                 shown = self._reportOf(self._parameterNode)
             except AIFReconError as error:
-                said = inPanelWords(error)
+                message = inPanelWords(error)
         self._ui.copyReportButton.enabled = shown is not None
         if shown is None:
-            say(self._ui.reportLabel, html.escape(said))
+            say(self._ui.reportLabel, html.escape(message))
         elif shown != self._shown:
             say(self._ui.reportLabel, shown[1].as_html(shown[0]))
         self._shown = shown

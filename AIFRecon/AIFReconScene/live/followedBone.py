@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from AIFReconLib.errors import AIFReconError
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 
 from ..inputs.boneNodes import isLabeled
 from ..inputs.inputs import Inputs
@@ -56,13 +56,13 @@ class FollowedBone:
         try:
             self.labels = Inputs.fromParameters(self._parameters).labels(progress)
         except AIFReconError as error:
-            self.problem = said(error)
+            self.problem = message_of(error)
 
     def _findPlace(self) -> bool:
         try:
             self.place, self.problem = rigidPlace(self.node), None
         except AIFReconError as error:
-            self.problem = said(error)
+            self.problem = message_of(error)
         return self.problem is None
 
 

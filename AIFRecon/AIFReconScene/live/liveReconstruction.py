@@ -11,7 +11,7 @@ from AIFReconLib.errors import AIFReconError, OperationCanceled, SettingsError, 
 from AIFReconLib.guidance.snapshot import GuidanceSnapshot
 from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 from AIFReconLib.progress import part
 from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 from AIFReconLib.worker.reconstructing import begin_scan
@@ -183,7 +183,7 @@ class LiveReconstruction:
     def _beginAgain(self, error) -> None:
         now = time.monotonic()
         self._deaths = [*(each for each in self._deaths if now - each < WITHIN), now]
-        self.lost, seen = error if isinstance(error, str) else said(error), self.seen
+        self.lost, seen = error if isinstance(error, str) else message_of(error), self.seen
         if len(self._deaths) <= MOST_DEATHS:
             logging.warning("%s The scan is taken up again.", self.lost)
             grid = seen.grid or self._request.grid
@@ -202,7 +202,7 @@ class LiveReconstruction:
         except WorkerDiedError as error:
             self._beginAgain(error)
         except AIFReconError as error:
-            self.lost = said(error)
+            self.lost = message_of(error)
             self._giveUp()
 
     def _giveUp(self) -> None:
@@ -224,7 +224,7 @@ class LiveReconstruction:
                 self._attempt(lambda: self._fill(ended.result))
             return ended
         except WorkerDiedError as error:
-            self.lost = said(error)
+            self.lost = message_of(error)
         except OperationCanceled:
             self.wasCanceled = True
         finally:

@@ -53,11 +53,11 @@ def linesOf(live) -> list:
 
 def counts(statistics) -> str:
     """Where the frames went."""
-    said = _("{inserted} of {received} frames added to the picture").format(
+    message = _("{inserted} of {received} frames added to the picture").format(
         inserted=statistics.inserted, received=statistics.frames_received
     )
     reasons = "; ".join(f"{count} {reason}" for reason, count in statistics.skipped.items())
-    return said + (f" ({reasons})" if reasons else "")
+    return message + (f" ({reasons})" if reasons else "")
 
 
 def _nextMove(live, tracked: bool, scouting: bool, apart: bool, advised: str) -> str:
@@ -81,8 +81,8 @@ def _stopped(statistics) -> str:
     """Which of images and positions come no more, and since when; empty while images come."""
     if statistics.images_stopped is None:
         return ""
-    said = _("No images since {time}") if statistics.poses_stopped is None else _("No images, no positions since {time}")
-    return said.format(time=_clock(statistics.images_stopped))
+    message = _("No images since {time}") if statistics.poses_stopped is None else _("No images, no positions since {time}")
+    return message.format(time=_clock(statistics.images_stopped))
 
 
 def _whatToCheck(statistics) -> str:
@@ -93,8 +93,8 @@ def _whatToCheck(statistics) -> str:
     if statistics.images_stopped is not None:
         return _("Connected, but nothing comes: check Plus and the scanner")
     if statistics.poses_stopped is not None:
-        said = _("No positions since {time}: check the tracker, and bring into its view what is not seen")
-        return said.format(time=_clock(statistics.poses_stopped))
+        message = _("No positions since {time}: check the tracker, and bring into its view what is not seen")
+        return message.format(time=_clock(statistics.poses_stopped))
     return _("Bring what is not seen into the tracker's view")
 
 

@@ -7,7 +7,7 @@ from vtk.util import numpy_support
 
 from AIFReconLib.errors import TransformError
 from AIFReconLib.live.wire.messages import ImageMessage, StreamEvent
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 
 from ..sweep.sweepPoses import transformStatus
 from ..transforms import ijkToRAS, matrixToWorld, parentTransforms
@@ -50,7 +50,7 @@ class NodeImages:
         try:
             pose = matrixToWorld(self._node) @ ijkToRAS(self._node)
         except TransformError as error:
-            return StreamEvent("refused", said(error), now)
+            return StreamEvent("refused", message_of(error), now)
         pixels = numpy_support.vtk_to_numpy(image.GetPointData().GetScalars()).reshape(rows, columns).copy()
         statuses = [transformStatus(node) for node in parentTransforms(self._node)]
         status = next((each for each in statuses if each.value != "OK"), None)

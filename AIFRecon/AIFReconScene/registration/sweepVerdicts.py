@@ -7,7 +7,7 @@ import numpy as np
 from AIFReconLib.errors import AIFReconError
 from AIFReconLib.guidance.snapshot import GuidanceSnapshot
 from AIFReconLib.inspection.verdicts import Level, Verdict, coverage_verdict, registration_verdict, tracking_verdict, unknown
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 from AIFReconLib.progress import part
 from AIFReconLib.worker.evaluating import calibration_of_sweep, guidance_in_sweep, met_of_sweep, motion_of_sweep
 
@@ -100,7 +100,7 @@ class SweepVerdicts:
             try:
                 verdict = verdictOf(task.result())
             except AIFReconError as error:
-                verdict = unknown(said(error))
+                verdict = unknown(message_of(error))
             self._known.setdefault(name, {})[key] = verdict
             self._keep(output)
         return bool(done)

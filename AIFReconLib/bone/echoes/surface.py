@@ -25,7 +25,7 @@ from ...errors import BeamGeometryError, GeometryError, InsufficientMemoryError
 from ...geometry.volume import Volume, VoxelGrid
 from ...machine.memory import LARGEST_GRID, require_memory
 from ...machine.threads import in_parts, usable_cores
-from ...message import Sentence, listed, said
+from ...message import Sentence, listed, message_of
 from ...progress import Progress, Steps, carry_out, part
 from ...recipe.recipe import Recipe
 from ...remedies import CHECK_PROBE_AND_CLIP
@@ -134,7 +134,7 @@ def default_bone(
     try:
         bone = bone_from_sweep(sequence, recipe, progress)
     except (BeamGeometryError, GeometryError, InsufficientMemoryError) as error:
-        return recipe, None, (Sentence(f"No CT, and no bone that the sweep shows by itself: a plain average. {said(error)}", error),)
+        return recipe, None, (Sentence(f"No CT, and no bone that the sweep shows by itself: a plain average. {message_of(error)}", error),)
     return replace(recipe, bone_from_sweep=True), replace(bone, notes=(f"No CT. {bone.notes[0]}", *bone.notes[1:])), ()
 
 

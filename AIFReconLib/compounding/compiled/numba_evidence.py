@@ -157,9 +157,9 @@ def judge(
             if possible[line] == ZERO or sample >= judged[line]:
                 continue
             echo, shadow = here[line], there[line]
-            said = words[of_line[line]]
-            asked = asked_most - unsure * said
-            worth = max((echo - preference * shadow) + rival, ZERO) * (said + EXTRA)
+            belief = words[of_line[line]]
+            asked = asked_most - unsure * belief
+            worth = max((echo - preference * shadow) + rival, ZERO) * (belief + EXTRA)
             if echo - shadow > asked * ((echo + shadow) + dark) and worth > best[line]:
                 best[line], place[line] = worth, sample
                 contrast = (echo - shadow) / ((echo + shadow) + dark) - asked

@@ -96,13 +96,13 @@ class Results:
         poses, shown
             As in `automatic_limit`.
         """
-        settings, said = with_limit(self._settings, self._configured, poses, shown, self.grid)
+        settings, messages = with_limit(self._settings, self._configured, poses, shown, self.grid)
         values = self._room("intensity", self._first_type)
         threads, score = self._threads, self._made.get("score")
         fill_as_asked(values, self._mask, self.grid.spacing, settings, self._configured, progress, threads=threads, score=score)
         if self._type != self._first_type:
             self._made["intensity"] = rounded(values, self._type)
-        return float(settings.hole_limit), said
+        return float(settings.hole_limit), messages
 
     def volume(self, name: str) -> Volume | None:
         """Intensity, mask, score, hits or cosine as they are so far, `fill` ends them; None for what nobody asked for."""

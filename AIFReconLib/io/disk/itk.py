@@ -60,8 +60,8 @@ def short_cause(error: Exception) -> str:
     """The sentence of a SimpleITK exception that says what was wrong, without addresses, source paths and functions."""
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
     # NRRD's reader tells the way to the error, and that last
-    said = [line for line in lines if line.startswith("[nrrd]")] or [line for line in lines if "ERROR:" in line]
-    text = (said or lines or [type(error).__name__])[-1]
+    named = [line for line in lines if line.startswith("[nrrd]")] or [line for line in lines if "ERROR:" in line]
+    text = (named or lines or [type(error).__name__])[-1]
     text = re.sub(r"^(.*?ERROR:|\[nrrd\] \w+:)\s*", "", text)
     text = re.sub(r"\(0x[0-9a-f]+\)", "", text)
     return shorten(text.rstrip(" .:"), 160)

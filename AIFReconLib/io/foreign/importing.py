@@ -12,7 +12,7 @@ from ...arrays import Floats, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
 from ...geometry.transforms import are_rigid, invert, why_not_an_image_pose, why_not_rigid
-from ...message import Sentence, said
+from ...message import Sentence, message_of
 from ...remedies import (
     CALIBRATION_UNIT,
     NAME_THE_CALIBRATION,
@@ -109,7 +109,7 @@ def import_sequence(
     stack = images.stack if orientation[:2] == IN_MEMORY[:2] else flipped(images.stack, orientation)
     understood = (
         f"images: {images.description}, orientation {orientation[:2]}",
-        *(Sentence(f"poses: {line}", said(line)) for line in poses.understood),
+        *(Sentence(f"poses: {line}", message_of(line)) for line in poses.understood),
         *(f"direction: {each} takes points of {each.source} to {each.target}" for each in every),
         f"place of the image: {how}",
         f"pairing: {pairing}",
@@ -270,8 +270,8 @@ def _pixels_to_mm(spacing: tuple[float, float], origin_px: tuple[float, float]) 
 def _samples(matrices: Matrix, poses: PoseTable) -> list[TransformSample]:
     """Poses with the statuses that the file gives them, and MISSING where one has no numbers."""
     has_pose = np.asarray(np.isfinite(matrices).all(axis=(1, 2)))
-    said = map(TransformStatus.parse, poses.statuses or ["OK"] * len(matrices))
-    statuses = (TransformStatus.MISSING if status is TransformStatus.OK and not has else status for status, has in zip(said, has_pose))
+    parsed = map(TransformStatus.parse, poses.statuses or ["OK"] * len(matrices))
+    statuses = (TransformStatus.MISSING if status is TransformStatus.OK and not has else status for status, has in zip(parsed, has_pose))
     return list(map(TransformSample, matrices, statuses))
 
 
@@ -382,7 +382,7 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportOpti
             )
     if doubts and not settings.sure and not (poses.knows_length and "in all" in doubts[0]):
         raise SettingsError(doubts[0])
-    return [Sentence(f"doubt: {doubt}", said(doubt)) for doubt in doubts]
+    return [Sentence(f"doubt: {doubt}", message_of(doubt)) for doubt in doubts]
 
 
 def _speed(matrices: Matrix, steps: Floats) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 
 from ...errors import SettingsError
 from ...geometry.transform_graph import TransformName
-from ...message import said
+from ...message import message_of
 from ...recipe.recipe import AUTOMATIC, Branch
 from ...recipe.rules import FILE, FLAG, NUMBER, NUMBERS, TEXT, WORDS, Rule, checked, rule_of, setting
 from ..sequence.orientation import parse_orientation
@@ -144,7 +144,7 @@ def questions_of(asking: object) -> tuple[_Question, ...]:
 
     `choices` of its details answer what has none declared.
     """
-    sentence = said(asking)
+    sentence = message_of(asking)
     known = sentence.details.get("choices")
     others = tuple(map(str, known)) if isinstance(known, tuple | list) else ()
     return tuple(_Question(name, RULES[name], _choices(RULES[name]) or others) for name in sentence.settings if name in RULES)

@@ -67,8 +67,8 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
         return count, _stack_of_imagej(tifffile, path, first, count), notes
 
 
-def _frames_of_imagej(path: Path, said: dict[str, object]) -> int:
-    channels, slices, frames, images = (int(str(said.get(key, 1))) for key in ("channels", "slices", "frames", "images"))
+def _frames_of_imagej(path: Path, description: dict[str, object]) -> int:
+    channels, slices, frames, images = (int(str(description.get(key, 1))) for key in ("channels", "slices", "frames", "images"))
     # Of channels alone, without slices or frames, each is a frame: tifffile writes stacks so
     if channels > 1 and slices * frames > 1:
         raise FileFormatError(f"{path}: ImageJ says that its frames have {channels} channels each. Convert them to gray levels or RGB.")

@@ -57,5 +57,5 @@ def _comment(text: str) -> bytes:
 
 def _is_of(tag: bytes, name: TransformName) -> bool:
     """Whether this is the tag of that transform."""
-    said = {key: text.decode("utf-8", "replace") for key, text in re.findall(rb"""\b(From|To)\s*=\s*["']\s*(.*?)\s*["']""", tag)}
-    return capitalized(TransformName(said.get(b"From", ""), said.get(b"To", ""))) == name
+    ends = {key: text.decode("utf-8", "replace") for key, text in re.findall(rb"""\b(From|To)\s*=\s*["']\s*(.*?)\s*["']""", tag)}
+    return capitalized(TransformName(ends.get(b"From", ""), ends.get(b"To", ""))) == name

@@ -135,13 +135,13 @@ def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tu
     transforms, others = samples_in(metafile, f"frame {number}, ", fields, _transform_name)
     times = [parsed_time(metafile, number, name, others.pop(name, None)) for name in _TIMES]
     statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
-    said = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
-    if len(set(said.values())) > 1:
+    given = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
+    if len(set(given.values())) > 1:
         raise metafile.failure(
-            f"frame {number}, {IMAGE_STATUS} is {said[IMAGE_STATUS].value} and {IMAGE_STATUS_IN_NRRD} is "
-            f"{said[IMAGE_STATUS_IN_NRRD].value}, which are two names of one thing. Remove one of them from the header."
+            f"frame {number}, {IMAGE_STATUS} is {given[IMAGE_STATUS].value} and {IMAGE_STATUS_IN_NRRD} is "
+            f"{given[IMAGE_STATUS_IN_NRRD].value}, which are two names of one thing. Remove one of them from the header."
         )
-    status = next(iter(said.values()), TransformStatus.OK)
+    status = next(iter(given.values()), TransformStatus.OK)
     microns = others.get("micronsPerPixel", "")
     spacing = stated_spacing(others.get("ElementSpacing")) or stated_spacing(f"{microns} {microns}", 1e-3) or spacing
     return FrameRecord(times[0], times[1], status, transforms, others, spacing)

@@ -116,8 +116,8 @@ def read_sequence(
     configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
     if recorded.pixel_to_node is not None:
         frame = image_frame or (configuration.image_frame if configuration is not None else None) or IMAGE_FRAME
-        records, said = _placed(records, frame, recorded.pixel_to_node)
-        notes += (said,)
+        records, note = _placed(records, frame, recorded.pixel_to_node)
+        notes += (note,)
     oriented = {} if orientation is None else {"orientation": orientation}
     return TrackedSequence(
         images=recorded.images,

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ...errors import SequenceFormatError, SettingsError, TransformError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
-from ...message import said
+from ...message import message_of
 from ...recipe.recipe import LONGEST_GAP
 from ...remedies import TRANSFORM_SEQUENCES
 from ...sweep.frames import FrameRecord
@@ -72,7 +72,7 @@ def pair_transforms(
         try:
             name = TransformName.parse(text)
         except TransformError as error:
-            raise SettingsError(said(error), TRANSFORM_SEQUENCES) from None
+            raise SettingsError(message_of(error), TRANSFORM_SEQUENCES) from None
         records, note = _pair(records, name, read_transform_sequence(path, str(name)), Path(path), longest_gap)
         notes.append(note)
     return records, tuple(notes)

@@ -150,10 +150,10 @@ def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
     return f"{_said(header, NUMBER) or 'without number'} ({len(files)} slices, {file.name} ...)"
 
 
-def _row(*said: Iterable[Any]) -> list[float]:
+def _row(*stated: Iterable[Any]) -> list[float]:
     """What a header says of a slice, in the order of `_COLUMNS`; NaN for what it leaves out."""
     row: list[float] = []
-    for values, (_, _, places) in zip(said, _COLUMNS, strict=True):
+    for values, (_, _, places) in zip(stated, _COLUMNS, strict=True):
         numbers: list[float] = []
         with contextlib.suppress(ValueError):
             numbers = [float(value) for value in values]
@@ -192,10 +192,10 @@ def _frames(path: Path, count: int) -> Floats:
 def _placed(path: Path, files: list[Path], slices: Floats) -> Volume:
     """The volume of slices, a row of each, each a file or all in one, in the order of their places."""
     for what, same, columns in _COLUMNS:
-        said = slices[:, columns]
-        if np.isnan(said).any():
+        stated = slices[:, columns]
+        if np.isnan(stated).any():
             raise VolumeFormatError(f"{path}: its headers do not all say {what}. Export the series again as the scanner made it.")
-        if same and np.ptp(said, axis=0).max() > ALIKE:
+        if same and np.ptp(stated, axis=0).max() > ALIKE:
             raise VolumeFormatError(f"{path}: {same} changes within the series. Give a folder that holds one scan alone.")
     places, directions, pixel = slices[:, :3], slices[0, 3:9].reshape(2, 3), slices[0, 9:11]
     normal = np.cross(*directions)

@@ -166,9 +166,9 @@ def _check_nrrd(metafile: Metafile) -> None:
         _note_no_frame(metafile.path, f"says {shorten(space)!r}" if space else "does not say which", "LPS, as ITK does")
 
 
-def _note_no_frame(path: Path, said: str, taken: str) -> None:
+def _note_no_frame(path: Path, stated: str, taken: str) -> None:
     text = "%s: of the frame that its place is in, RAS or LPS, it %s; it is taken to be %s. If it lies wrong, save it from Slicer as .nrrd"
-    logger.warning(text, path, said, taken)
+    logger.warning(text, path, stated, taken)
 
 
 def _note_contradiction(path: Path, header: dict[str, str], ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:

@@ -18,7 +18,7 @@ from ...geometry.labels import SPACE_UNKNOWN, Labels
 from ...geometry.solid import inside_of_surface
 from ...geometry.transforms import LPS_FROM_RAS, transform_points
 from ...geometry.volume import Volume, VoxelGrid
-from ...message import listed, said
+from ...message import listed, message_of
 from ...remedies import TAKE_AS_CT
 from ..disk.regular_files import files_in
 from ..metafile.opening import NRRD_SUFFIXES, read_metafile
@@ -91,7 +91,7 @@ def _known(file: Path, labels: Labels, choice: str | None) -> Labels:
     try:
         return with_known_names(labels, choice, str(file))
     except GeometryError as error:
-        raise GeometryError(f"{file}: {said(error)}", error) from None
+        raise GeometryError(f"{file}: {message_of(error)}", error) from None
 
 
 def read_label_names(path: str | Path) -> dict[int, str]:
@@ -166,7 +166,7 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
         try:
             labels = _labels_in(file)
         except VolumeFormatError as error:
-            if said(error).advice != TAKE_AS_CT:
+            if message_of(error).advice != TAKE_AS_CT:
                 raise
             notes.append(f"{file.name} is no mask and left out: it holds negative values, as a CT does.")
             continue
@@ -230,8 +230,8 @@ def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
 def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tuple[_Bone, bool]:
     """A model, and whether it is known what its coordinates are in."""
     model = read_model(file, unit)
-    said = model.space or space
-    points = model.points if said == RAS else transform_points(LPS_FROM_RAS, model.points)
+    stated = model.space or space
+    points = model.points if stated == RAS else transform_points(LPS_FROM_RAS, model.points)
 
     def on(grid: VoxelGrid) -> Mask:
         try:
@@ -239,7 +239,7 @@ def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tup
         except GeometryError as error:
             raise VolumeFormatError(f"{file}: {error} Export the closed surface of the bone.") from error
 
-    return _Bone(name, points[model.triangles.ravel()], on), said is not None
+    return _Bone(name, points[model.triangles.ravel()], on), stated is not None
 
 
 def _common_grid(bones: list[_Bone]) -> VoxelGrid:

@@ -68,7 +68,7 @@ def read_model(path: Path, unit: str | None = None) -> SurfaceModel:
     if find_spec("vtkmodules") is None:
         raise VolumeFormatError(f"{path}: reading surface models needs VTK. Install it with: pip install vtk")
     require_regular_file(path, VolumeFormatError)
-    surface, said = _stl(path) if path.suffix.lower() == ".stl" else _by_vtk(path)
+    surface, stated = _stl(path) if path.suffix.lower() == ".stl" else _by_vtk(path)
     points, triangles = _triangles(path, surface)
     across = float(np.ptp(points, axis=0).max())
     if unit is None and not SMALLEST <= across <= LARGEST:
@@ -81,7 +81,7 @@ def read_model(path: Path, unit: str | None = None) -> SurfaceModel:
             f"{path}: it is {across:.3g} across, which is hardly bone in mm{''.join(f'; {size}' for size in sizes)}.",
             "Say with {bone_unit} what it is in (mm, cm, m or in), or export it in mm.",
         )
-    return SurfaceModel(points * UNITS[unit or "mm"], triangles, said)
+    return SurfaceModel(points * UNITS[unit or "mm"], triangles, stated)
 
 
 def _space_in(text: str) -> str | None:
@@ -132,8 +132,8 @@ def _by_vtk(path: Path) -> tuple[vtkPolyData, str | None]:
     if suffix == ".ply":
         comments = reader.GetComments()
         return surface, _space_in("\n".join(comments.GetValue(n) for n in range(comments.GetNumberOfValues())))
-    said = {".obj": "GetComment", ".vtk": "GetHeader"}.get(suffix)
-    return surface, _space_in(getattr(reader, said)() or "") if said else None
+    stated = {".obj": "GetComment", ".vtk": "GetHeader"}.get(suffix)
+    return surface, _space_in(getattr(reader, stated)() or "") if stated else None
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Matrix
 from ...errors import TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, Ways, capital
-from ...message import Sentence, said
+from ...message import Sentence, message_of
 from ...sweep.configuration import PlusConfiguration
 from ...sweep.frame_pose import frame_pose, require_agreement
 from ...sweep.poses import chain_ends, image_ways, missing_link
@@ -239,7 +239,7 @@ class ImagePlacement:
         source, target = self.wanted.source, self.wanted.target
         ways = self._look_up(source, target, frozenset(transforms), named)
         if isinstance(ways, TransformError):
-            self._tell(said(ways), transforms)
+            self._tell(message_of(ways), transforms)
             return None, f"no transform leads from {source} to {target}", transforms
         if not transforms.keys() & set(ways.names):
             self._tell(f"By the configuration alone {source} is fixed to {target}, so all images would lie in one plane.", transforms)
@@ -249,7 +249,7 @@ class ImagePlacement:
             if pose.loops:
                 require_agreement("", message.image.shape[::-1], pose.ways, {0: pose.loops})
         except TransformError as error:
-            self.problem = said(error)
+            self.problem = message_of(error)
             return None, f"two ways lead from {source} to {target}, and disagree", transforms
         self.problem = None
         if pose.problem is None:

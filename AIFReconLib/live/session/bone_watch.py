@@ -115,19 +115,19 @@ class BoneWatch(Watch):
                 self._take(of_frame, Prediction(self._streamed(message)))
         elif frame is not None and (imaging := self._session.imaging()) is not None:
             self._estimator = self._estimator or self._make_estimator(imaging)
-            said = self._estimator.estimate(frame)
-            if said is not None:
-                self._take(frame, said)
+            prediction = self._estimator.estimate(frame)
+            if prediction is not None:
+                self._take(frame, prediction)
         return ()
 
-    def _take(self, frame: LiveFrame, said: Prediction | BoneEchoes | Numbers) -> None:
+    def _take(self, frame: LiveFrame, prediction: Prediction | BoneEchoes | Numbers) -> None:
         imaging = self._session.imaging()
         self.frames, self.problem = self.frames + 1, None
-        if self._recorder is not None and isinstance(said, Prediction):
-            self._recorder.append(_as_frame(frame, said))
+        if self._recorder is not None and isinstance(prediction, Prediction):
+            self._recorder.append(_as_frame(frame, prediction))
         if imaging is not None:
             self._points = self._points or PointsOfFrames(imaging)
-            self._bone.learn(self._points.of(frame, said))
+            self._bone.learn(self._points.of(frame, prediction))
 
     def _matched(self) -> list[tuple[LiveFrame, ImageMessage]]:
         """Predictions whose frames are placed; others wait a little."""

@@ -187,7 +187,7 @@ class Inserter:
 
     def _signed(self, result: Reconstruction, imaging: Imaging) -> Reconstruction:
         result = self._sign(result, imaging)
-        return replace(result, said=(*imaging.notes, *self._parts.notes, *self._notes, *result.said))
+        return replace(result, messages=(*imaging.notes, *self._parts.notes, *self._notes, *result.messages))
 
     # ---- the thread
 

@@ -15,7 +15,7 @@ from ...bone.echoes.surface import LEAST_SCORE as LEAST_OF_SURFACE
 from ...bone.growing_bone import GrowingBone
 from ...bone.scan_line_reader import ForEachKind
 from ...effective_settings import Imaging
-from ...message import said
+from ...message import message_of
 from ...motion.motion import PatientMotion, motion_of
 from ...motion.passes import Passes, parted
 from ...motion.solve import BoneInPlace
@@ -91,7 +91,7 @@ class MotionWatch(Watch):
             carry_out(self._lay(self._session.imaging(), is_over=True), progress)
         except Exception as error:  # told: the volume so far must survive it
             logger.exception("The last pass of a live scan could not be laid on the others")
-            self._tell_problem(said(error))
+            self._tell_problem(message_of(error))
 
     def _lay(self, imaging: Imaging | None, is_over: bool) -> Steps[None]:
         """Where one pass more is finished, find how the patient moved, and make the volume anew where that tells."""

@@ -39,7 +39,7 @@ from ...io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
-from ...message import Sentence, said
+from ...message import Sentence, message_of
 from ...progress import Progress
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ..pairing.synchronizer import LiveFrame
@@ -151,7 +151,7 @@ class Recorder:
         kept = f"{self._kept} frames are kept in {self._frames_are_in}." if self._kept else "No frame was recorded."
         if self._kept < self.frames:
             kept = f"Of {self.frames} frames {self._kept} can still be read, in {self._frames_are_in}: were its files removed?"
-        return Sentence(f"Recording stopped: {self._cause} {kept}", said(self._cause))
+        return Sentence(f"Recording stopped: {self._cause} {kept}", message_of(self._cause))
 
     @property
     def loss(self) -> str | None:
@@ -215,7 +215,7 @@ class Recorder:
 
     def _fail(self, error: AIFReconError | OSError) -> None:
         cause = "the disk is full" if getattr(error, "errno", None) in _FULL else getattr(error, "strerror", None) or error
-        self._cause = said(error) if isinstance(error, AIFReconError) else f"{cause}."
+        self._cause = message_of(error) if isinstance(error, AIFReconError) else f"{cause}."
         try:
             self._kept = len(read_sequence(self.header_path))
         except AIFReconError:
@@ -273,7 +273,7 @@ class Recorder:
             hold(self._pixels.fileno(), _PATIENCE)
             self._go_on(self._pixels)
         except (AIFReconError, OSError) as error:
-            logger.warning("%s is kept, but not taken up: %s", self.header_path, said(error))
+            logger.warning("%s is kept, but not taken up: %s", self.header_path, message_of(error))
             self.close()
             self._forget()
             return False

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import AIFReconError
 from ...io.sequence.files import read_sequence
-from ...message import said
+from ...message import message_of
 from ...sweep.configuration import PlusConfiguration
 from ...sweep.poses import SweepPoses, sweep_poses
 from ..pairing.synchronizer import LiveFrame
@@ -41,13 +41,13 @@ def unfinished_frames(path: Path, configuration: PlusConfiguration, spans: Spans
         sequence = replace(read_sequence(header), configuration=configuration)
     except AIFReconError as error:
         if header.exists():
-            logger.warning("The frames of %s are kept, but not taken up: %s", header, said(error))
+            logger.warning("The frames of %s are kept, but not taken up: %s", header, message_of(error))
         return
     try:
         poses = sweep_poses(sequence)
     except AIFReconError as error:
         # Of a scan before the tracker was connected, for example
-        poses = SweepPoses(np.full((len(sequence), 4, 4), np.nan), (said(error),) * len(sequence), ())
+        poses = SweepPoses(np.full((len(sequence), 4, 4), np.nan), (message_of(error),) * len(sequence), ())
     for number, record in enumerate(sequence.records):
         problem = poses.problems[number]
         pose = None if problem else poses.image_to_reference[number]

@@ -23,7 +23,7 @@ from ...effective_settings import Imaging, asked_imaging, known_imaging, recogni
 from ...errors import SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.sound_speed import depth_factor
-from ...message import said
+from ...message import message_of
 from ...progress import Progress, Steps, part
 from ...provenance.record import with_origin
 from ...recipe.recipe import AUTOMATIC, OF_READING, Recipe
@@ -397,7 +397,7 @@ class LiveSession:
             other_images=pairing.other_images,
             recorded=0 if recorder is None else recorder.frames,
             recording_failure=self.recording_failure,
-            trouble=said(error) if error is not None else next(filter(None, troubles), None),
+            trouble=message_of(error) if error is not None else next(filter(None, troubles), None),
             note=pairing.note,
             images_stopped=images_stopped,
             poses_stopped=poses_stopped,

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from concurrent.futures import wait
 
-from ...message import said
+from ...message import message_of
 from ..pairing.synchronizer import LiveFrame
 from .session import LiveSession
 
@@ -89,7 +89,7 @@ class Watch(ABC):
                     if not self._make_way():
                         return
             except Exception as error:  # kept and told: the scan goes on
-                problem = said(error)
+                problem = message_of(error)
                 if problem != self._logged:  # it may come again with every frame
                     self._logged = problem
                     logger.exception("Something that is told beside a live scan could not be told")

@@ -14,7 +14,7 @@ from collections import Counter
 from dataclasses import replace
 
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
-from ...message import said
+from ...message import message_of
 from .connection import check_port, open_connection
 from .decoding import READING_TYPES, codec, decode
 from .encoding import encode_status_request
@@ -198,7 +198,7 @@ class OpenIGTLinkClient(QueueSource):
             except LiveConnectionError as error:
                 if stopping.is_set():
                     break
-                reason = said(error)
+                reason = message_of(error)
                 self._first_error = None if attempted.is_set() else error
             else:
                 with connection:
@@ -273,7 +273,7 @@ class OpenIGTLinkClient(QueueSource):
         except LiveMessageError as error:
             with self._lock:
                 self._refused += 1
-            self._refuse(message.kind, said(error), now)
+            self._refuse(message.kind, message_of(error), now)
 
     def _refuse(self, kind: str, why: str, now: float) -> None:
         """Tell why a message is left out; at most once in a while, because counters tell the rest."""

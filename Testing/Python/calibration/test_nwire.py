@@ -150,14 +150,14 @@ def test_a_place_that_is_wrong_is_refused(wires):
     turned = PLACE.copy()
     turned[:3, :3] = PLACE[:3, :3] @ np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     found = calibrate_on_wires(recording(wires, place=turned), wires)
-    assert "Check that this is the phantom, and" in found.said
+    assert "Check that this is the phantom, and" in found.reason
 
 
 def test_wires_at_one_depth_are_refused(wires):
     flat = {name: wire * [1.0, 1.0, 0.3] for name, wire in wires.items()}
     found = calibrate_on_wires(recording(flat, 30, tilt=1.0, lift=0.3), flat)
-    assert found.said.startswith("The wires are seen from ")
-    assert "Scan them also from farther away." in found.said
+    assert found.reason.startswith("The wires are seen from ")
+    assert "Scan them also from farther away." in found.reason
 
 
 def test_a_phantom_that_fits_two_ways_round_is_refused(wires):
@@ -165,7 +165,7 @@ def test_a_phantom_that_fits_two_ways_round_is_refused(wires):
     ends = [[(0, 0, 8), (0, 30, 8)], [(3, 0, 8), (25, 30, 8)], [(28, 0, 8), (28, 30, 8)]]
     phantom = {f"{name}{z}": np.array(wire, float) - [0, 0, z] for z in (0, 8) for name, wire in zip("abc", ends, strict=True)}
     found = calibrate_on_wires(recording(phantom, 30, tilt=0.0, along=0.0), phantom)
-    assert found.said.startswith("The wires fit two ways round.")
+    assert found.reason.startswith("The wires fit two ways round.")
 
 
 def test_outer_wires_that_are_not_parallel_are_refused(scan, wires):

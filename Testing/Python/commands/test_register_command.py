@@ -190,7 +190,7 @@ def test_images_that_are_out_of_step_are_told_without_a_ct(tmp_path):
         read_sequence(patient.sequence, config=patient.configuration),
         Recipe(method="weighted", bone_from_sweep=True, spacing=3.0),
     )
-    assert any(line.startswith("Calibration: not checked") for line in reconstruct(sequence, recipe).said)
+    assert any(line.startswith("Calibration: not checked") for line in reconstruct(sequence, recipe).messages)
     late = replace(sequence, images=np.roll(np.stack([sequence.images[n] for n in range(len(sequence))]), 1, axis=0))
     with pytest.warns(DoubtfulInputWarning, match="Echoes of different angles lie .* Images and poses may be out of step"):
         reconstruct(late, recipe)
@@ -312,7 +312,7 @@ def test_in_python_labels_are_given_as_they_are_and_the_same_is_made(patient, ex
     bone = LabeledBone(read_labels(patient.labels), read_transform(patient.ct_to_reference))
     result = reconstruct(sequence, Recipe(spacing=2.0), bone)
     np.testing.assert_array_equal(result.intensity.array, exact.array)
-    assert any(line.startswith("CT and sweep agree") for line in result.said)
+    assert any(line.startswith("CT and sweep agree") for line in result.messages)
     assert repr(bone) == "<LabeledBone: labels 1, 2, 3, placed by its transform>"
 
 

@@ -54,7 +54,7 @@ def volumes_of(sweep, wanted, grid, cuts, monkeypatch, holes=(), **more):
             sweep, replace(wanted, **imaging_fields(REGION, ProbeGeometry("sector", (16.0, -6.0)))), sphere_bone(), grid, **more
         )
     arrays = [None if (volume := getattr(result, name)) is None else volume.array for name in VOLUMES]
-    return arrays, (result.skipped, result.frames_inserted, result.said, result.hole_limit)
+    return arrays, (result.skipped, result.frames_inserted, result.messages, result.hole_limit)
 
 
 def _with_holes(parts, holes):

@@ -22,7 +22,7 @@ from AIFReconLib.io.volume.label_files import doubts, read_labels
 from AIFReconLib.io.volume.label_names import BONE, SOFT, bone_name, kind_of, name_by_code
 from AIFReconLib.io.volume.models import SurfaceModel, read_model
 from AIFReconLib.io.volume.surfaces import write_surface
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 
 # An octahedron beside the origin, so that RAS and LPS differ: |x - 20| + |y - 30| + |z| <= 16
 CENTER, RADIUS = np.array([20.0, 30.0, 0.0]), 16.0
@@ -355,7 +355,7 @@ def test_what_cannot_be_told_is_asked_once_and_labels_answer(labels, names, mess
     file.write_bytes(head + b"\n" + fields.encode() + b"\n" + data)
     with pytest.raises(GeometryError, match=f"labels.seg.nrrd: {message}.*labels=") as error:
         read_labels(file)
-    assert said(error.value).settings == ("labels",)
+    assert message_of(error.value).settings == ("labels",)
     number = int(labels.numbers()[0])
     assert read_labels(file, labels=str(number)).numbers().tolist() == [number]
 

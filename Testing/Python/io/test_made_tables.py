@@ -37,7 +37,7 @@ from AIFReconLib.io.foreign.importing import import_sequence
 from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 
 EVERY = 10
 """One in so many is tried by `make test`; this file as a program tries all 2,000."""
@@ -55,7 +55,7 @@ def imported(made: Made, path) -> tuple[np.ndarray, np.ndarray | None, list[str]
             images = ImportedImages(np.zeros((len(poses.matrices), 4, 4), np.uint8), "images")
             sequence, _understood = import_sequence(images, poses, replace(form, transform=str(PROBE), sure=sure))
         except AIFReconError as error:
-            asked.append((*said(error).settings, str(error))[0])
+            asked.append((*message_of(error).settings, str(error))[0])
             if asked[-1] not in made.answers or asked.count(asked[-1]) > 1:
                 raise AssertionError(f"{made.layout}: {error}") from error
             form = replace(form, **made.answers[asked[-1]])

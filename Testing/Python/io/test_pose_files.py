@@ -17,7 +17,7 @@ from AIFReconLib.errors import AIFReconError, FileFormatError, SettingsError
 from AIFReconLib.io.foreign.options import ImportOptions
 from AIFReconLib.io.foreign.poses.files import read_poses
 from AIFReconLib.io.foreign.poses.rotations import in_millimeters
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 from AIFReconLib.remedies import NAME_THE_COLUMNS
 
 POSES = [rigid((10.0 * n - 20.0, 5.0, 30.0 + n), (1.5 * n, -20.0, 7.25)) for n in range(3)]
@@ -261,7 +261,7 @@ def test_two_tools_are_told_by_any_name_or_the_columns_are_asked(tmp_path, names
     form = ImportOptions(euler_order="xyz", angle_unit="deg")
     with pytest.raises(SettingsError, match=r"poses of 2 tools side by side|Headings: .* First rows: .*columns=") as error:
         read(tmp_path, table(rows, header), form)
-    glued = said(error.value).advice == NAME_THE_COLUMNS
+    glued = message_of(error.value).advice == NAME_THE_COLUMNS
     assert not glued or way in ("{0}{1}", "{1}{0}") or names in ("ms", "rt", ("pos", "rot"))
     answer = replace(form, columns=" ".join([*words, *"------"])) if glued else replace(form, tool=names[0])
     assert_poses(read(tmp_path, table(rows, header), answer))

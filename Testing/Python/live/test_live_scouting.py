@@ -77,7 +77,7 @@ def test_a_scan_with_one_wrong_pose_is_saved_and_says_so_once():
     session.use_grid(session.grid_from_scout())
     result = session.finish()
     assert (result.frames_inserted, session.statistics.skipped) == (60, {"outside the volume": 1})
-    assert [note.split(":")[0] for note in result.said if "no hand reaches" in note] == [
+    assert [note.split(":")[0] for note in result.messages if "no hand reaches" in note] == [
         "1 of 61 frames seen while scouting lie where no hand reaches between two frames"
     ]
 

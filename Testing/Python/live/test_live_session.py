@@ -142,7 +142,7 @@ def test_a_volume_made_anew_is_that_of_frames_which_lie_elsewhere(session_of, co
     assert result.intensity.array.any()
     for name in ("intensity", "hits", "mask"):
         np.testing.assert_array_equal(getattr(result, name).array, getattr(expected, name).array)
-    assert "Mended." in result.said
+    assert "Mended." in result.messages
     assert session.in_place[-1] == pytest.approx(moved[-2])
 
 

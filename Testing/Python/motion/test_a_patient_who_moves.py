@@ -74,8 +74,8 @@ def test_motion_is_taken_out_of_the_poses_and_the_header_says_so(rest, moving, b
     assert any(note.startswith("Mended: echoes lie ") for note in still.notes)
     result = reconstruct(moving, Recipe(spacing=2.0, motion="auto"), bone)
     assert settings_of(result.intensity)["motion"] == "auto"
-    assert any(line.startswith("Mended: echoes lie ") for line in result.said)
-    assert any(line.startswith("CT and sweep agree") for line in result.said)
+    assert any(line.startswith("Mended: echoes lie ") for line in result.messages)
+    assert any(line.startswith("CT and sweep agree") for line in result.messages)
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
@@ -97,8 +97,8 @@ def test_of_a_patient_at_rest_every_voxel_stays(rest, bone):
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
 def test_another_method_takes_it_out_where_that_is_asked_for_alone(moving, bone):
     plain, asked = (reconstruct(moving, Recipe(method="aif", spacing=2.0, motion=motion), bone) for motion in (None, "auto"))
-    assert not any("Mended" in line for line in plain.said)
-    assert any("Mended" in line for line in asked.said)
+    assert not any("Mended" in line for line in plain.messages)
+    assert any("Mended" in line for line in asked.messages)
 
 
 def test_a_scan_that_moved_is_registered(moving, bone):
@@ -150,7 +150,7 @@ def test_a_live_scan_is_laid_together_pass_by_pass(moving):
     assert re.search(r"(The patient moved|Passes .* off the others).* Mended: echoes lie ", " ".join(lines))
     # A busy machine may leave frames out, but for those that come again when the volume is made anew
     assert FRAMES - sum(session.statistics.skipped.values()) <= result.frames_inserted <= FRAMES
-    assert any(line.startswith("Mended: echoes lie ") for line in result.said)
+    assert any(line.startswith("Mended: echoes lie ") for line in result.messages)
     assert settings_of(result.intensity)["motion"] == "auto"
     expected = sweep_poses(mended(moving)).image_to_reference
     assert beside(session.in_place, expected[[frame.number for frame in session.kept][: len(session.in_place)]]) < 1.0

@@ -204,7 +204,7 @@ def test_levels_that_fit_equally_well_are_ambiguous():
     found = register_echoes(seen, BoneField.from_labels(labels), np.eye(4))
     assert [other.levels for other in found.alternatives if other.agreement.enough] != []
     assert not found.accepted
-    assert "--level N" in in_options(found.said)
+    assert "--level N" in in_options(found.reason)
     assert "choose one with level=n, or take the best with found.transform." in found.refusal
 
 

@@ -73,7 +73,7 @@ def test_a_sweep_whose_images_are_all_equal_is_taken_and_that_is_said():
     made, _ = CASES["a pattern for a test"]
     told = "All images are equal although the probe moved"
     assert any(told in sentence for sentence in diagnose(made).findings)
-    assert any(told in sentence for sentence in reconstruct(made, RECIPE, grid=GRID).said)
+    assert any(told in sentence for sentence in reconstruct(made, RECIPE, grid=GRID).messages)
     assert not any(told in sentence for sentence in diagnose(CASES["a probe at rest"][0]).findings)
 
 

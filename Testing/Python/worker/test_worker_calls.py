@@ -10,7 +10,7 @@ import worker_tasks as tasks
 from waiting import until
 
 from AIFReconLib.errors import GeometryError, OperationCanceled, WorkerDiedError
-from AIFReconLib.message import said
+from AIFReconLib.message import message_of
 
 # ---- values and errors
 
@@ -25,7 +25,7 @@ def test_arguments_and_results_cross_by_value(worker):
 def test_an_error_is_the_one_that_was_raised_with_its_remedy_and_where(worker):
     with pytest.raises(GeometryError) as caught:
         worker.call(tasks.refuse, "ours")
-    sentence = said(caught.value)
+    sentence = message_of(caught.value)
     assert (sentence, sentence.settings) == ("The grid has no voxels.", ("clip_px",))
     assert "(1, 2, 3, 4)" in str(caught.value)
     assert 'in refuse\n    raise GeometryError("The grid' in str(caught.value.__cause__)

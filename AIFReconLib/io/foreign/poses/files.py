@@ -14,7 +14,7 @@ import numpy as np
 
 from ....arrays import Floats, Matrix
 from ....errors import AIFReconError, FileFormatError, SettingsError
-from ....message import Sentence, listed, said
+from ....message import Sentence, listed, message_of
 from ....remedies import WHICH_MARKER
 from ...disk.small_files import read_bytes
 from ...disk.tables import read_table
@@ -145,7 +145,7 @@ def naming(path: Path) -> Iterator[None]:
     try:
         yield
     except AIFReconError as error:
-        raise type(error)(f"{path}: {str(said(error)).removeprefix(f'{path}: ')}", error) from None
+        raise type(error)(f"{path}: {str(message_of(error)).removeprefix(f'{path}: ')}", error) from None
 
 
 def read_sheets(path: Path) -> list[Sheet]:
@@ -296,5 +296,5 @@ def _unit(track: Track, units: Sequence[str]) -> str | None:
 
 def _length_above(above: Sequence[Sequence[str]]) -> str | None:
     """The unit of lengths that the lines above the headings say, as OptiTrack Motive writes it."""
-    said = [value for cells in above for name, value in pairwise(cells) if name.lower() == "length units"]
-    return column_of(f"x ({said[0]})").unit if said else None
+    units = [value for cells in above for name, value in pairwise(cells) if name.lower() == "length units"]
+    return column_of(f"x ({units[0]})").unit if units else None

@@ -112,17 +112,17 @@ def unit_of(word: str) -> str | None:
 @cache
 def column_of(heading: str, above: tuple[str, ...] = ()) -> Column:
     """The column with this heading, below these words that several columns share."""
-    said, bare = "", heading
+    named, bare = "", heading
     for bracket in re.findall(r"[(\[][^)\]]*[)\]]", heading):
         if (unit := unit_of(bracket)) is not None:
-            said, bare = unit or said, bare.replace(bracket, " ")
+            named, bare = unit or named, bare.replace(bracket, " ")
     words = [word for each in (*above, bare) for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-zµ]+|\d+", each)]
     last = _UNITS.get(words[-1] if len(words[-1]) < 3 else words[-1].lower()) if words else None  # M is a name
     if last and len(words) > 1 and any(_takes(field, last) for _, field in readings_of(tuple(words[:-1]))):
-        words, said = words[:-1], last
+        words, named = words[:-1], last
     elif last and _takes(TIME, last) and not readings_of(tuple(words)):
         return Column(heading, TIME, last)  # sec, nanosec, minutes: a time by its unit
-    return Column(heading, _meaning("".join(words)), said or None, tuple(words))
+    return Column(heading, _meaning("".join(words)), named or None, tuple(words))
 
 
 def _takes(field: str, unit: str) -> bool:

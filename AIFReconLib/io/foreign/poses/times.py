@@ -42,12 +42,12 @@ def times_of(columns: dict[int, Column], sheet: Sheet, unit: str | None) -> tupl
         seconds, told = _clock(sheet.words(place), column), f"{told}, by date or hour"
     else:
         numbers = sheet.numbers(place, "time")
-        said = unit or column.unit
+        named = unit or column.unit
         largest = float(np.abs(numbers).max(initial=0.0, where=np.isfinite(numbers)))
         by_size = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
-        seconds = numbers * known[said or by_size or "s"]
-        told += f" in {said}" if said else f" in {by_size}, by its size" if by_size not in (None, "s") else ""
-        if not said and not by_size:
+        seconds = numbers * known[named or by_size or "s"]
+        told += f" in {named}" if named else f" in {by_size}, by its size" if by_size not in (None, "s") else ""
+        if not named and not by_size:
             _require_a_trackers_rate(seconds, column.heading)
     missing = int((~np.isfinite(seconds)).sum())
     return (None, [f"{told}: not used, {missing} of {len(seconds)} rows have none"]) if missing else (seconds, [told])

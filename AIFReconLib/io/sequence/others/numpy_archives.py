@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ....errors import GeometryError, SequenceFormatError
-from ....message import said
+from ....message import message_of
 from ....sweep.frames import TrackedSequence
 from ...disk.regular_files import require_regular_file
 from ..decoded_images import DecodedImages, decoding
@@ -40,7 +40,7 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         size = None if spacing is None else tuple(np.broadcast_to(spacing.astype(np.float64), 2).tolist())
         made = TrackedSequence.from_arrays(images, arrays[POSES], arrays.get(TIMES), spacing=size)
     except (GeometryError, TypeError, ValueError) as error:
-        raise SequenceFormatError(f"{path}: {said(error)}") from error
+        raise SequenceFormatError(f"{path}: {message_of(error)}") from error
     return Recorded(images, made.records)
 
 

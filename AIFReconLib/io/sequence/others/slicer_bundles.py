@@ -24,7 +24,7 @@ import numpy as np
 from ....arrays import Matrix
 from ....errors import AIFReconError, SequenceFormatError, TransformError
 from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
-from ....message import said
+from ....message import message_of
 from ....sweep.frames import FrameRecord
 from ...disk.regular_files import require_regular_file
 from ...disk.workspace import workspace
@@ -48,7 +48,7 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         try:
             recorded = _recorded(_Scene(path, archive, folder), orientation)
         except AIFReconError as error:
-            text = str(said(error))
+            text = str(message_of(error))
             if str(folder) not in text:
                 raise
             raise SequenceFormatError(f"{path}: {text.replace(f'{folder}{os.sep}', '')}", error) from error
