@@ -151,12 +151,13 @@ def draw_panels(rows: Sequence[Sequence[Panel]], scale: float, title: str, note:
     background, ink, tint = (PAPER, INK_ON_PAPER, NOT_SCANNED) if white else (BACKGROUND, INK, "#9fb3dd")
     widths = [scale * max(row[n].size[0] for row in rows if n < len(row)) for n in range(len(rows[0]))]
     heights = [scale * max(panel.size[1] for panel in row) for row in rows]
+    above = [ABOVE if any(panel.name for panel in row) else 0.0 for row in rows]
     width = max(LEFT + sum(widths) + len(widths) * GAP, NARROWEST)
-    height = TOP + sum(heights) + len(rows) * (GAP + ABOVE)
+    height = TOP + sum(heights) + len(rows) * GAP + sum(above)
     figure = new_figure(width, height, facecolor=background)
     bottom = height - TOP
-    for row, tall in zip(rows, heights, strict=True):
-        bottom -= ABOVE + tall
+    for row, tall, titles in zip(rows, heights, above, strict=True):
+        bottom -= titles + tall
         left = LEFT
         for panel, wide in zip(row, widths, strict=False):
             w, h = (scale * side for side in panel.size)

@@ -7,7 +7,6 @@ affine one, such as an image with its pixel spacing, keeps its spacing.
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError
@@ -40,7 +39,10 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
     first_rotation, first_stretch = _polar(first)
     second_rotation, second_stretch = _polar(second)
     axis, angle = rotation_between(first_rotation, second_rotation)
-    turn = scipy.spatial.transform.Rotation.from_rotvec(fraction * angle * axis).as_matrix()
+    # Whose windows show poses need no scipy
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_rotvec(fraction * angle * axis).as_matrix()
     stretch = (1.0 - fraction) * first_stretch + fraction * second_stretch
     shift = (1.0 - fraction) * np.asarray(first)[:3, 3] + fraction * np.asarray(second)[:3, 3]
     return affine(first_rotation @ turn @ stretch, shift)

@@ -15,6 +15,8 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from typing import Any
 
+import numpy as np  # noqa: F401  # without it nothing computes, and that is said before the first call
+
 from ..errors import WorkerDiedError
 from ..progress import Progress
 from .calls import CALL, CANCEL, ERROR, FORGET, LOG, PROGRESS, VALUE, Call, Message, RemoteObject

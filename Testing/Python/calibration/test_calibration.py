@@ -219,7 +219,7 @@ def test_without_times_the_delay_is_not_asked_for(bone):
 @pytest.mark.parametrize(("close", "asked"), [(0.2, 1), (0.4, 2)])
 def test_what_lies_on_the_bone_as_it_is_is_not_told_to_be_wrong_where_other_calibrations_fit_as_well(true, monkeypatch, close, asked):
     before, wide = Agreement(0.9, 0.3, 1000, 0, closeness=close), as_correction(np.array([0, 0, 0, 0, 0, 0, 0.2, 0, 0]), true.center)
-    refused = SimpleNamespace(accepted=False, said="Two fit as well.", before=before, correction=wide, labels_to_reference=np.eye(4))
+    refused = SimpleNamespace(accepted=False, reason="Two fit as well.", before=before, correction=wide, labels_to_reference=np.eye(4))
     calls = []
     monkeypatch.setattr(check, "sweeps_of", lambda sequences, _: list(sequences))
     monkeypatch.setattr(check, "imaged_echoes", lambda *given: true)

@@ -24,7 +24,8 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         raise SequenceFormatError(f"{path}: images of an archive must be MF, the marked side on the right, the transducer at the top.")
     require_regular_file(path, SequenceFormatError)
     readable = decoding(f"{path}: it cannot be read as an archive of arrays", "Save it again with numpy.savez.")
-    with readable, np.load(path, allow_pickle=False) as archive:
+    # numpy leaves a file open that is no archive
+    with readable, path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     if {IMAGES, POSES} - arrays.keys():
         there = ", ".join(arrays) or "none"
