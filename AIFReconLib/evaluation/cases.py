@@ -43,8 +43,10 @@ class CaseNumbers:
         By volume or method, and case.
     own_bone : set of str
         Volumes that were measured against the bone that weighted their frames.
-    registered : dict of str to float
-        By case whose CT was placed by its sweep: the share of the bone echoes that lie on its bone.
+    agreement : dict of str to float
+        By case with a CT: the share of the bone echoes of its sweep that lie on its bone.
+    registered : set of str
+        Cases whose CT was placed by its sweep.
     notes : list of str
         What is doubtful about them.
     """
@@ -52,7 +54,8 @@ class CaseNumbers:
     numbers: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
     volumes: dict[str, dict[str, Path]] = field(default_factory=dict)
     own_bone: set[str] = field(default_factory=set)
-    registered: dict[str, float] = field(default_factory=dict)
+    agreement: dict[str, float] = field(default_factory=dict)
+    registered: set[str] = field(default_factory=set)
     notes: list[str] = field(default_factory=list)
 
     @classmethod
@@ -84,8 +87,9 @@ class CaseNumbers:
         same = "WARNING: {} of {} has the same numbers as that of {}. Are these two patients?"
         self.notes.extend(same.format(volume, case, other) for other in alike)
         known[case] = numbers
-        if row.get("registered"):
-            self.registered[case] = float(row["registration_agreement"].replace(",", "."))
+        if row.get("registration_agreement"):
+            self.agreement[case] = float(row["registration_agreement"].replace(",", "."))
+            self.registered.update({case} if row.get("registered") else set())
         doubt = f"{case}: {row.get('notes')}"
         if "WARNING" in doubt and doubt not in self.notes:
             self.notes.append(doubt)
@@ -93,11 +97,11 @@ class CaseNumbers:
         self.own_bone.update({volume} if row.get("yardstick") == OWN_BONE else set())
 
     def registration_in_words(self) -> str:
-        """How the CTs were placed, where their sweeps did it."""
-        if not (shares := list(self.registered.values())):
+        """How the CTs were placed, and how well they lie on their sweeps."""
+        if not (shares := list(self.agreement.values())):
             return ""
-        lay = f"{np.mean(shares):.0%} of them lay on its bone (mean of these; least {min(shares):.0%})"
-        return f"In {len(shares)} cases the CT was registered to the bone echoes of its sweep [1]; {lay}."
+        placed = f"In {len(self.registered)} cases the CT was registered to its sweep [1]" if self.registered else "The CTs lie as given"
+        return f"{placed}; {np.mean(shares):.0%} of the bone echoes lay on its bone (mean of {len(shares)} cases; least {min(shares):.0%})."
 
     def reference(self, against: str | None) -> str:
         """The volume that others are compared with: the one that is asked for, else the average, else the first."""

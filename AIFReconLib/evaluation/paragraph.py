@@ -33,6 +33,8 @@ INTERVALS = f"with {LEVEL:.0%} confidence intervals by the percentile bootstrap 
 NO_INTERVALS = f"of fewer than {FEWEST} cases without confidence intervals"
 TOO_NARROW = f"; of fewer than {FEW} cases they are too narrow"
 
+FILLED = "Gaps between frames, up to the hole limit, are filled from their neighbors and count in the numbers."
+
 BRIGHTENS = {
     "bone_gain": "multiplies a pixel of sure bone by 1 + this x C, C from 1 to 3 the more obliquely the beam meets it",
     "alpha": "multiplies a pixel by 1 + this x the method's weight by angle and probability of bone",
@@ -106,11 +108,15 @@ def methods_paragraph(made: Mapping[str, Mapping[str, object]], measured: str, o
         Volumes that were measured against the bone that weighted their frames.
     """
     intervals = NO_INTERVALS if cases < FEWEST else INTERVALS.format(TOO_NARROW if cases < FEW else "")
+    if cases > 1:
+        # Boxes differ with the patients
+        made = {name: {key: value for key, value in each.items() if key != "grid_size"} for name, each in made.items()}
     known = listed((made_in_words(name, settings) for name, settings in made.items() if settings), "; ")
     unknown = listed(name for name, settings in made.items() if not settings)
     parts = [
         f"Volumes were reconstructed from tracked 2D ultrasound with {PROGRAM} [1], which follows [2]: {known}." if known else "",
         f"How {unknown} was made is not known." if unknown else "",
+        FILLED if any(each.get("hole_limit") for each in made.values()) else "",
         "The recordings are simulated." if any(each.get("simulated") for each in made.values()) else "",
         measured,
         *(f"{each.label} ({key}): {each.definition}" for key, each in {**OF_SURFACE, **OF_VOLUME}.items()),
