@@ -223,12 +223,12 @@ class ReplayServer:
         finally:
             server.close()
             await self._drain()
-            while self._clients:
+            # One may have been accepted a moment ago, and a connection is closed a moment after its task has ended
+            end = time.monotonic() + POLL
+            while self._clients or time.monotonic() < end:
                 for client in self._clients:
                     client.writer.transport.abort()
-                await asyncio.sleep(0)
-            # A connection is closed a moment after its task has ended
-            await asyncio.sleep(POLL / 5)
+                await asyncio.sleep(POLL / 20)
 
     async def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Listen to a client for as long as it is there."""
