@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,6 +29,9 @@ FRAMES, FOUND, SIMULATED = "AIFRecon_frames", "AIFRecon_found", "AIFRecon_simula
 
 PLACES = (".tfm", ".h5", ".mat")
 """Ends of the names of files that place a CT."""
+
+_SHOWN = "shown"
+"""Of an input in a header: no voxel was made of it."""
 
 VOLUMES = ("intensity", "score", "hits", "mask", "cosine")
 
@@ -105,7 +108,11 @@ def input_files(sequence: TrackedSequence) -> list[Path]:
 
 
 def signed(
-    result: Reconstruction, settings: Mapping[str, object], inputs: Iterable[Path], stream: Mapping[str, object] | None = None
+    result: Reconstruction,
+    settings: Mapping[str, object],
+    inputs: Iterable[Path],
+    stream: Mapping[str, object] | None = None,
+    shown: Collection[Path] = (),
 ) -> Reconstruction:
     """The result with volumes that say in their headers, when they are written, where they come from.
 
@@ -118,6 +125,8 @@ def signed(
         Files that were read. Only their names and sizes are kept: folders may name a patient.
     stream : mapping or None
         How a live stream was read; a recording of it needs none of that.
+    shown : paths
+        Of the inputs: those that pictures show, and no voxel was made of.
     """
     fields = {
         VERSION: __version__,
@@ -125,7 +134,7 @@ def signed(
         "AIFRecon_hole_limit_mm": f"{result.hole_limit:g}",
         FRAMES: str(result.frames_inserted),
         SETTINGS: json.dumps(settings, sort_keys=True),
-        INPUTS: json.dumps([_named(path) for path in dict.fromkeys(inputs)]),
+        INPUTS: json.dumps([_named(path) | ({_SHOWN: True} if path in shown else {}) for path in dict.fromkeys(inputs)]),
     }
     if stream:
         fields["AIFRecon_stream"] = json.dumps(stream, sort_keys=True)
@@ -154,7 +163,7 @@ def made_in_header(fields: Mapping[str, str]) -> dict[str, object]:
     method, settings = fields.get(METHOD), _said(fields, SETTINGS)
     if not method:
         return {}
-    names = [each["name"] for each in _inputs(fields)]
+    names = [each["name"] for each in _inputs(fields) if not each.get(_SHOWN)]
     known = settings if isinstance(settings, dict) else {}
     found, simulated = fields.get(FOUND, "").split(), SIMULATED in fields
     return {**known, "method": method, "frames": fields.get(FRAMES, ""), "inputs": names, "found": found, "simulated": simulated}

@@ -186,7 +186,9 @@ def with_provenance(
     notes = [] if kept is None else list(other_inputs(kept.path.name, kept.inputs, files))
     if kept is not None and kept.version not in ("", __version__):
         notes.insert(0, f"The settings are of version {kept.version}, and this is {__version__}: voxels may differ.")
-    return replace(signed(result, settings_of(result.intensity), files, stream), messages=(*result.messages, *notes))
+    # Of labels and a CT the labels say where bone is
+    shown = [asked.ct] if asked.ct is not None and asked.bone_labels else []
+    return replace(signed(result, settings_of(result.intensity), files, stream, shown), messages=(*result.messages, *notes))
 
 
 def gigabytes(text: str) -> int:

@@ -13,6 +13,7 @@ from AIFReconLib.errors import VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.metafile.opening import read_metafile
 from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.provenance.record import made_by
 
 SUFFIXES = [".nrrd", ".mha", ".mhd"]
 
@@ -50,6 +51,17 @@ def test_an_average_names_no_file_of_bone_and_a_simulation_says_that_it_is_one(p
     fields = fields_of(results / "v.nrrd")
     assert [each["name"] for each in json.loads(fields["AIFRecon_inputs"])] == [patient.sweep.name, patient.config.name]
     assert fields["AIFRecon_simulated"] == "true"
+
+
+def test_a_ct_beside_its_labels_is_an_input_of_which_no_voxel_is_made(patient, results, tmp_path):
+    labels = read_volume(patient.labels)
+    Volume(np.where(labels.array > 0, 400, -100).astype(np.int16), labels.ijk_to_reference).write(tmp_path / "ct.nrrd")
+    words = [*patient.reconstruct, *patient.bone, "--ct", str(tmp_path / "ct.nrrd"), "--method", "aif"]
+    assert main([*map(str, words), "-q", "-o", str(results / "v.nrrd")]) == 0
+    assert [each["name"] for each in json.loads(fields_of(results / "v.nrrd")["AIFRecon_inputs"]) if each.get("shown")] == ["ct.nrrd"]
+    named = made_by(read_volume(results / "v.nrrd"))["inputs"]
+    assert patient.labels.name in named
+    assert "ct.nrrd" not in named
 
 
 def test_no_header_names_a_folder(patient, results):
