@@ -93,7 +93,9 @@ def run(asked: _CompareOptions) -> None:
     where, window = " ".join(f"{mm:.1f}" for mm in center), " to ".join(f"{level:g}" for level in figure.gray_window)
     shown = f"cuts meet at {where} mm (R A S of Reference); gray levels {window}, CT {CT_WINDOW[0]:g} to {CT_WINDOW[1]:g} HU"
     unscanned = (
-        [] if mask else ["Black may be a shadow or a place that was not scanned: --mask (reconstruct --mask writes one) tells them apart."]
+        []
+        if mask is not None
+        else ["Black may be a shadow or a place that was not scanned: --mask (reconstruct --mask writes one) tells them apart."]
     )
     notes = [shown, *unscanned, *doubts, *(() if given is None else given.notes)]
     print("\n  ".join([f"wrote {asked.output}", *map(in_options, notes)]))
