@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import ClassVar
 
+from ..effective_settings import takes_out_motion
 from ..errors import SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
 from ..guidance.coverage import Coverage, coverage
@@ -13,7 +14,6 @@ from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
 from ..io.disk.atomic import write_text
 from ..io.volume.surfaces import check_surface_path, write_surface
 from ..progress import part
-from ..recipe.recipe import AUTOMATIC
 from ..registration.labeled_bone import LabeledBone
 from ..terminal.arguments import Names, Options, Output, Settings, Spellings
 from ..terminal.console import ProgressBar
@@ -63,7 +63,7 @@ def run(asked: _CoverageOptions) -> None:
         recipe = asked.recipe
         bone = None if labels is None else LabeledBone(labels, placed, sequences, recipe)
         labels = None if bone is None else bone.labels
-        if recipe.motion == AUTOMATIC:
+        if takes_out_motion(recipe):
             sequences = [mended(sequences, bone, recipe)]
         found = coverage(
             sequences,

@@ -90,7 +90,7 @@ class ReadingSettings(Branch):
     )
     motion: str | None = setting(
         None,
-        "take out of the poses how the patient moved, as the bone echoes show it; off: not (default: off)",
+        "take out of the poses how the patient moved, as the bone echoes show it; off: not (default: auto for weighted)",
         choices=(AUTOMATIC, "off"),
     )
 

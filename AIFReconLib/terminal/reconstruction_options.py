@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from .. import __version__
 from ..compounding.needs import needs_bone
 from ..compounding.state import Reconstruction
+from ..effective_settings import takes_out_motion
 from ..errors import SettingsError
 from ..geometry.labels import Labels
 from ..geometry.transform_graph import capital
@@ -23,7 +24,7 @@ from ..progress import Progress
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import read_settings
 from ..provenance.settings_schema import KeptSettings
-from ..recipe.recipe import AUTOMATIC, BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
+from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
 from ..sweep.poses import ends_of
 from ..workflows.job import BoneSource
 from .arguments import Options, Output, Rivals, Settings
@@ -181,7 +182,7 @@ def with_provenance(
     stream : mapping or None
         See `signed`.
     """
-    unused = () if needs_bone(result.method, asked.recipe) or asked.recipe.motion == AUTOMATIC else bone_inputs(asked)
+    unused = () if needs_bone(result.method, asked.recipe) or takes_out_motion(asked.recipe) else bone_inputs(asked)
     files, kept = [path for path in inputs if path is not None and path not in unused], asked.kept
     notes = [] if kept is None else list(other_inputs(kept.path.name, kept.inputs, files))
     if kept is not None and kept.version not in ("", __version__):

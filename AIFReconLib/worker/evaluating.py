@@ -83,10 +83,11 @@ def calibration_of_sweep(
 
 def motion_of_sweep(job: ReconstructionJob, progress: Progress | None = None) -> Verdict:
     """Whether the patient moved in the sweep of a job, by its CT where it has one."""
+    from ..effective_settings import takes_out_motion
     from ..workflows.reconstruct import without_motion
 
     looking = replace(job, recipe=replace(job.recipe, motion=AUTOMATIC))
-    return motion_verdict(without_motion(looking, progress)[1], job.recipe.motion == AUTOMATIC)
+    return motion_verdict(without_motion(looking, progress)[1], takes_out_motion(job.recipe))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,13 +148,11 @@ def guidance_in_sweep(
     grid: VoxelGrid | None = None,
     unseen: Floats | None = None,
     progress: Progress | None = None,
-) -> tuple[GuidanceSnapshot, dict[str, Share]]:
-    """What `guidance_of_sweep` tells, and as `met_of_sweep`; nothing of that where there is a problem."""
-    from ..guidance.coverage import back_of_labels
+) -> GuidanceSnapshot:
+    """What is shown of what `guidance_of_sweep` tells."""
     from ..guidance.guidance import guidance_of_sweep
 
-    found = guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress)
-    return found.seen(), {} if found.coverage is None else back_of_labels(found.coverage.met)
+    return guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress).seen()
 
 
 @dataclass(frozen=True, eq=False)

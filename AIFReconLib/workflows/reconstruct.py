@@ -41,6 +41,7 @@ from ..effective_settings import (
     reconstructor_parts,
     resolve_imaging,
     resolve_settings,
+    takes_out_motion,
 )
 from ..errors import GeometryError, NoUsableFramesError
 from ..geometry.transforms import pixel_spacing
@@ -202,7 +203,8 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
         messages = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
-    if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in messages):
+    is_told = asked.motion or (motion is not None and motion.unexplained)
+    if motion is not None and not motion.applied and is_told and not any(line.startswith("WARNING") for line in messages):
         messages = (*messages, *motion.lines)
     if motion is None and asked.motion == AUTOMATIC:
         messages = (*messages, f"{CANNOT_TELL[:1].upper()}{CANNOT_TELL[1:]}.")
@@ -212,13 +214,10 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
 
 
 def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
-    """The job with the motion of the patient taken out of its sweep, where that is asked for and there is any; and that motion.
-
-    Not where nothing is asked: a wrong calibration may look like a motion.
-    """
+    """The job with the motion of the patient taken out of its sweep, where that is to be done and there is any; and that motion."""
     recipe, source, sequence = job.recipe, job.bone, job.sequence
     has_labels = isinstance(source, Volume | LabeledBone) or (isinstance(source, BoneSource) and source.labels is not None)
-    if recipe.motion != AUTOMATIC:
+    if not takes_out_motion(recipe):
         return job, None
     labeled = found_bone(job) if has_labels else None
     bone = known = None
@@ -413,7 +412,7 @@ def tracking_of(job: ReconstructionJob, result: Reconstruction) -> dict[str, Tra
 def plain_mean(job: ReconstructionJob, result: Reconstruction, progress: Progress | None = None) -> Volume:
     """The plain mean of the echoes on the voxels of a result, with the same holes filled, of the sweep as it lies."""
     limit = result.hole_limit or job.recipe.hole_limit
-    plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit, motion=None)
+    plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit, motion="off")
     measured = ReconstructionJob(job.sequence, plain, None, result.grid, beside=())
     return reconstruct_job(measured, progress).result.intensity
 

@@ -30,8 +30,8 @@ class GuidancePanel(PanelPart):
         self._isTurned = False
         self._showing = every(SHOWN_EVERY, self._showScan)
         ui.guidanceTableLabel.toolTip = _(
-            "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what faces the "
-            "back. The next move leads to where most bone is to be gained, which need not be the vertebra of the lowest share."
+            "Shares of the bone that faces the back, as the light “Coverage” tells them. The next move leads to where most bone is to be "
+            "gained, which need not be the vertebra of the lowest share."
         )
         ui.guidanceCheckBox.connect("clicked(bool)", self.onBox)
         ui.liveGuidanceCheckBox.connect("clicked(bool)", self.onLiveBox)

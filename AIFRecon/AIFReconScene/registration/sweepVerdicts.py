@@ -11,7 +11,7 @@ from AIFReconLib.message import message_of
 from AIFReconLib.progress import part
 from AIFReconLib.worker.evaluating import calibration_of_sweep, guidance_in_sweep, met_of_sweep, motion_of_sweep
 
-from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
+from ..inputs.boneNodes import boneNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
 from ..panelWords import inPanelWords
 from ..sweep.browserItems import checkRecorded
@@ -59,10 +59,10 @@ class SweepVerdicts:
         else:
             self.takeAgreement(parameters, comparison.agreement)
 
-    def takeAgreement(self, parameters, agreement) -> None:
-        """The `Agreement` of CT and sweep where the CT is now, whoever has asked for it."""
+    def takeAgreement(self, parameters, agreement, guessed: str = "") -> None:
+        """The `Agreement` of CT and sweep where the CT is now, whoever has asked for it; and what of its place was a guess."""
         names = boneNames(parameters.bone, list(parameters.boneSegments))
-        self._tell(REGISTRATION, parameters, registration_verdict(agreement, names))
+        self._tell(REGISTRATION, parameters, registration_verdict(agreement, names, guessed))
 
     @property
     def sought(self) -> tuple:
@@ -121,11 +121,9 @@ class SweepVerdicts:
             checkRecorded(sweep)
         bone = (None, None) if parameters.bone is None else (inputs.labels(part(progress, 0.0, 0.1)), rigidPlace(inputs.bone))
         asked = inputs.sequence(), *bone, inputs.recipe, inputs.grid(inputs.recipe), unseen
-        seen, back = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
-        if back:
-            names, move = boneNames(parameters.bone, list(parameters.boneSegments)), seen.move
-            words = "" if move is None else f"Next: {move.directions[0].words} over {inNames(move.over, names)}."
-            self._tell(COVERAGE, parameters, _verdictOn(back, names, words))
+        seen = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
+        if seen.by_label:
+            self._tell(COVERAGE, parameters, _verdictOn(seen.by_label, boneNames(parameters.bone, list(parameters.boneSegments))))
         return seen
 
     def _tell(self, name: str, parameters, verdict: Verdict) -> None:
@@ -204,7 +202,7 @@ def _keptWith(output, name: str, key: tuple) -> Verdict | None:
         return None
 
 
-def _verdictOn(back: dict, names: dict, move: str = "") -> Verdict:
+def _verdictOn(back: dict, names: dict) -> Verdict:
     shares = {nameOf(int(label), names): share for label, share in back.items()}
     shown = {name: share.expected_visibility for name, share in shares.items()}
-    return coverage_verdict(shown, {name: share.met for name, share in shares.items()}, move)
+    return coverage_verdict(shown, {name: share.met for name, share in shares.items()})

@@ -40,6 +40,7 @@ WEIGHTED = BuiltInMethod(
     always_weighs=True,
     widens=True,
     follows_agreement=True,
+    mends_motion=True,
     compared=True,
     uses=frozenset({"beta", "bone_gain", "weight_floor", "intensity_maximum", "gray_levels"}),
 )

@@ -240,7 +240,7 @@ class ImagePlacement:
         ways = self._look_up(source, target, frozenset(transforms), named)
         if isinstance(ways, TransformError):
             self._tell(message_of(ways), transforms)
-            return None, f"no transform leads from {source} to {target}", transforms
+            return None, f"nothing says where {source} lies in {target}", transforms
         if not transforms.keys() & set(ways.names):
             self._tell(f"By the configuration alone {source} is fixed to {target}, so all images would lie in one plane.", transforms)
             return None, f"{source} is fixed to {target}", transforms
