@@ -41,6 +41,7 @@ from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
 from ...message import Sentence, message_of
 from ...progress import Progress
+from ...recipe.recipe import LONGEST_GAP
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ..pairing.synchronizer import LiveFrame
 
@@ -129,6 +130,8 @@ class Recorder:
         """Begin with nothing."""
         self.frames = self.without_image = 0
         self._was_seen = False
+        self._taken_up_at = np.nan
+        self._gap = ""
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
         self._pixels: FileIO | None = None
@@ -171,10 +174,18 @@ class Recorder:
         try:
             if self.frames and not self._was_seen and self._differs(frame.image):
                 self._start_anew(frame.image)
+            self._note_gap(frame.record.timestamp)
             self._append(frame.image, frame.record)
             self._was_seen = self._was_seen or _shows_probe(frame.record)
         except (AIFReconError, OSError) as error:
             self._fail(error)
+
+    def _note_gap(self, now: float) -> None:
+        """Say what is missing between the frames that were taken up and the first one after them."""
+        if now - self._taken_up_at > LONGEST_GAP:
+            self._gap = f"{now - self._taken_up_at:.1f} s of the scan are missing after {self._taken_up_at:.2f} s: its program was lost."
+            self.note = " ".join(filter(None, (self.note, self._gap)))
+        self._taken_up_at = np.nan
 
     def finish(self, progress: Progress | None = None) -> Path | None:
         """Make the file that was asked for; the answer is its path, or None when there is no frame.
@@ -204,6 +215,7 @@ class Recorder:
         else:
             recorded = read_sequence(self.header_path)
             fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
+            fields |= {"AIFRecon_gap": self._gap} if self._gap else {}
             write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
         self._remove()
 
@@ -288,6 +300,7 @@ class Recorder:
         self._shape, self._dtype = recorded.images.shape[1:], np.dtype(recorded.images.dtype)
         self.without_image = sum(record.image_status is not TransformStatus.OK for record in recorded.records)
         self._was_seen = any(_shows_probe(record) for record in recorded.records)
+        self._taken_up_at = recorded.records[-1].timestamp
         header = self.header_path.read_bytes()
         self._size_at = header.index(b"\n" + _SIZE.encode()) + 1
         self._end_at = header.index(b"\n" + _LAST_LINE) + 1

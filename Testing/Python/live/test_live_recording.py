@@ -258,6 +258,14 @@ def test_a_recording_is_taken_up_twice_and_all_frames_are_there_poses_or_not(tmp
     assert sorted(file.name for file in tmp_path.iterdir()) == ["scan.mhd", "scan.raw"]
 
 
+def test_what_is_missing_while_its_program_was_lost_is_said_and_marked_in_the_file(tmp_path, record):
+    record(tmp_path / "scan.mha", [of_size(8, 1.0 + 0.1 * n) for n in range(5)]).close()
+    recorder = record(tmp_path / "scan.mha", [of_size(8, 7.5 + 0.1 * n) for n in range(3)], takes_up=True)
+    told = "6.1 s of the scan are missing after 1.40 s: its program was lost."
+    assert recorder.note == told
+    assert read_sequence(recorder.finish()).fields["AIFRecon_gap"] == told
+
+
 @pytest.mark.parametrize("writes", range(4))
 def test_a_full_disk_takes_nothing_of_what_is_taken_up(writes, tmp_path, monkeypatch, record):
     record(tmp_path / "scan.mha", frames(4)).close()
