@@ -130,7 +130,7 @@ class Recorder:
         """Begin with nothing."""
         self.frames = self.without_image = 0
         self._was_seen = False
-        self._taken_up_at = np.nan
+        self._taken_up_at: float | None = None
         self._gap = ""
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
@@ -180,12 +180,12 @@ class Recorder:
         except (AIFReconError, OSError) as error:
             self._fail(error)
 
-    def _note_gap(self, now: float) -> None:
+    def _note_gap(self, now: float | None) -> None:
         """Say what is missing between the frames that were taken up and the first one after them."""
-        if now - self._taken_up_at > LONGEST_GAP:
-            self._gap = f"{now - self._taken_up_at:.1f} s of the scan are missing after {self._taken_up_at:.2f} s: its program was lost."
+        before, self._taken_up_at = self._taken_up_at, None
+        if now is not None and before is not None and now - before > LONGEST_GAP:
+            self._gap = f"{now - before:.1f} s of the scan are missing after {before:.2f} s: its program was lost."
             self.note = " ".join(filter(None, (self.note, self._gap)))
-        self._taken_up_at = np.nan
 
     def finish(self, progress: Progress | None = None) -> Path | None:
         """Make the file that was asked for; the answer is its path, or None when there is no frame.
