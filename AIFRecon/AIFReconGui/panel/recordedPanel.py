@@ -9,6 +9,7 @@ from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
 from AIFReconScene.inputs.boxes import clipAsRecognized
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit, fileFrom
+from AIFReconScene.registration.sweepVerdicts import isOfNow
 from AIFReconScene.sceneNodes import addedTogether
 from AIFReconScene.volumes.phantomSample import beginPhantom
 from slicer.i18n import tr as _
@@ -282,6 +283,8 @@ def _enableButtons(ui, logic, parameters, waits: str, report: str) -> None:
     enable(ui.recognizeButton, waits or noImages, _("Set the rectangle of ultrasound that is recognized"))
     enable(ui.compareButton, waits or cannotCompare, _("Reconstruct with each method and show them side by side"))
     missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
+    if not isOfNow(parameters):
+        report = _("The picture is of another sweep, CT or place of the CT: press “Reconstruct” again.")
     text = "\n".join(line for line in (report, missing) if line)
     ui.statusLabel.visible = bool(text)
     say(ui.statusLabel, text)
