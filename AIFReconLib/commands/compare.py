@@ -9,7 +9,6 @@ import numpy as np
 
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import CT_WINDOW, ComparisonFigure, require_matplotlib
-from ..evaluation.likeness import why_unlike
 from ..evaluation.preview import middle_of_bone
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
@@ -81,9 +80,8 @@ def run(asked: _CompareOptions) -> None:
         place = place_from(asked)
         given = labels_from(asked, progress)
         labels = None if given is None else given.told_by(first.grid, place).placed_by(place)
-        doubts = [words for name in names[1:] if (words := why_unlike(first, names[0], volumes[name], name))]
         headers = {name: volume.fields for name, volume in volumes.items()}
-        doubts += unlike_inputs(headers, [*labels_inputs(asked), asked.bone_transform])
+        doubts = unlike_inputs(headers, [*labels_inputs(asked), asked.bone_transform])
         ct = read_ct(asked.ct).placed_by(place) if asked.ct else None
         center = np.array(asked.at) if asked.at else middle_of_bone(first, first.array != 0, labels)
         _require_within(first.grid.corners(), center, asked.volumes[0])

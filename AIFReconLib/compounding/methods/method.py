@@ -164,8 +164,7 @@ class BuiltInMethod(CompoundingMethod):
     Parameters
     ----------
     insert : callable
-        The rule in numpy: brings the `Pixels` of a frame into what is kept. Hits and the best cosine are counted elsewhere, and so is a
-        mean of whole numbers, which is packed with its hits.
+        The rule in numpy: brings the `Pixels` of a frame into what is kept. Hits and the best cosine are counted elsewhere.
     """
 
     insert: Callable[[Accumulator, Pixels], None]
