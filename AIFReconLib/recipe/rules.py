@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import field
 from numbers import Integral, Real
@@ -63,14 +65,24 @@ _PLAIN: dict[str, Any] = {
 }
 
 
-def setting(default: Any, help: str, kind: str = NUMBER, **more: Any) -> Any:
-    """A dataclass field that carries its `Rule`, of which `more` are the keys that are not plain. One whose default is None may be None."""
+def setting(default: Any, help: str = "", kind: str = NUMBER, **more: Any) -> Any:
+    """A dataclass field that carries its `Rule`, of which `more` are the keys that are not plain. One whose default is None may be None.
+    Without a help the docstring of its class explains it.
+    """
     if unknown := set(more) - {*_PLAIN, "kept"}:
         raise TypeError(f"A setting has no {', '.join(unknown)}.")
     kind = WORD if more.get("choices") else kind
     rule = {**_PLAIN, "kept": kind != FILE, **more, "help": help, "kind": kind, "default": default}
     # Arrays, which may stand for a file, have no order and no hash
     return field(default=default, metadata=rule, compare=kind != FILE)
+
+
+def explained(group: type) -> tuple[str, dict[str, tuple[str, str]]]:
+    """The summary of a class, and of each of its parameters what it takes and what it means."""
+    summary, _, rest = inspect.cleandoc(group.__dict__.get("__doc__") or "").partition("\n\n")
+    parameters = rest.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
+    entries = re.findall(r"^(\w+)(?: : (.*))?\n((?: {4}.*(?:\n|$))+)", parameters, re.MULTILINE)
+    return " ".join(summary.split()), {name: (takes, " ".join(meaning.split())) for name, takes, meaning in entries}
 
 
 def rule_of(metadata: Mapping[str, object]) -> Rule:

@@ -7,7 +7,6 @@ import difflib
 import inspect
 import itertools
 import os
-import re
 import shutil
 import sys
 import textwrap
@@ -21,7 +20,7 @@ from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
 from ..errors import MethodError
 from ..recipe.recipe import AUTOMATIC, RULES, Branch, Recipe
-from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule
+from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule, explained
 from .refusing import RefusingParser, WrongArguments
 from .remedies import in_options
 
@@ -131,14 +130,6 @@ def given_words(asked: Options, names: Iterable[str]) -> list[str]:
             typed = [f"{one:g}" if isinstance(one, float) else str(one) for one in several]
             words += [spelling(type(asked), name)[0], *(["=".join(typed)] if name == "transform_sequence" else typed)]
     return words
-
-
-def explained(group: type[Options]) -> tuple[str, dict[str, tuple[str, str]]]:
-    """The summary of a class, and of each of its parameters what it takes and what it means."""
-    summary, _, rest = inspect.cleandoc(group.__dict__.get("__doc__") or "").partition("\n\n")
-    parameters = rest.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
-    entries = re.findall(r"^(\w+)(?: : (.*))?\n((?: {4}.*(?:\n|$))+)", parameters, re.MULTILINE)
-    return " ".join(summary.split()), {name: (takes, " ".join(meaning.split())) for name, takes, meaning in entries}
 
 
 # ---- words

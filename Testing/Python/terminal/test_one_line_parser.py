@@ -8,7 +8,8 @@ import pytest
 
 from AIFReconLib.commands.parser import COMMANDS, main, options_of, parser_of
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.terminal.arguments import Options, explained
+from AIFReconLib.recipe.rules import explained
+from AIFReconLib.terminal.arguments import Options
 
 
 def help_of(capsys, monkeypatch, *words) -> str:
