@@ -23,11 +23,11 @@ from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import LONGEST_QUOTE, one_line, shorten
 from ..terminal.console import not_loaded, prepare_streams
-from ..terminal.guard import BAD_INPUT, INTERRUPTED, last_opened
+from ..terminal.guard import BAD_INPUT, last_opened
 from ..terminal.log import logging_as_asked, quiet_as_asked
 from ..terminal.refusing import RefusingParser, WrongArguments
 from ..terminal.remedies import in_options
-from ..terminal.signals import OrderlyEnd, orderly_end
+from ..terminal.signals import INTERRUPTED, OrderlyEnd, orderly_end
 
 if TYPE_CHECKING:
     from ..terminal.arguments import OneLineParser, Options

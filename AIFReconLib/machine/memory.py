@@ -30,9 +30,9 @@ def available_memory() -> int | None:
 
     Notes
     -----
-    The least of the system's free memory, the control group's limit (containers) and the process's own address-space limit.
+    The lesser of the system's free memory and the control group's limit (containers).
     """
-    limits = [n for n in (_system_free(), _cgroup_free(), _address_space_free()) if n is not None]
+    limits = [n for n in (_system_free(), _cgroup_free()) if n is not None]
     return max(min(limits), 0) if limits else None
 
 
@@ -143,19 +143,6 @@ def _cgroup_free() -> int | None:
         statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text("utf-8").splitlines())
         return int(limit) - int((CONTROL_GROUP / "memory.current").read_text("utf-8")) + int(statistics.get("inactive_file", 0))
     except (OSError, ValueError):
-        return None
-
-
-def _address_space_free() -> int | None:
-    try:
-        import resource
-
-        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        if limit == resource.RLIM_INFINITY:
-            return None
-        used = int(Path("/proc/self/statm").read_text("utf-8").split()[0]) * resource.getpagesize()
-        return limit - used
-    except (ImportError, OSError, ValueError):
         return None
 
 
