@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 from .. import __version__
 from ..compounding.engines import INSTALL_NUMBA
 from ..errors import SettingsError
-from ..io.disk.atomic import write_text
 from ..machine.threads import optional_module
 from ..message import columns
 from ..recipe.recipe import DEFAULT_SPACING
 from ..terminal.arguments import Options, Output
 from ..terminal.console import ProgressBar
+from ..terminal.outputs import write_json
 from ..workflows.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, MeasuredSpeed, busy_warning, machine, measured_speed, verdict
 
 LEAST_SIDE, LARGEST_SIDE = 16, 8192
@@ -58,8 +57,7 @@ def run(asked: _BenchmarkOptions) -> None:
             raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
     with ProgressBar() as progress:
         found = measured_speed(asked.size, asked.rate, asked.spacing, asked.frames, asked.repeats, progress)
-    if asked.json:
-        write_text(asked.json, json.dumps(_report(found, asked.spacing), indent=2) + "\n")
+    write_json(asked.json, _report(found, asked.spacing))
     size, millions = " x ".join(map(str, found.size)), found.voxels / 1e6
     print(f"{machine()}\nAIFRecon {__version__}; {size} pixels into {millions:.1f} million voxels, with {found.engine}\n")
     rows = [("method", "frames/s", f"at {found.rate:g}/s")]

@@ -30,7 +30,7 @@ from ..sweep.edits import (
 from ..sweep.frames import TrackedSequence
 from ..terminal.arguments import Names, Output, Settings
 from ..terminal.console import ProgressBar
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell
 from ..terminal.sequence_options import RecordingOptions, sequences_from
 from ..workflows.reconstruct import mended
 
@@ -108,8 +108,7 @@ def run(asked: _ConvertOptions) -> None:
             sequence = replace(sequence, fields={**sequence.fields, "AIFRecon_motion": " ".join(sequence.notes[before:])})
         write_sequence(sequence, asked.output, asked.compress, progress)
     columns, rows = sequence.frame_size
-    lines = [f"{len(sequence)} frames of {columns} x {rows} pixels", *map(in_options, sequence.notes), f"wrote {asked.output}"]
-    print("\n  ".join(lines))
+    tell(f"{len(sequence)} frames of {columns} x {rows} pixels", sequence.notes, [asked.output])
 
 
 def changed(sequence: TrackedSequence, asked: _ConvertOptions) -> TrackedSequence:

@@ -14,8 +14,7 @@ from ..io.sequence.writer import check_sequence_name, write_sequence
 from ..recipe.rules import Rule
 from ..terminal.arguments import Names, Options, Output, Settings
 from ..terminal.console import ProgressBar, program
-from ..terminal.outputs import check_outputs
-from ..terminal.remedies import in_options
+from ..terminal.outputs import check_outputs, tell
 
 
 class _ImportedOptions(Options):
@@ -65,10 +64,10 @@ def run(asked: _ImportedOptions) -> None:
     with ProgressBar() as progress:
         write_sequence(imported.sequence, asked.output, asked.compress, progress)
     seen = check_import(imported, asked.output.name)
-    lines = [*map(in_options, (*imported.understood, *seen.lines))]
+    lines = [*imported.understood, *seen.lines]
     if seen.drawing is not None:
         option = "" if seen.reference == REFERENCE_FRAME else f" --reference {seen.reference}"
         lines.append(f"to reconstruct: {program()} reconstruct {asked.output.name}{option} --output volume.nrrd")
         write_text(drawing, seen.drawing.to_svg())
         lines.append(f"drew {drawing}")
-    print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {asked.output}"]))
+    tell("Understood:", lines, [asked.output])

@@ -24,9 +24,8 @@ from ..progress import part
 from ..terminal.arguments import Names, Output, Rivals
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, place_from, required_labels
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell
 from ..terminal.sequence_options import SweepOptions, sequences_from
-from .preview import check_preview
 
 
 class _PlanOptions(PlacedLabelsOptions, SweepOptions):
@@ -70,7 +69,6 @@ def run(asked: _PlanOptions) -> None:
     """Read, plan, write, and say what each pass adds."""
     if asked.frames < 1:
         raise SettingsError(f"Input frames must be 1 or more; got {asked.frames!r}. Give --frames N.")
-    check_preview(asked.preview)
     with ProgressBar() as progress:
         labels = required_labels(asked, part(progress, 0.0, 0.05))
         placed = place_from(asked)
@@ -81,19 +79,9 @@ def run(asked: _PlanOptions) -> None:
             bone, asked.target = window(bone, _unseen(asked.unseen)), NOT_SEEN
         plan = plan_scan(bone, probe, asked.target, asked.frames, asked.candidates, progress=part(progress, 0.1, 0.95))
         write_text(asked.output, json.dumps(plan.to_dict()) + "\n")
-        written = [asked.output]
         if asked.preview:
             _draw(asked.preview, plan, bone, probe)
-            written.append(asked.preview)
-    print(
-        "\n".join(
-            [
-                *_lines(plan),
-                *covered(plan.met).lines(),
-                *(f"  {in_options(note)}" for note in [*notes, *(f"wrote {path}" for path in written)]),
-            ]
-        )
-    )
+    tell("\n".join([*_lines(plan), *covered(plan.met).lines()]), notes, [asked.output, asked.preview])
 
 
 def _unseen(path: Path) -> Floats:

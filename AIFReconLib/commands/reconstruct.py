@@ -16,7 +16,6 @@ from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..geometry.volume import Volume
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport
-from ..io.disk.atomic import write_text
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import check_volume_path, write_volume
 from ..progress import Progress, part
@@ -29,6 +28,7 @@ from ..sweep.multi_sweep import joined
 from ..sweep.poses import SweepPoses, sweep_poses
 from ..terminal.arguments import Names, Output, Settings
 from ..terminal.console import ProgressBar
+from ..terminal.outputs import write_json
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
     ReconstructionOptions,
@@ -43,7 +43,7 @@ from ..terminal.sequence_options import SequencesOptions, sequence_inputs, seque
 from ..workflows.job import ReconstructionJob, ReconstructionOutput
 from ..workflows.reconstruct import plain_mean, reconstruct_job, tracking_of
 from .info import register_command
-from .preview import check_preview, how_to_look, write_preview
+from .preview import how_to_look, write_preview
 
 FIRST_OPTIONS = (
     "config",
@@ -117,9 +117,8 @@ def run(asked: _ReconstructOptions) -> None:
     agreement = list(map(in_options, lines))
     tracking = tracking_of(job, result)
     if asked.report and not is_page(asked.report):
-        facts = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
-        write_text(asked.report, json.dumps(facts, indent=2) + "\n")
-    if asked.report and is_page(asked.report):
+        write_json(asked.report, {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)})
+    elif asked.report:
         with ProgressBar() as progress:
             _write_page(asked, replace(job, sequence=output.sequence or sequence), output, result, tracking, progress)
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
@@ -133,7 +132,6 @@ def checked_outputs(asked: ReconstructionOptions, output: Path) -> dict[str, Pat
     outputs = {"intensity": output, **{name: path for name in SIDE_OUTPUTS if (path := getattr(asked, name))}}
     for name, path in outputs.items():
         check_volume_path(path, TYPE_OF.get(name) or asked.output_type or "uint8")
-    check_preview(asked.preview)
     if asked.save_settings:
         check_settings_path(asked.save_settings)
     return outputs

@@ -10,7 +10,7 @@ import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import NoneType
@@ -120,10 +120,10 @@ def with_values(asked: Asked, **values: object) -> Asked:
     return other
 
 
-def given_words(asked: Options, names: Iterable[str]) -> list[str]:
-    """Those of these options that were given, as one would type them."""
+def given_words(asked: Options, *groups: type[Options]) -> list[str]:
+    """Those options of groups that were given, as one would type them."""
     words = []
-    for name in names:
+    for name in (each.name for group in groups for each in declared(group) if each.group is not Options):
         value = vars(asked).get(name)
         for each in value if isinstance(value, list) else [] if value is None else [value]:
             several = each if isinstance(each, tuple) else [each]
