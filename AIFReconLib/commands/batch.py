@@ -19,7 +19,7 @@ from ..batch.results import results_table, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
 from ..io.disk.atomic import write_text
-from ..terminal.arguments import Names, Options, load_method_here
+from ..terminal.arguments import Names, Options, count, load_method_here
 from ..terminal.console import ProgressBar, show
 from ..terminal.reconstruction_options import gigabytes
 
@@ -56,7 +56,7 @@ class _BatchOptions(Options):
     dry_run: bool = False
     retry_failed: bool = False
     method: list[str] = []
-    workers: int | None = None
+    workers: Annotated[int, count] | None = None
     memory: Annotated[int, gigabytes] | None = None
     scheduler: str | None = None
 
@@ -113,8 +113,6 @@ def _write(cohort: Cohort, asked: _BatchOptions) -> list[Path]:
 
 
 def _check(asked: _BatchOptions) -> None:
-    if asked.workers is not None and asked.workers < 1:
-        raise SettingsError(f"Input --workers must be at least 1; got {asked.workers}.")
     if asked.scheduler and (asked.workers or asked.memory):
         raise SettingsError("--workers and --memory are of this computer; a cluster has its own. Leave them out, or --scheduler.")
 

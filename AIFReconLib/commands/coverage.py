@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..effective_settings import takes_out_motion
 from ..errors import SettingsError
@@ -12,7 +12,7 @@ from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
 from ..io.volume.surfaces import write_surface
 from ..progress import part
 from ..registration.labeled_bone import LabeledBone
-from ..terminal.arguments import Names, Options, Output, Settings, Spellings
+from ..terminal.arguments import Names, Options, Output, Settings, Spellings, positive
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import labels_from, place_from
 from ..terminal.outputs import tell, write_json
@@ -36,7 +36,7 @@ class _CoverageOptions(SequencesOptions):
 
     surface: Output | None = None
     report: Output | None = None
-    beam_thickness: float = BEAM_THICKNESS
+    beam_thickness: Annotated[float, positive] = BEAM_THICKNESS
 
     SETTINGS: ClassVar[Settings] = ("motion",)
     SPELLED: ClassVar[Spellings] = {**Options.SPELLED, "report": ("-o", "--output", "--report")}

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..errors import SettingsError
 from ..evaluation.cases import FEW, FEWEST, LEVEL, CaseNumbers
@@ -24,7 +23,7 @@ from ..progress import part
 from ..provenance.record import made_by, unlike_inputs
 from ..provenance.settings_files import made_with
 from ..sweep.multi_sweep import joined
-from ..terminal.arguments import Names, Options, Output, Spellings
+from ..terminal.arguments import Names, Options, Output, Spellings, positive
 from ..terminal.console import ProgressBar, real_path
 from ..terminal.labels_options import PlacedLabelsOptions, labels_inputs, place_from, required_labels
 from ..terminal.remedies import in_options
@@ -71,7 +70,7 @@ class _EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
     methods: Output | None = None
     report: Output | None = None
     sweep: tuple[Path, ...] = ()
-    beam_thickness: float = BEAM_THICKNESS
+    beam_thickness: Annotated[float, positive] = BEAM_THICKNESS
 
     WORDS: ClassVar[Names] = ("volumes",)
     SPELLED: ClassVar[Spellings] = {**Options.SPELLED, "bone_labels": ("--bone", "--bone-labels")}
@@ -94,8 +93,6 @@ def run(asked: _EvaluateOptions) -> None:
     of_sweep = [*asked.sweep, *asked.config]
     inputs = [*asked.volumes, *labels_inputs(asked), asked.bone_transform, asked.mask, *of_sweep]
     outputs = [path for path in (asked.csv, asked.report, asked.methods) if path]
-    if not (math.isfinite(asked.beam_thickness) and asked.beam_thickness > 0):
-        raise SettingsError(f"Input --beam-thickness must be positive mm; got {asked.beam_thickness:g}.")
     if asked.config and not asked.sweep:
         raise SettingsError("--config describes a sweep, and there is none. Give --sweep SEQUENCE.")
     if asked.ct and asked.report:

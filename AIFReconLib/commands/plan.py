@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..arrays import Floats
-from ..errors import AIFReconError, FileFormatError, SettingsError
+from ..errors import AIFReconError, FileFormatError
 from ..evaluation.plan_figure import plan_figure
 from ..geometry.transforms import invert, transform_points
 from ..guidance.bone import GuidedBone
@@ -21,7 +21,7 @@ from ..io.disk.atomic import write_text
 from ..io.disk.tables import read_table
 from ..message import columns
 from ..progress import part
-from ..terminal.arguments import Names, Output, Rivals
+from ..terminal.arguments import Names, Output, Rivals, count
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, place_from, required_labels
 from ..terminal.outputs import tell
@@ -53,7 +53,7 @@ class _PlanOptions(PlacedLabelsOptions, SweepOptions):
     output: Output
     target: str = "interspinous"
     unseen: Path | None = None
-    frames: int = 180
+    frames: Annotated[int, count] = 180
     candidates: Annotated[str, CANDIDATES] = FREEHAND
     preview: Output | None = None
     probe_like: Path | None = None
@@ -67,8 +67,6 @@ class _PlanOptions(PlacedLabelsOptions, SweepOptions):
 
 def run(asked: _PlanOptions) -> None:
     """Read, plan, write, and say what each pass adds."""
-    if asked.frames < 1:
-        raise SettingsError(f"Input frames must be 1 or more; got {asked.frames!r}. Give --frames N.")
     with ProgressBar() as progress:
         labels = required_labels(asked, part(progress, 0.0, 0.05))
         placed = place_from(asked)

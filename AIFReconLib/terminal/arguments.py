@@ -135,26 +135,54 @@ def given_words(asked: Options, *groups: type[Options]) -> list[str]:
 # ---- words
 
 
-def number(text: str) -> float:
-    """A number of the command line."""
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number such as 0.5, without a unit; got {text!r}") from None
+Read = TypeVar("Read")
 
 
-def _whole_number(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a whole number; got {text!r}") from None
+def reading(read: Callable[[str], Read], words: str) -> Callable[[str], Read]:
+    """What reads a word of the command line and, where it cannot, says what the word must be."""
+
+    def read_word(text: str) -> Read:
+        try:
+            return read(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"must be {words}; got {text!r}") from None
+
+    return read_word
 
 
-def path(text: str) -> Path:
-    """A path of the command line."""
+def _path(text: str) -> Path:
     if not text.strip():
-        raise argparse.ArgumentTypeError(f"must be the name of a file or folder; got {text!r}")
+        raise ValueError
     return Path(text)
+
+
+def pair(text: str) -> tuple[str, str]:
+    """What stands before an equals sign, and behind it; ValueError where one is missing."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (equals and name and value):
+        raise ValueError
+    return name, value
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise ValueError
+    return value
+
+
+def _count(text: str) -> int:
+    if (value := int(text)) < 1:
+        raise ValueError
+    return value
+
+
+A_NUMBER = "a number such as 0.5, without a unit"
+number = reading(float, A_NUMBER)
+_whole_number = reading(int, "a whole number")
+positive = reading(_positive, "a number above 0")
+count = reading(_count, "a whole number of 1 or more")
+path = reading(_path, "the name of a file or folder")
 
 
 def paths(text: str) -> list[Path]:
@@ -162,24 +190,9 @@ def paths(text: str) -> list[Path]:
     return [path(word) for word in text.split(JOIN)]
 
 
-def named_file(text: str) -> tuple[str, Path]:
-    """NAME=FILE."""
-    name, equals, file = (part.strip() for part in text.partition("="))
-    if not (equals and name and file):
-        raise argparse.ArgumentTypeError(f"takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {text!r}")
-    return name, Path(file)
-
-
 def number_or(word: str) -> Callable[[str], float | str]:
     """What reads a number or this word from the command line."""
-
-    def read(text: str) -> float | str:
-        try:
-            return word if text == word else float(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"must be {word} or a number such as 0.5, without a unit; got {text!r}") from None
-
-    return read
+    return reading(lambda text: word if text == word else float(text), f"{word} or {A_NUMBER}")
 
 
 def one_or_three(text: str) -> float | tuple[float, ...]:
@@ -283,10 +296,10 @@ def _declared(
     words: dict[str, Any] = {"help": meaning if "(default: " in meaning else meaning + _told(default)}
     if kind is bool:
         return _Declared(group, name, {**words, "action": "store_true" if default is False else argparse.BooleanOptionalAction})
-    reading = {float: number, int: _whole_number, Path: path, Output: path, str: str}
+    readers = {float: number, int: _whole_number, Path: path, Output: path, str: str}
     functions = [mark for mark in marks if callable(mark)]
     belongs = functions[1] if len(functions) > 1 else None
-    words["type"] = functions[0] if functions else reading[parts[0] if origin else kind]
+    words["type"] = functions[0] if functions else readers[parts[0] if origin else kind]
     words["choices"] = next((mark for mark in marks if isinstance(mark, tuple)), None)
     if origin is list:
         words["action"] = "extend" if belongs else "append"
