@@ -104,7 +104,7 @@ class Scan(LiveScan):
             self._snapshots.request()
         state = None if self._agreement is None else self._agreement.state
         agreement = None if state is None or state.agreement is None else state.agreement
-        problems = [] if state is None else [state.problem]
+        problems = [] if self._agreement is None else [self._agreement.problem]
         problems += [None if self._snapshots.error is None else message_of(self._snapshots.error), *self._recording_problems()]
         latest = session.latest
         guidance = None if self._guidance is None else self._guidance.state
