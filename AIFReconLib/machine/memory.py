@@ -65,14 +65,10 @@ def require_memory(
         return
     usable = most * bytes_per_voxel if available is None else min(SAFETY * available, most * bytes_per_voxel)
     fits = _spacing_that_fits(size, spacing, usable / bytes_per_voxel)
-    fitting = _gigabytes(usable)
+    box, pitch = " x ".join(map(str, size)), " x ".join(f"{s:.3g}" for s in spacing)
+    can_be = f"at most {_gigabytes(usable)}" if available is None else _gigabytes(usable)
     raise InsufficientMemoryError(
-        "A volume of {size} voxels ({spacing} mm) needs {needed} of memory, and {usable} can be used.".format(
-            size=" x ".join(str(n) for n in size),
-            spacing=" x ".join(f"{s:.3g}" for s in spacing),
-            needed=_gigabytes(needed),
-            usable=f"at most {fitting}" if available is None else fitting,
-        ),
+        f"A volume of {box} voxels ({pitch} mm) needs {_gigabytes(needed)} of memory, and {can_be} can be used.",
         "No spacing would fit: free some memory, or choose a smaller box." if fits is None else "A spacing of {fits:g} mm would fit.",
         fits=fits,
     )

@@ -100,9 +100,6 @@ def configured(asked: _ConfigurationOptions, paths: Sequence[Path]) -> list[tupl
         raise SettingsError(
             f"--transform-sequence belongs to one sequence, and {len(paths)} are given. Make one file of each pair with aifrecon convert."
         )
-    names = [name for name, _ in getattr(asked, "transform_sequence", [])]
-    if twice := [name for name in names if names.count(name) > 1]:
-        raise SettingsError(f"Input --transform-sequence must name each transform once; {twice[0]} is given twice.")
     return list(zip(paths, configs * len(paths) if len(configs) == 1 else configs, strict=True))
 
 

@@ -75,7 +75,7 @@ class Scan(LiveScan):
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
             if recorder is not None and recorder.frames:
-                self.session.take_up(unfinished_frames(recorder.path, configuration, job.spans))
+                self.session.earlier = unfinished_frames(recorder.path, configuration, job.spans)
                 self._spans = list(job.spans)
                 if self._spans[-1][1] is not None:
                     self.session.pause()

@@ -378,15 +378,8 @@ def execute(
             sequence.images[int(last)]
     result = reconstructor.made(results, counts, notes, part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    size, inserted = result.grid.size, result.frames_inserted
-    logger.info(
-        "%s: %d of %d frames by %s into %s voxels",
-        sequence.name,
-        inserted,
-        len(sequence),
-        settings.method,
-        size,
-    )
+    told = sequence.name, result.frames_inserted, len(sequence), settings.method, result.grid.size
+    logger.info("%s: %d of %d frames by %s into %s voxels", *told)
     gray_notes = imaging.gray_levels.notes if settings.gray_levels else ()
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     inputs = input_files(sequence)

@@ -186,9 +186,7 @@ class Synchronizer:
 
     def flush(self) -> list[LiveFrame]:
         """Decide every waiting image as it stands: the stream is over."""
-        frames = [frame for waiting in self._waiting if (frame := self._decide(waiting, True)) is not None]
-        self._waiting.clear()
-        return frames
+        return self.expire(math.inf)
 
     def _start_over(self) -> list[LiveFrame]:
         """A new connection: what was learned of the server no longer holds."""

@@ -96,6 +96,11 @@ class LiveSession:
         When the frames that wait to be inserted will take longer than this, some are left out, evenly, and counted. None: none is ever left
         out; the source then has to wait or to drop messages.
 
+    Attributes
+    ----------
+    earlier : iterable of (LiveFrame, bool)
+        To be set before `start`: frames that are recorded already and come before those of the source, and whether each counts.
+
     Raises
     ------
     SettingsError
@@ -180,7 +185,7 @@ class LiveSession:
         self._paused = self._prepared = self._started = self._closed = False
         self._heard, self._still = StreamHealth(), StillImages()
         self._collect_error: Exception | None = None
-        self._earlier: Iterable[tuple[LiveFrame, bool]] = ()
+        self.earlier: Iterable[tuple[LiveFrame, bool]] = ()
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
 
     # ---- control
@@ -205,10 +210,6 @@ class LiveSession:
         with self._lock:
             self._start_inserting()
         return (self._inserter.ready if self._made_before else self._inserter.warm).wait(timeout)
-
-    def take_up(self, earlier: Iterable[tuple[LiveFrame, bool]]) -> None:
-        """Before `start`: let these frames, which are recorded already, come before those of the source; not all of them count."""
-        self._earlier = earlier
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
@@ -417,7 +418,7 @@ class LiveSession:
 
     def _collect(self) -> None:
         try:
-            for frame, counts in self._earlier:
+            for frame, counts in self.earlier:
                 self._synchronizer.frames = frame.number + 1
                 self._take_one(frame, live=False, counts=counts)
             while not self.finished.is_set():

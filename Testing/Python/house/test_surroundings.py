@@ -115,22 +115,6 @@ def test_a_signal_that_the_caller_ignores_stays_ignored():
 
 
 @posix
-@pytest.mark.parametrize("number", [signal.SIGTERM])
-@pytest.mark.parametrize(("file", "function"), [("llvmlite/callback.py", "called_back"), ("<frozen importlib._bootstrap>", "cb")])
-def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function):
-    words = {"signal": signal, "time": time, "number": number}
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        exec(compile(f"def {function}():\n    signal.raise_signal(number)", file, "exec"), words)
-        with orderly_end() as end, pytest.raises(KeyboardInterrupt):
-            exec(f"{function}()\ncalled = True\nwhile True: time.sleep(0.01)", words)
-        assert words["called"]
-        assert end.exit_code == 128 + number
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("waits", [True, False])
 def test_a_scan_hears_an_interrupt_where_it_holds_nothing(number, waits):
