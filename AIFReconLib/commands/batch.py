@@ -49,6 +49,19 @@ class _BatchOptions(Options):
         that all of them may take (default: what is free)
     scheduler : ADDRESS
         use the cluster of this Dask scheduler instead, e.g. tcp://10.0.0.5:8786
+
+    Examples
+    --------
+    a row per case; several files or methods in a cell with ; between them:
+      case,sweeps,config,bone_labels,register,method
+      P01,P01/sweep.igs.mha,PlusDeviceSet.xml,P01/lumbar.nrrd,yes,average;weighted
+
+      aifrecon batch cases.csv --output results --dry-run
+      aifrecon batch cases.csv --output results
+
+    Columns are as the options of reconstruct, register, coverage and evaluate of the same names. Paths are relative
+    to the table; yes or no for options without a value. The same command again computes what is missing or has
+    changed.
     """
 
     table: Path
@@ -61,17 +74,7 @@ class _BatchOptions(Options):
     scheduler: str | None = None
 
     WORDS: ClassVar[Names] = ("table",)
-    EXAMPLES: ClassVar[str] = f"""example, a row per case; several files or methods in a cell with ; between them:
-  case,sweeps,config,bone_labels,register,method
-  P01,P01/sweep.igs.mha,PlusDeviceSet.xml,P01/lumbar.nrrd,yes,average;weighted
-
-  aifrecon batch cases.csv --output results --dry-run
-  aifrecon batch cases.csv --output results
-
-columns: case and sweeps, and as needed
-{textwrap.fill(", ".join(Columns().names), 100)}
-as the options of reconstruct, register, coverage and evaluate of the same names. Paths are relative to the table; yes or no for options
-without a value. The same command again computes what is missing or has changed."""
+    NOTES: ClassVar[str] = "\n\ncolumns: case and sweeps, and as needed\n" + textwrap.fill(", ".join(Columns().names), 100)
 
 
 def run(asked: _BatchOptions) -> int:

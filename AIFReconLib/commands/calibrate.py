@@ -35,6 +35,14 @@ class _CalibrateOptions(SequencesOptions):
         also write numbers, for the log book
     preview : FILE.png
         also draw the echoes before and after
+
+    Examples
+    --------
+      aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
+      aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
+      aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml
+
+    Exit code 1: the sweep does not tell, and nothing is written but --report. The delay alone: aifrecon info.
     """
 
     phantom: Path | None = None
@@ -46,12 +54,6 @@ class _CalibrateOptions(SequencesOptions):
 
     RIVALS: ClassVar[Rivals] = (("output", "check"),)
     FIRST: ClassVar[Names] = ("output", "check", "config", "bone_labels", "ct", "phantom", "preview", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
-  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
-  aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml
-
-Exit code 1: the sweep does not tell, and nothing is written but --report. The delay alone: aifrecon info."""
 
 
 def run(asked: _CalibrateOptions) -> None:

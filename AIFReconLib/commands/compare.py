@@ -45,6 +45,11 @@ class _CompareOptions(PlacedLabelsOptions):
         written above all
     mask : MASK
         0 where nothing was scanned
+
+    Examples
+    --------
+      aifrecon compare average.nrrd weighted.nrrd --ct ct.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
+          --names average weighted --white --output figure.pdf
     """
 
     volumes: tuple[Path, ...]
@@ -57,9 +62,6 @@ class _CompareOptions(PlacedLabelsOptions):
     mask: Path | None = None
 
     WORDS: ClassVar[Names] = ("volumes",)
-    EXAMPLES: ClassVar[str] = """example:
-  aifrecon compare average.nrrd weighted.nrrd --ct ct.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --names average weighted --white --output figure.pdf"""
 
 
 def run(asked: _CompareOptions) -> None:

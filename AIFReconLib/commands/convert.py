@@ -68,6 +68,16 @@ class _ConvertOptions(RecordingOptions):
         take a transform for its inverse, e.g. ProbeToTracker
     mirror
         turn the images left to right; poses stay
+
+    Examples
+    --------
+      aifrecon convert sweep.igs.mha sweep.nrrd
+      aifrecon convert long.igs.mha short.igs.mha --frames 100 499 --every 2 --crop 80 20 640 480 --config PlusDeviceSet.xml
+      aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
+      aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
+      aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm --time-offset 0.045
+      aifrecon convert breathed.igs.mha mended.igs.mha --motion auto --config PlusDeviceSet.xml
+      aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha
     """
 
     sequence: Path
@@ -87,14 +97,6 @@ class _ConvertOptions(RecordingOptions):
 
     WORDS: ClassVar[Names] = ("sequence", "output")
     SETTINGS: ClassVar[Settings] = ("motion",)
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon convert sweep.igs.mha sweep.nrrd
-  aifrecon convert long.igs.mha short.igs.mha --frames 100 499 --every 2 --crop 80 20 640 480 --config PlusDeviceSet.xml
-  aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
-  aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
-  aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm --time-offset 0.045
-  aifrecon convert breathed.igs.mha mended.igs.mha --motion auto --config PlusDeviceSet.xml
-  aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
 
 
 def run(asked: _ConvertOptions) -> None:

@@ -32,6 +32,13 @@ class _CoverageOptions(SequencesOptions):
         also write the table as JSON
     beam_thickness : MM
         width of the beams across the image plane
+
+    Examples
+    --------
+      aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
+      aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
+
+    Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more.
     """
 
     surface: Output | None = None
@@ -41,11 +48,6 @@ class _CoverageOptions(SequencesOptions):
     SETTINGS: ClassVar[Settings] = ("motion",)
     SPELLED: ClassVar[Spellings] = {**Options.SPELLED, "report": ("-o", "--output", "--report")}
     FIRST: ClassVar[Names] = ("bone_labels", "ct", "bone_transform", "config", "surface", "report", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
-  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
-
-Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
 
 
 def run(asked: _CoverageOptions) -> None:

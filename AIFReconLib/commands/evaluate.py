@@ -60,6 +60,14 @@ class _EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
         frames that the volumes were made from, which decide which bone counts; without, all bone in the volume does
     beam_thickness : MM
         width of the beams across the image plane
+
+    Examples
+    --------
+      aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
+          --sweep sweep.igs.mha --config PlusDeviceSet.xml --csv metrics.csv --ct ct.nrrd --report report.html
+      aifrecon evaluate results/results.csv --against average --csv summary.csv
+
+    Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both.
     """
 
     volumes: tuple[Path, ...]
@@ -74,12 +82,6 @@ class _EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
 
     WORDS: ClassVar[Names] = ("volumes",)
     SPELLED: ClassVar[Spellings] = {**Options.SPELLED, "bone_labels": ("--bone", "--bone-labels")}
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --sweep sweep.igs.mha --config PlusDeviceSet.xml --csv metrics.csv --ct ct.nrrd --report report.html
-  aifrecon evaluate results/results.csv --against average --csv summary.csv
-
-Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both."""
 
 
 def run(asked: _EvaluateOptions) -> None:

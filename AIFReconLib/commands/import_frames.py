@@ -35,6 +35,13 @@ class _ImportedOptions(Options):
         where to draw the sweep (default: beside the output)
     compress
         compress the images (default: yes)
+
+    Examples
+    --------
+      aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
+      aifrecon import sweep.mp4 --poses tracker.txt --columns "time x y z qx qy qz qw" --units m \\
+          --transform ProbeToTracker --calibration ImageToProbe.tfm --output sweep.igs.mha
+      aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd
     """
 
     images: tuple[Path, ...]
@@ -47,11 +54,6 @@ class _ImportedOptions(Options):
     WORDS: ClassVar[Names] = ("images",)
     SETTINGS: ClassVar[Settings] = tuple(RULES)
     RULES: ClassVar[Mapping[str, Rule]] = RULES
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
-  aifrecon import sweep.mp4 --poses tracker.txt --columns "time x y z qx qy qz qw" --units m \\
-      --transform ProbeToTracker --calibration ImageToProbe.tfm --output sweep.igs.mha
-  aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
 
 
 def run(asked: _ImportedOptions) -> None:

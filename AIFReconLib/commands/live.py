@@ -91,6 +91,11 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
         end S seconds after the first frame
     scout_seconds : S
         without --grid-like: find the box in so many seconds from the first tracked frame on
+
+    Examples
+    --------
+      aifrecon live --host 192.168.0.12 --output volume.nrrd
+      aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60
     """
 
     host: str = "127.0.0.1"
@@ -112,9 +117,6 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
     RIVALS: ClassVar[Rivals] = (("bone_labels", "bone_probability", "bone_from_sweep", "bone_frames", "bone_model", "bone_image"),)
     NOT_KEPT: ClassVar[Names] = OF_A_RECORDING
     FIRST: ClassVar[Names] = ("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon live --host 192.168.0.12 --output volume.nrrd
-  aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 
 def run(asked: _LiveOptions) -> int:

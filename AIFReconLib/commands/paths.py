@@ -60,6 +60,13 @@ class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
         also write all numbers, for aifrecon plan --unseen
     preview : FILE.png
         also draw slices along the best line, and the skin
+
+    Examples
+    --------
+      aifrecon paths volume.nrrd --mask mask.nrrd --score score.nrrd --target L3-L4 --bone-labels lumbar.nrrd \\
+          --bone-transform CTToReference.tfm --sweep sweep.igs.mha --config PlusDeviceSet.xml --output paths.mrk.json
+
+    Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted.
     """
 
     volume: Path
@@ -78,11 +85,6 @@ class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
 
     WORDS: ClassVar[Names] = ("volume",)
     FIRST: ClassVar[Names] = ("bone_labels", "bone_transform", "sweep", "skin", "config", "mask", "score", "preview", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon paths volume.nrrd --mask mask.nrrd --score score.nrrd --target L3-L4 --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --sweep sweep.igs.mha --config PlusDeviceSet.xml --output paths.mrk.json
-
-Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted."""
 
 
 def run(asked: _PathsOptions) -> None:

@@ -48,6 +48,11 @@ class _PlanOptions(PlacedLabelsOptions, SweepOptions):
         also draw the passes over the bone (needs matplotlib)
     probe_like : SEQUENCE
         a recording of the probe, best of this patient, whose skin it tells
+
+    Examples
+    --------
+      aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
+      aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json
     """
 
     output: Output
@@ -60,9 +65,6 @@ class _PlanOptions(PlacedLabelsOptions, SweepOptions):
 
     RIVALS: ClassVar[Rivals] = (("target", "unseen"),)
     FIRST: ClassVar[Names] = ("bone_labels", "ct", "bone_transform", "target", "frames", "probe_like", "config", "preview", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
-  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json"""
 
 
 def run(asked: _PlanOptions) -> None:

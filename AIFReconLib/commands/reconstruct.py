@@ -77,6 +77,13 @@ class _ReconstructOptions(ReconstructionOptions, SequencesOptions):
         a DICOM file or folder of the study that .dcm outputs join
     report : FILE.html
         also tell of the tracking and of what was done: .html, a page with pictures; .json, numbers
+
+    Examples
+    --------
+      aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
+      aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
+          --bone-transform CTToReference.tfm --output volume.nrrd
+      aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd
     """
 
     output: Output
@@ -86,11 +93,6 @@ class _ReconstructOptions(ReconstructionOptions, SequencesOptions):
 
     SETTINGS: ClassVar[Settings] = ("motion",)
     FIRST: ClassVar[Names] = (*FIRST_OPTIONS, "report", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --output volume.nrrd
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
 
 def run(asked: _ReconstructOptions) -> None:

@@ -37,6 +37,12 @@ class _RegisterOptions(PlacingOptions, SequencesOptions):
         also write numbers, alternatives and the motions that the sweep does not determine
     preview : FILE.png
         also draw the echoes on the bone (needs matplotlib)
+
+    Examples
+    --------
+      aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
+
+    Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; then no transform is written (--report and --preview are).
     """
 
     output: Output
@@ -47,10 +53,6 @@ class _RegisterOptions(PlacingOptions, SequencesOptions):
 
     SETTINGS: ClassVar[Settings] = ("motion",)
     FIRST: ClassVar[Names] = ("bone_labels", "ct", "config", "bone_transform", "per_segment", "preview", "report", "quiet")
-    EXAMPLES: ClassVar[str] = """example:
-  aifrecon register sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output CTToReference.tfm
-
-Exit code 1: the CT does not agree with the sweep, or fits as well elsewhere; then no transform is written (--report and --preview are)."""
 
 
 def run(asked: _RegisterOptions) -> None:

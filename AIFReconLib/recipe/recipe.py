@@ -50,7 +50,7 @@ class Branch:
     """
 
     def __init_subclass__(cls) -> None:
-        for name, (takes, meaning) in explained(cls)[1].items():
+        for name, (takes, meaning) in explained(cls).parameters.items():
             told = {"help": meaning, **({"metavar": takes} if takes else {})}
             cls.__dict__[name].metadata = {**cls.__dict__[name].metadata, **told}
 

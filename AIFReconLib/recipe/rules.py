@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import field
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, TypedDict, cast
+from typing import Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
@@ -77,12 +77,21 @@ def setting(default: Any, help: str = "", kind: str = NUMBER, **more: Any) -> An
     return field(default=default, metadata=rule, compare=kind != FILE)
 
 
-def explained(group: type) -> tuple[str, dict[str, tuple[str, str]]]:
-    """The summary of a class, and of each of its parameters what it takes and what it means."""
+class Explained(NamedTuple):
+    """What the docstring of a class says: its summary, of each parameter what it takes and what it means, and examples."""
+
+    summary: str
+    parameters: dict[str, tuple[str, str]]
+    examples: str
+
+
+def explained(group: type) -> Explained:
+    """What a class says of itself."""
     summary, _, rest = inspect.cleandoc(group.__dict__.get("__doc__") or "").partition("\n\n")
     parameters = rest.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
     entries = re.findall(r"^(\w+)(?: : (.*))?\n((?: {4}.*(?:\n|$))+)", parameters, re.MULTILINE)
-    return " ".join(summary.split()), {name: (takes, " ".join(meaning.split())) for name, takes, meaning in entries}
+    meanings = {name: (takes, " ".join(meaning.split())) for name, takes, meaning in entries}
+    return Explained(" ".join(summary.split()), meanings, rest.partition("Examples\n--------\n")[2])
 
 
 def rule_of(metadata: Mapping[str, object]) -> Rule:

@@ -53,6 +53,8 @@ class Options:
         Fields that are spelled in another way.
     FIRST : tuple of str
         Fields that a short help shows beside what must be given; all where there are none.
+    NOTES : str
+        What a help says behind the examples, which are those of the docstring.
 
     Parameters
     ----------
@@ -90,7 +92,7 @@ class Options:
         "output": ("-o", "--output"),
     }
     FIRST: ClassVar[Names] = ()
-    EXAMPLES: ClassVar[str] = ""
+    NOTES: ClassVar[str] = ""
     RULES: ClassVar[Mapping[str, Rule]] = RULES
 
     def __getattr__(self, name: str) -> Any:
@@ -255,7 +257,7 @@ def declared(options: type[Options]) -> Iterator[_Declared]:
     """All options of a class, those of its settings behind its fields."""
     seen: set[str] = set()
     for group in (each for each in options.__mro__ if issubclass(each, Options)):
-        meanings, hints = explained(group)[1], get_type_hints(group, include_extras=True)
+        meanings, hints = explained(group).parameters, get_type_hints(group, include_extras=True)
         for name in inspect.get_annotations(group):
             if name not in seen and ClassVar not in (hints[name], get_origin(hints[name])):
                 seen.add(name)
@@ -344,8 +346,8 @@ class OneLineParser(RefusingParser):
         super().__init__(
             prog,
             usage=" ".join([prog, *map(self._in_usage, self._needed), "[options]"]),
-            description=textwrap.fill(explained(options)[0], max(shutil.get_terminal_size().columns - 2, 11)),
-            epilog=options.EXAMPLES or None,
+            description=textwrap.fill(explained(options).summary, max(shutil.get_terminal_size().columns - 2, 11)),
+            epilog=f"examples:\n{examples}{options.NOTES}" if (examples := explained(options).examples) else None,
             formatter_class=argparse.RawDescriptionHelpFormatter,
             add_help=False,
         )
@@ -388,7 +390,7 @@ class OneLineParser(RefusingParser):
         sections: dict[str, Any] = {}
         together: dict[tuple[str, ...], Any] = {}
         for each in self.declared.values():
-            title, _, about = ("options" if each.group is self._options else explained(each.group)[0]).partition(": ")
+            title, _, about = ("options" if each.group is self._options else explained(each.group).summary).partition(": ")
             if title not in sections:
                 sections[title] = self.add_argument_group(title, about or None)
             section = sections[title]
