@@ -306,8 +306,6 @@ def _use_scouted_box(scan: LiveScan, status: StatusLine) -> None:
 
 def _is_over(session: LiveSession, asked: _LiveOptions, first_frame: float) -> bool:
     """Whether the time is up, or there is nothing left to do: a recording goes on after the reconstruction has failed."""
-    if session.finished.is_set():
-        return True
-    if session.error is not None and (session.recorder is None or session.recording_failure):
-        return True
-    return asked.seconds is not None and time.monotonic() - first_frame >= asked.seconds
+    has_failed = session.error is not None and (session.recorder is None or session.recording_failure is not None)
+    is_late = asked.seconds is not None and time.monotonic() - first_frame >= asked.seconds
+    return session.finished.is_set() or has_failed or is_late

@@ -46,16 +46,8 @@ from .info import register_command
 from .preview import how_to_look, write_preview
 
 FIRST_OPTIONS = (
-    "config",
-    "bone_labels",
-    "ct",
-    "bone_transform",
-    "bone_from_sweep",
-    "method",
-    "spacing",
-    "grid_like",
-    "hole_limit",
-    "preview",
+    *("config", "bone_labels", "ct", "bone_transform", "bone_from_sweep"),
+    *("method", "spacing", "grid_like", "hole_limit", "preview"),
 )
 """What most need, here and in a live scan."""
 
