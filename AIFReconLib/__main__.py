@@ -62,7 +62,7 @@ def main() -> int:
 def _wants_guard(words: list[str]) -> bool:
     """Whether a process of its own is to do what the command line asks for: it can be started again, and is no mere question."""
     is_whole = bool(words) and sys.orig_argv[-len(words) :] == words
-    is_question = not words or words[0].startswith("-") or not {"-h", "--help"}.isdisjoint(words) or "_ARGCOMPLETE" in os.environ
+    is_question = not words or words[0].startswith("-") or not {"-h", "--help"}.isdisjoint(words)
     return is_whole and not is_question and words[0] not in UNGUARDED and CONNECTION not in os.environ
 
 

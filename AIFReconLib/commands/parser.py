@@ -100,22 +100,8 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def completed() -> argparse.ArgumentParser:
-    """The same with the options of all commands, for a shell that asks how a line may go on."""
-    from ..terminal.arguments import OneLineParser
-
-    parser = RefusingParser(prog="aifrecon")
-    commands = parser.add_subparsers(parser_class=OneLineParser)
-    for name in COMMANDS:
-        commands.add_parser(name, options=options_of(name))
-    return parser
-
-
 def main(argv: list[str] | None = None) -> int:
     """Run the command line, of the process by default; the answer is the exit code: 0, 1, 2, or 128 and the signal that ended it."""
-    if "_ARGCOMPLETE" in os.environ:
-        # A shell asks how a line may go on; this ends the program
-        import_module("argcomplete").autocomplete(completed())
     prepare_streams()
     words = sys.argv[1:] if argv is None else argv
     prog = " ".join(["aifrecon", *named(words)])

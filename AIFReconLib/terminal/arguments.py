@@ -338,7 +338,7 @@ class OneLineParser(RefusingParser):
         Options by the words that name them.
     """
 
-    def __init__(self, options: type[Options], prog: str, shown: Sequence[str] | None = None, **_: object):
+    def __init__(self, options: type[Options], prog: str, shown: Sequence[str] | None = None):
         self._options, self.declared = options, {each.name: each for each in declared(options)}
         needed = [name for name in self.declared if _is_needed(options, name)]
         self._needed = sorted(needed, key=lambda name: name not in options.WORDS)
