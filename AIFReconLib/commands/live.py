@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
@@ -25,7 +25,7 @@ from ..live.wire.sources import StreamStatistics
 from ..message import one_line, shorten
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION
-from ..terminal.arguments import Names, Output, Settings
+from ..terminal.arguments import Names, Output, Rivals, Settings, count, positive
 from ..terminal.console import ProgressBar
 from ..terminal.outputs import check_outputs
 from ..terminal.reconstruction_options import (
@@ -91,6 +91,11 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
         end S seconds after the first frame
     scout_seconds : S
         without --grid-like: find the box in so many seconds from the first tracked frame on
+
+    Examples
+    --------
+      aifrecon live --host 192.168.0.12 --output volume.nrrd
+      aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60
     """
 
     host: str = "127.0.0.1"
@@ -102,26 +107,20 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
     mechanism: str | None = None
     output: Output
     record: Output | None = None
-    frames: int | None = None
-    seconds: float | None = None
-    scout_seconds: float = 10.0
+    frames: Annotated[int, count] | None = None
+    seconds: Annotated[float, positive] | None = None
+    scout_seconds: Annotated[float, positive] = 10.0
 
     SETTINGS: ClassVar[Settings] = ("time_offset", "longest_gap", "motion")
     time_offset: ClassVar[float] = 0.0
     longest_gap: ClassVar[float] = SynchronizerSettings.longest_gap
+    RIVALS: ClassVar[Rivals] = (("bone_labels", "bone_probability", "bone_from_sweep", "bone_frames", "bone_model", "bone_image"),)
     NOT_KEPT: ClassVar[Names] = OF_A_RECORDING
     FIRST: ClassVar[Names] = ("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon live --host 192.168.0.12 --output volume.nrrd
-  aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 
 def run(asked: _LiveOptions) -> int:
     """Connect, reconstruct until the end or Ctrl-C, write what there is; the answer is the exit code."""
-    for name in ("frames", "seconds", "scout_seconds"):
-        value = getattr(asked, name)
-        if value is not None and not value > 0:
-            raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     inputs = [*asked.config, *bone_inputs(asked), asked.importance_mask]
     says_bone = asked.record and (asked.bone_image or asked.bone_model)
     check_outputs(asked, [predictions_beside(asked.record)] if says_bone and asked.record else [])
@@ -200,10 +199,6 @@ def _check_bone_options(asked: _LiveOptions) -> None:
     check_bone_options(asked)
     if asked.bone_frames:
         raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
-    others = ("bone_labels", "ct", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
-    both = next((name for name in others if asked.bone_image and getattr(asked, name)), None)
-    if both is not None:
-        raise SettingsError(f"--bone-image is a source of bone, and so is --{both.replace('_', '-')}. Leave out one.")
     if asked.bone_image and asked.bone_image == asked.image:
         raise SettingsError(f"--bone-image and --image must be two devices; got {asked.image!r} for both.")
 
@@ -311,8 +306,6 @@ def _use_scouted_box(scan: LiveScan, status: StatusLine) -> None:
 
 def _is_over(session: LiveSession, asked: _LiveOptions, first_frame: float) -> bool:
     """Whether the time is up, or there is nothing left to do: a recording goes on after the reconstruction has failed."""
-    if session.finished.is_set():
-        return True
-    if session.error is not None and (session.recorder is None or session.recording_failure):
-        return True
-    return asked.seconds is not None and time.monotonic() - first_frame >= asked.seconds
+    has_failed = session.error is not None and (session.recorder is None or session.recording_failure is not None)
+    is_late = asked.seconds is not None and time.monotonic() - first_frame >= asked.seconds
+    return session.finished.is_set() or has_failed or is_late

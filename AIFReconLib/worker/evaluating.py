@@ -23,7 +23,7 @@ from ..io.disk.workspace import workspace
 from ..message import Sentence, message_of
 from ..progress import Progress, part, report
 from ..recipe.recipe import AUTOMATIC, Recipe
-from ..remedies import ADD_TIME_OFFSET, PLACE_THE_CT
+from ..remedies import PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
@@ -102,23 +102,13 @@ def calibrated_by(
     sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
 ) -> _Calibrated:
     """What a sweep, or several as one, says of its calibration; the arguments are those of `calibrate`, the CT lies on the sweep."""
-    from ..calibration.calibration import calibrate
+    from ..calibration.calibration import calibrate, findings
 
     found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
     if found.reason is not None:
         return _Calibrated((Sentence(f"The calibration was not changed. {found.reason}", message_of(found.reason)),), None)
-    if found.changed <= found.uncertainty:
-        agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
-        return _Calibrated((agrees, *_more(found)), None)
-    lines = (
-        f"Calibrated: image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median; "
-        f"the change is {found.changed:.1f} mm.",
-        f"{found.after.share:.0%} of the echoes agree with the CT's bone, {found.after.median_distance:.2f} mm off in the median; "
-        f"before it was {found.before.share:.0%} and {found.before.median_distance:.2f} mm.",
-        *_belongs(found, labels_to_reference),
-        *_more(found),
-    )
-    return _Calibrated(lines, found.image_correction)
+    lines = (*findings(found), *_belongs(found, labels_to_reference))
+    return _Calibrated(lines, found.image_correction if found.needed else None)
 
 
 def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
@@ -126,18 +116,6 @@ def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
     points = np.column_stack([found.echoes_on_bone[1], np.ones(len(found.echoes))])
     apart = float(np.median(np.linalg.norm((points @ (found.labels_to_reference - labels_to_reference).T)[:, :3], axis=1)))
     return [Sentence(f"With it the CT belongs {apart:.1f} mm from where it lies.", PLACE_THE_CT)] if apart > FAR else []
-
-
-def _more(found: Calibration) -> list[str]:
-    """The delay, which is part of no calibration, and what the sweep does not tell."""
-    from ..calibration.check import SURE
-
-    lines: list[str] = []
-    delay = float(found.values[-1])
-    if found.held[-1] and abs(delay) > SURE * found.deviation[-1]:
-        words = f"Images and poses are {1000 * abs(delay):.0f} ms out of step, which a calibration cannot mend."
-        lines.append(Sentence(words, ADD_TIME_OFFSET, offset=f"{delay:.3f}"))
-    return [*lines, found.advice] if found.advice else lines
 
 
 def guidance_in_sweep(

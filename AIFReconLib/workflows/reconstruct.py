@@ -18,7 +18,7 @@ from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import bone_from_frames
 from ..bone.recorded_predictions import RecordedPredictions
 from ..calibration.check import known_without_ct
-from ..compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
+from ..compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, memory_to_use
 from ..compounding.finishing.results import Results, bytes_of_results
 from ..compounding.frame_placement import ImageKind, require_kinds
 from ..compounding.methods.average import AVERAGE
@@ -59,7 +59,7 @@ from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined, shares
 from ..sweep.poses import (
     SweepPoses,
@@ -363,11 +363,10 @@ def execute(
     sequence, imaging, settings = decided.sequence, decided.imaging, decided.settings
     costs, memory = decided.costs(beside), memory_to_use(memory)
     cut = cut_into_parts(decided.grid, costs, memory)
-    left = left_beside(decided.grid, costs, cut, memory)
     if len(cut) > 1:
         logger.info("%s: %s voxels are worked in %d parts", sequence.name, decided.grid.size, len(cut))
     report(progress, 0.02, "Preparing the volume")
-    reconstructor, results, counts, notes = _worked(decided, beside, cut, left, part(progress, 0.02, 0.95))
+    reconstructor, results, counts, notes = _worked(decided, beside, cut, part(progress, 0.02, 0.95))
     if not counts.inserted:
         what = f"{sequence.name}: no frame falls into the volume ({describe_skipped(counts.skipped)})."
         box = "Check its box ({grid_like}, or the configuration's OutputOrigin and OutputExtent) and {reference}."
@@ -378,15 +377,8 @@ def execute(
             sequence.images[int(last)]
     result = reconstructor.made(results, counts, notes, part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    size, inserted = result.grid.size, result.frames_inserted
-    logger.info(
-        "%s: %d of %d frames by %s into %s voxels",
-        sequence.name,
-        inserted,
-        len(sequence),
-        settings.method,
-        size,
-    )
+    told = sequence.name, result.frames_inserted, len(sequence), settings.method, result.grid.size
+    logger.info("%s: %d of %d frames by %s into %s voxels", *told)
     gray_notes = imaging.gray_levels.notes if settings.gray_levels else ()
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     inputs = input_files(sequence)
@@ -417,33 +409,18 @@ def plain_mean(job: ReconstructionJob, result: Reconstruction, progress: Progres
     return reconstruct_job(measured, progress).result.intensity
 
 
-def _keeping(frames: Iterable[TrackedFrame], kept: dict[int, TrackedFrame]) -> Iterable[TrackedFrame]:
-    """The same frames, each kept by its number."""
-    for frame in frames:
-        kept[frame.number] = frame
-        yield frame
-
-
 def _worked(
-    decided: ReconstructionPlan,
-    beside: Collection[str],
-    cut: list[Planes],
-    left: float,
-    progress: Progress | None,
+    decided: ReconstructionPlan, beside: Collection[str], cut: list[Planes], progress: Progress | None
 ) -> tuple[Reconstructor, Results, FrameCounts, tuple[str, ...]]:
     """Insert the frames into one part of the volume after the other; into each but the first those that reach it.
 
-    Frames are read once where their images fit into the `left` bytes of the memory, else again for every part
-    that they reach. Returns the first part's reconstructor, the results without their holes filled, what
-    became of the frames, and what is to be said.
+    Frames are read again for every part that they reach. Returns the first part's reconstructor, the results without
+    their holes filled, what became of the frames, and what is to be said.
     """
     sequence, parts, imaging, order = decided.sequence, decided.parts, decided.imaging, decided.order
     workers: list[Reconstructor] = []
     results, counts = None, FrameCounts()
-    kept: dict[int, TrackedFrame] = {}
     still = still_images_of(sequence, decided.poses, order)
-    columns, rows = sequence.frame_size
-    keeps = len(cut) > 1 and len(decided.chosen) * columns * rows * sequence.images.dtype.itemsize <= left
     for number, planes in enumerate(cut):
         step = part(progress, number / len(cut), (number + 1) / len(cut))
         placing = 0.15 if needs_bone(decided.method, decided.settings) else 0.0
@@ -465,14 +442,9 @@ def _worked(
             reconstructor.lay_out_as(workers[0])
         reaching = frames_of(planes, counts.reached)
         numbers = order if results is None else [n for n in order if n in reaching]
-        tell = part(step, placing, 1.0)
-        if kept:
-            reconstructor.insert((kept[n] for n in numbers), tell, len(numbers))
-        else:
-            # Which stand still is told by all of them, not by those that reach another part
-            with read_ahead(tracked_frames(sequence, decided.poses, numbers, still if results is None else None)) as read:
-                frames = _keeping(read, kept) if keeps else read
-                reconstructor.insert(frames, tell, len(numbers))
+        # Which stand still is told by all of them, not by those that reach another part
+        with read_ahead(tracked_frames(sequence, decided.poses, numbers, still if results is None else None)) as frames:
+            reconstructor.insert(frames, part(step, placing, 1.0), len(numbers))
         if results is None:
             counts = reconstructor.counts
         else:

@@ -13,7 +13,7 @@ from ..arrays import Floats, Matrix
 from ..errors import AIFReconError, FileFormatError, OutputError, SettingsError
 from ..geometry.transforms import invert, pixel_spacing
 from ..guidance.plan import passes_of
-from ..io.disk.atomic import write_text
+from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.tables import read_table
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
@@ -148,10 +148,8 @@ def write_simulated_patient(
     if frames < 2 or seed < 0:
         raise SettingsError("A simulation takes at least 2 frames and a seed of 0 or more.")
     check_simulated_folder(folder, FILES)
-    try:
+    with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made ({error.strerror}). Choose another folder.") from None
     sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
     files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     # First, because by it a folder is known as one of simulated files

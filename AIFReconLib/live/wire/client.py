@@ -34,6 +34,8 @@ EVENT_INTERVAL = 1.0
 
 OTHERS = "(others)"
 
+IN_THE_MIDDLE = " in the middle of a message"
+
 STOP_TIMEOUT = 0.8
 RESOLVING_TIMEOUT = 10.0
 
@@ -229,8 +231,7 @@ class OpenIGTLinkClient(QueueSource):
             ended = self._receive_all(connection, framer, stopping)
         except OSError as error:
             ended = f"The connection was lost ({error.strerror or 'the network failed'})"
-        pending = framer.describe_pending()
-        return f"{ended} in the middle of {pending}." if pending else f"{ended}."
+        return f"{ended}{IN_THE_MIDDLE * framer.is_within}."
 
     def _receive_all(self, connection: socket.socket, framer: Framer, stopping: threading.Event) -> str:
         """Receive until the stream ends, makes no sense any more or the client is stopped, and say which."""
@@ -250,8 +251,7 @@ class OpenIGTLinkClient(QueueSource):
             if messages:
                 last, stalled = now, False
             elif not stalled and now - last > self._stall_after:
-                stalled, pending = True, framer.describe_pending()
-                seen = f"nothing arrived in the middle of {pending}" if pending else "nothing arrived"
+                stalled, seen = True, f"nothing arrived{IN_THE_MIDDLE * framer.is_within}"
                 self._emit("stalled", f"For {now - last:.1f} s {seen}. Waiting; check {self.host}, and the network.", logging.WARNING)
         return "The client was stopped"
 

@@ -118,9 +118,9 @@ def test_the_command_answers_for_every_method(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--rate", "0"], "--rate must be above 0"),
-        (["--rate", "nan"], "--rate must be above 0"),
-        (["--spacing", "-1"], "--spacing must be above 0"),
+        (["--rate", "0"], "--rate: must be a number above 0"),
+        (["--rate", "nan"], "--rate: must be a number above 0"),
+        (["--spacing", "-1"], "--spacing: must be a number above 0"),
         (["--size", "0", "480"], "--size must be 16 to"),
         (["--frames", "1"], "at least 2 --frames"),
     ],

@@ -164,7 +164,7 @@ def test_images_whose_pose_nothing_confirms_are_explained(live, results, capsys)
     ("options", "words"),
     [
         (["--bone-frames", "said.mha"], "--bone-frames belongs to a recorded sweep"),
-        (["--bone-image", "Bone", "--bone-from-sweep"], "--bone-image is a source of bone, and so is --bone-from-sweep"),
+        (["--bone-image", "Bone", "--bone-from-sweep"], "not allowed with argument"),
         (["--bone-image", "Bone", "--image", "Bone"], "two devices; got 'Bone' for both"),
         (["--bone-image", "Bone", "--bone-transform", "T.tfm"], "--bone-image needs none"),
     ],

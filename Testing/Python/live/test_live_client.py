@@ -195,13 +195,13 @@ def test_a_stall_between_messages_is_reported_once(server, connect):
         assert not isinstance(message, StreamEvent)
 
 
-@pytest.mark.parametrize(("arrived", "where"), [(30, "a header (30 of 58 bytes)"), (78, "an IMAGE of Image_Reference (20 of 107 bytes)")])
-def test_a_stall_within_a_message_is_reported_and_survived(server, connect, arrived, where):
+@pytest.mark.parametrize("arrived", [30, 78])
+def test_a_stall_within_a_message_is_reported_and_survived(server, connect, arrived):
     inbox = connect(stall_after=0.1)
     data = image_bytes()
     server.send(transform_bytes(device="Before"), data[:arrived])
     inbox.until_transform("Before")
-    assert f"in the middle of {where}" in next_stall(inbox)
+    assert "in the middle of a message" in next_stall(inbox)
     server.send(data[arrived:])
     inbox.until(lambda inbox: inbox.images())
     assert np.array_equal(inbox.images()[0].image, picture())
@@ -221,7 +221,7 @@ def test_an_end_in_the_middle_of_a_message_says_so(server, connect):
     inbox = connect()
     server.send(image_bytes()[:78])
     server.hang_up()
-    assert "in the middle of an IMAGE of Image_Reference (20 of 107 bytes)" in inbox.until_event("disconnected").detail
+    assert "in the middle of a message." in inbox.until_event("disconnected").detail
 
 
 def test_a_server_that_is_killed_and_restarted_is_found_again():

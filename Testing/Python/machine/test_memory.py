@@ -86,7 +86,6 @@ def test_more_voxels_than_can_be_numbered_are_refused_where_the_system_tells_not
 def test_the_least_of_all_limits_counts(monkeypatch):
     monkeypatch.setattr(memory, "_system_free", lambda: 7 * GB)
     monkeypatch.setattr(memory, "_cgroup_free", lambda: 5 * GB)
-    monkeypatch.setattr(memory, "_address_space_free", lambda: None)
     assert available_memory() == 5 * GB
 
 
