@@ -18,6 +18,15 @@ INTERRUPTED = "Interrupted. No file is left half-written."
 TWICE = 1.0
 """s within which a signal counts once: Ctrl-C comes from the terminal, and from the guard at the door."""
 
+SOON = 0.05
+"""s after which a signal is sent again that came where an exception would be swallowed."""
+
+_CALLED_FROM_C = "llvmlite"
+"""Package whose functions compiled code calls back: what they raise is printed and lost, and with it the wish to end."""
+
+_IMPORT_CALLBACK = "<frozen importlib._bootstrap>", "cb"
+"""File and name of the function that is called when the lock of an import goes: what it raises is lost in the same way."""
+
 
 class OrderlyEnd:
     """What ended the program, for its exit code.
@@ -43,6 +52,14 @@ class OrderlyEnd:
         return 128 + self.signal
 
 
+def _swallows(frame: FrameType | None) -> bool:
+    """Whether an exception raised in this frame would not reach us."""
+    if frame is None:
+        return False
+    code = frame.f_code
+    return _CALLED_FROM_C in code.co_filename or (code.co_filename, code.co_name) == _IMPORT_CALLBACK
+
+
 @contextmanager
 def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
     """Within the block these signals raise `KeyboardInterrupt` with their number; those that the caller has ignored or handled stay so.
@@ -51,8 +68,13 @@ def orderly_end(end: OrderlyEnd | None = None) -> Iterator[OrderlyEnd]:
     """
     end = end or OrderlyEnd()
 
-    def interrupt(number: int, _frame: FrameType | None) -> None:
+    def interrupt(number: int, frame: FrameType | None) -> None:
         if end.told and number == end.signal and time.monotonic() - end.when < TWICE:
+            return
+        if _swallows(frame):
+            again = threading.Timer(SOON, signal.raise_signal, [number])
+            again.daemon = True
+            again.start()
             return
         end.told, end.signal, end.when = True, int(number), time.monotonic()
         raise KeyboardInterrupt(int(number))

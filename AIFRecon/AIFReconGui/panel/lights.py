@@ -47,7 +47,7 @@ class Lights(Follower):
         isWrong, isPlaced = shown["calibration"].level.value == "look", shown["registration"].level.value == "good"
         ui.placeButton.visible = ui.registrationMoreButton.checked or (ui.placeButton.enabled and not isPlaced)
         ui.takeOutMotionCheckBox.visible = (
-            ui.motionMoreButton.checked or shown["motion"].level.value == "look" or ui.takeOutMotionCheckBox.checked
+            ui.motionMoreButton.checked or shown["motion"].level.value == "look" or not ui.takeOutMotionCheckBox.checked
         )
         ui.calibrateButton.visible = ui.calibrationMoreButton.checked or (ui.calibrateButton.enabled and isWrong)
 
