@@ -16,8 +16,10 @@ from ..geometry.box import block_sums
 from ..message import Sentence
 from ..progress import Progress, report
 from ..recipe.recipe import LONGEST_GAP
+from ..remedies import SAME_MOVEMENT
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses
+from ..sweep.time_offset import BEGUN_MM, first_change
 
 LARGEST = 0.5
 """s. Offsets are sought from minus to plus this."""
@@ -41,6 +43,9 @@ SMALLEST_NEIGHBORHOOD = 0.5
 LARGEST_COST = 0.85
 """Of the mean cost of all offsets: above it, no offset makes the images agree much better than any other."""
 
+STOOD = 0.5
+"""s that a tool must have stood still at first, and that it must begin apart from the images."""
+
 LEAST_SURE = 0.1
 """s. An estimate that is less sure than this is none."""
 
@@ -62,6 +67,8 @@ class OffsetEstimate:
     uncertainty: float | None = None
     """s. Twice the standard error (jackknife over ten parts of the sweep), and not below half a step."""
     reason: str = ""  #: Why it cannot be told; "" otherwise
+    begins_late: float | None = None
+    """s by which a tool that stood still begins to move after the images change; None: not seen, or near."""
 
     @property
     def out_of_step(self) -> bool:
@@ -71,7 +78,11 @@ class OffsetEstimate:
     def to_text(self) -> str:
         """One sentence for a user."""
         if self.time_offset is None:
-            return f"Whether images and poses are in step cannot be told: {self.reason}."
+            told = f"Whether images and poses are in step cannot be told: {self.reason}."
+            if self.begins_late is None:
+                return told
+            told += f" The tool begins to move {self.begins_late:+.2f} s after the images begin to change."
+            return Sentence(told, SAME_MOVEMENT, offset=f"{self.begins_late:.2f}")
         if self.out_of_step:
             return Sentence(
                 f"Images and poses are likely out of step by {self.time_offset:+.3f} s (give or take {self.uncertainty:.3f} s). "
@@ -87,7 +98,8 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     Parameters
     ----------
     sequence : TrackedSequence
-        Images are read one at a time, `MOST_FRAMES` at most, and only when the sweep turns back on itself.
+        Images are read one at a time, `MOST_FRAMES` at most, and only when the sweep turns back on itself
+        or first stands still.
     poses : SweepPoses
         As `sweep_poses` finds them.
     """
@@ -103,14 +115,16 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     near = max(SMALLEST_NEIGHBORHOOD, track.typical_step / 2)
     returns = track.weights(chosen, 0.0, 2 * near).any(axis=1).sum()
     if returns < FEWEST_RETURNS:
-        return OffsetEstimate(reason="the sweep does not go back over the same place in the opposite direction")
+        reason = "the sweep does not go back over the same place in the opposite direction"
+        return OffsetEstimate(reason=reason, begins_late=_begins_late(sequence, usable[first], track))
     dissimilarity = _dissimilarity(sequence, usable[first][chosen], progress)
     offsets = STEP * np.arange(-round(LARGEST / STEP), round(LARGEST / STEP) + 1)
     starts = np.arange(_BLOCKS) * len(chosen) // _BLOCKS
     sums: Floats = np.array([_block_sums(track.weights(chosen, offset, near), dissimilarity, starts) for offset in offsets])
     best = _minimum(offsets, sums.sum(axis=(2, 3)))
     if best is None:
-        return OffsetEstimate(reason="the images agree best at no offset within half a second, or at none much better than at others")
+        reason = "the images agree best at no offset within half a second, or at none much better than at others"
+        return OffsetEstimate(reason=reason, begins_late=_begins_late(sequence, usable[first], track))
     without = (np.delete(np.delete(sums, b, axis=2), b, axis=3) for b in range(_BLOCKS))
     each = [_minimum(offsets, rest.sum(axis=(2, 3))) for rest in without]
     left_out = np.array([offset for offset in each if offset is not None])
@@ -121,6 +135,16 @@ def estimate_time_offset(sequence: TrackedSequence, poses: SweepPoses, progress:
     if 2 * spread > LEAST_SURE or apart > LEAST_SURE:
         return OffsetEstimate(reason="parts of the sweep contradict each other")
     return OffsetEstimate(float(best), float(max(2 * spread, STEP / 2)))
+
+
+def _begins_late(sequence: TrackedSequence, numbers: Integers, track: _Track) -> float | None:
+    """As `OffsetEstimate` has it, by the images of these numbers, one for each place of the track."""
+    moved = np.flatnonzero(np.linalg.norm(track.points - track.points[0], axis=1) > BEGUN_MM)
+    if not len(moved) or track.times[moved[0]] - track.times[0] < STOOD:
+        return None
+    changes = first_change(sequence.images, numbers.tolist(), track.times)
+    late = None if changes is None else float(track.times[moved[0]] - changes)
+    return late if late is not None and abs(late) > STOOD else None
 
 
 def corner_track(image_to_reference: Matrix, frame_size: tuple[int, int]) -> Floats:
@@ -172,9 +196,9 @@ class _Track:
         known = (at >= self.times[0]) & (at <= self.times[-1]) & (self._stretch[before] == stretch) & (self._stretch[after] == stretch)
         moving = known & (speeds > 0.2 * np.percentile(speeds, 75)) & (speeds > 0)
         squares = (points**2).sum(axis=1)
-        exponents = (points @ points.T - 0.5 * (squares[:, None] + squares[None])) / near**2
+        exponents = (_products(points) - 0.5 * (squares[:, None] + squares[None])) / near**2
         counts = exponents > _NEGLIGIBLE
-        counts &= velocities @ velocities.T < -0.5 * speeds[:, None] * speeds[None]
+        counts &= _products(velocities) < -0.5 * speeds[:, None] * speeds[None]
         counts &= np.abs(at[:, None] - at[None]) > SHORTEST_RETURN
         counts &= moving[:, None] & moving[None]
         weights = np.zeros(counts.shape)
@@ -194,8 +218,14 @@ def _dissimilarity(sequence: TrackedSequence, numbers: Integers, progress: Progr
     values = np.array(patches)
     values -= values.mean(axis=0)
     squares = (values**2).sum(axis=1)
-    dissimilarity: Floats = np.maximum(squares[:, None] + squares[None] - 2 * values @ values.T, 0)
+    dissimilarity: Floats = np.maximum(squares[:, None] + squares[None] - 2 * _products(values), 0)
     return dissimilarity
+
+
+def _products(vectors: Floats) -> Floats:
+    """Every vector times every other. (The matrix product would wake all cores for so small a task.)"""
+    products: Floats = np.einsum("ik,jk->ij", vectors, vectors)
+    return products
 
 
 def _block_sums(weights: Floats, dissimilarity: Floats, starts: Integers) -> Floats:
