@@ -95,9 +95,6 @@ class ImportOptions(Branch):
     times: Path | None = _file(  # noqa: RUF009  # it is a field
         "when each image was taken, where its file does not tell: a table of one time an image, with or without its name"
     )
-    mechanism: Path | None = _file(  # noqa: RUF009  # it is a field
-        "axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names"
-    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
