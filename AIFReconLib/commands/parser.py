@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import difflib
+import errno
 import json
 import os
 import sys
@@ -37,6 +38,9 @@ COMMANDS: dict[str, tuple[str, str]] = json.loads(Path(__file__).with_name("comm
 """All commands in the order of the help: the file of each in this folder, and what it is for."""
 
 SUCCESS, REFUSED = 0, 1
+
+_OF_PRINTING = (errno.ENOSPC, errno.EIO)
+"""Errors of a full disk or a terminal that is gone. Those of our files come as `OutputError`, and commands print last."""
 
 _NO_MEMORY = (
     "There is not enough memory. End other programs, or use a larger --spacing, a smaller part of the image (--clip-px) or of the sweep."
@@ -117,11 +121,16 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:
         pass  # whoever read the output has gone, as `head` does
     except RuntimeError as error:
+        # Of a lock that the interrupt kept from being taken
+        if isinstance(error.__context__, KeyboardInterrupt):
+            return _fail(INTERRUPTED, end.exit_code)
         # The interpreter has no class for a limit on threads
         if "start new thread" not in str(error):
             raise
         return _fail("The system allows no more threads. End other programs, or raise the limit (ulimit -u).", BAD_INPUT)
     except OSError as error:
+        if error.errno in _OF_PRINTING and not error.filename:
+            return _not_printed(error)
         where = f"{error.filename}: " if error.filename else ""
         return _fail(f"{where}{error.strerror or error}. Check that the file exists and may be used.", BAD_INPUT)
     return _print_the_rest() or code or SUCCESS
@@ -146,9 +155,11 @@ def _print_the_rest() -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):
             return SUCCESS
-        return _fail(
-            f"The result cannot be printed ({error.strerror}). Print it elsewhere; files that were asked for are written.", BAD_INPUT
-        )
+        return _not_printed(error)
+
+
+def _not_printed(error: OSError) -> int:
+    return _fail(f"The result cannot be printed ({error.strerror}). Print it elsewhere; files that were asked for are written.", BAD_INPUT)
 
 
 def _fail(message: str, code: int, prog: str = "aifrecon") -> int:
