@@ -176,5 +176,10 @@ def bone_from_masks(
     share = np.mean([np.mean(np.asarray(mask) > np.max(mask, initial=0) / 2) for mask in masks])
     if share > MOST_BONE:
         raise GeometryError(f"Input masks must be set where bone is; {share:.0%} of all pixels are. Turn them round if bone is 0.")
+    columns, rows = sequence.frame_size
+    if np.shape(masks[0]) == (columns, rows) != (rows, columns):
+        raise GeometryError(
+            f"Input masks must be {rows} x {columns} like the frames; got {columns} x {rows}. Give masks.transpose(0, 2, 1)."
+        )
     is_8_bit = any(np.asarray(mask).dtype == np.uint8 and np.max(mask, initial=0) > 1 for mask in masks)
     return bone_from_frames(sequence, _Masks(masks, 255.0 if is_8_bit else 1.0, sequence.frame_size), progress=progress, recipe=recipe)

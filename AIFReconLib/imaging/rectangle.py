@@ -71,7 +71,7 @@ def fit_rectangle(area: Mask, has_level_face: bool = False, on_black: bool = Fal
 
     Two sides that are straight along most of their length and stand upright tell it, or one and a level end.
     That it `has_level_face` may be asked for: of what lies apart, such a face belongs to it. What stands `on_black` may be small, or cut
-    off by two borders.
+    off by two borders, but both of its sides must be seen.
     """
     outline = outline_of(area, 1.0)
     rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.sum(axis=0) >= FEWEST_ROWS)
@@ -100,9 +100,10 @@ def fit_rectangle(area: Mask, has_level_face: bool = False, on_black: bool = Fal
         return None
     left, right, top, bottom = (round(bound) for bound in bounds)
     within = area[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
-    # What two borders cut off may be a picture of anything
     cut_off = left < BORDER_PX, right >= area.shape[1] - BORDER_PX, top < BORDER_PX
-    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or (sum(cut_off) > 1 and not on_black):
+    # What two borders cut off may be a picture of anything; on black no side is dark
+    told = all(side or beyond for side, beyond in zip(upright, cut_off, strict=False)) if on_black else sum(cut_off) <= 1
+    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or not told:
         return None
     return left, right, top, bottom
 
