@@ -107,8 +107,9 @@ def calibrated_by(
     found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
     if found.reason is not None:
         return _Calibrated((Sentence(f"The calibration was not changed. {found.reason}", message_of(found.reason)),), None)
-    lines = (*findings(found), *_belongs(found, labels_to_reference))
-    return _Calibrated(lines, found.image_correction if found.needed else None)
+    if not found.needed:
+        return _Calibrated(tuple(findings(found)), None)
+    return _Calibrated((*findings(found), *_belongs(found, labels_to_reference)), found.image_correction)
 
 
 def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:

@@ -152,7 +152,7 @@ class AIFReconCalibrationTest(unittest.TestCase):
         self.parameters = self.widget._parameterNode
         np.testing.assert_allclose(self.poses(), poses, atol=1e-4)
         names = self.transforms()
-        self.assertIn("agrees with this sweep within", self.calibrate())
+        self.assertIn("as given agrees with this sweep", self.calibrate())
         self.assertEqual(self.transforms(), names)
         self.assertFalse(self.ui.undoCalibrationButton.enabled)
 

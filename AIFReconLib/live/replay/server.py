@@ -125,8 +125,13 @@ class ReplayServer:
         self._ended.clear()
         self._error = None
         self._stopping.clear()
-        self._thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
-        self._thread.start()
+        thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
+        try:
+            thread.start()
+        except RuntimeError:  # the system allows no more threads
+            listener.close()
+            raise
+        self._thread = thread
 
     def stop(self) -> None:
         """Close every connection and free the port; what was queued is sent if the clients take it within half a second."""
