@@ -12,17 +12,14 @@ from typing import Annotated, ClassVar
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
-from ..geometry.transform_graph import TransformName
-from ..io.foreign.mechanisms import read_mechanism
 from ..io.plus.configuration import read_plus_configuration
 from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.replay.server import PLUS_PORT
 from ..live.session.bone_watch import predictions_beside
 from ..live.session.session import LiveSession
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.joint_poses import JointPoses
 from ..live.wire.sources import StreamStatistics
-from ..message import one_line, shorten
+from ..message import one_line
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION
 from ..terminal.arguments import Names, Output, Rivals, Settings, count, positive
@@ -78,9 +75,6 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
         use the pose that comes with an image although the server never tells whether its tool is seen
     tracker_frame : FRAME
         where poses lead that are named after their tool alone: Probe is ProbeTo and this
-    mechanism : NAME=FILE
-        what moves the probe (see import), whose axes messages (STRING, SENSOR) or the images' fields tell in mm and degrees: as in
-        ProbeToBase=array.toml
     output : VOLUME
         where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)
     record : SEQUENCE
@@ -104,7 +98,6 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
     bone_image: str | None = None
     trust_image_pose: bool = False
     tracker_frame: str = SynchronizerSettings.tracker_frame
-    mechanism: str | None = None
     output: Output
     record: Output | None = None
     frames: Annotated[int, count] | None = None
@@ -170,7 +163,7 @@ def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLink
         tracker_frame=asked.tracker_frame,
     )
     _check_bone_options(asked)
-    client = OpenIGTLinkClient(asked.host, asked.port, in_place=_joints(asked.mechanism))
+    client = OpenIGTLinkClient(asked.host, asked.port)
     with ProgressBar() as progress:
         job = ScanJob(
             recipe,
@@ -215,16 +208,6 @@ def _bone_lines(scan: LiveScan) -> list[str]:
         told = "--bone-from-sweep" if watch.recorded is None else f"--bone-frames {watch.recorded}"
         lines.append(f"to weight all frames by all that was found: aifrecon reconstruct {recorded} {told}")
     return lines
-
-
-def _joints(mechanism: str | None) -> JointPoses | None:
-    """What makes poses of what the axes of a mechanism read."""
-    if mechanism is None:
-        return None
-    name, equals, file = mechanism.partition("=")
-    if not equals:
-        raise SettingsError(f"--mechanism must be NAME=FILE, as in ProbeToBase=array.toml; got {shorten(mechanism)!r}.")
-    return JointPoses(read_mechanism(file), TransformName.parse(name))
 
 
 def _scan(scan: LiveScan, client: OpenIGTLinkClient, asked: _LiveOptions) -> tuple[Reconstruction | None, int | None]:

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 import gzip
-import itertools
 import logging
 import math
 import re
 import zlib
 from pathlib import Path
 
-import numpy as np
-import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix, Numbers
 from ...errors import FileFormatError, VolumeFormatError
-from ...geometry.transforms import LPS_FROM_RAS
 from ...machine.memory import available_memory, require_bytes
 from ...message import shorten
 from ..disk.itk import itk_reads
@@ -25,22 +20,16 @@ from ..metafile.header import RAW
 from ..metafile.metafile import Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
-from ..metafile.text_values import parse_numbers
+from ..metafile.text_values import NotANumberError, finite_numbers
 from .itk_images import array_of, ijk_to_lps
 
 logger = logging.getLogger(__name__)
-
-FORMS_APART = 0.5
-"""mm between the places of a voxel by qform and sform that are worth a note; both are rounded."""
 
 _NIFTI_COPIES = 2
 """What SimpleITK reads from the file, and the image that it makes of it."""
 
 _PIECE = 2**20
 """Bytes that are decoded at a time."""
-
-_UNIT_MM = {1: 1e3, 3: 1e-3}
-"""By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
 
 _METAIMAGE_NUMBERS = {
     **dict.fromkeys(("ElementSpacing", "ElementSize", "Offset", "Position", "Origin"), 3),
@@ -56,15 +45,16 @@ StoredVolume = tuple[Numbers, Matrix, dict[str, str]]
 """Voxels [k, j, i], or [k, j, i, n] for several values each, their place in LPS (not checked yet, mm), and the file's own fields."""
 
 
-def read_nifti(path: Path) -> StoredVolume:
-    """The volume in a .nii or .nii.gz file.
+def read_nifti(path: Path) -> tuple[Numbers, Matrix]:
+    """The voxels in a .nii or .nii.gz file, and their place in LPS.
 
     Raises VolumeFormatError when it is damaged, or no 3D volume of real numbers; InsufficientMemoryError.
     """
     header = nifti_header(path, VolumeFormatError)
     image = _read(path, "NiftiImageIO")
-    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(image), image.GetSize())
-    return array_of(image), ijk_to_lps(image), {}
+    if not int(header["qform_code"]) and not int(header["sform_code"]):
+        _note_no_frame(path, "says nothing (both form codes are 0)", "LPS with voxel (0, 0, 0) at the origin, as ITK does")
+    return array_of(image), ijk_to_lps(image)
 
 
 def nifti_header(path: Path, error: type[FileFormatError]) -> dict[str, str]:
@@ -84,17 +74,13 @@ def nifti_header(path: Path, error: type[FileFormatError]) -> dict[str, str]:
     sizes = [int(header[f"dim[{n}]"]) for n in range(1, int(header["dim[0]"]) + 1)]
     promised = int(float(header["vox_offset"])) + (math.prod(sizes) * int(header["bitpix"]) + 7) // 8
     require_bytes(path, _NIFTI_COPIES * promised, available_memory())
-    there = path.stat().st_size
-    if path.suffix.lower() == ".gz":
-        try:
-            with gzip.open(path) as file:
-                there = sum(map(len, iter(lambda: file.read(_PIECE), b"")))
-        except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
-            raise error(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
+    try:
+        with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
+            there = sum(map(len, iter(lambda: file.read(_PIECE), b"")))
+    except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
+        raise error(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
     if there < promised:
-        raise error(
-            f"{path}: the voxels are cut short: the header promises {promised} bytes, there are {there}. Copy or export the file again."
-        )
+        raise error(f"{path}: the voxels are cut short: the header promises {promised} bytes, there are {there}. Copy the file again.")
     return header
 
 
@@ -107,9 +93,7 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     is_metaimage = path.suffix.lower() in METAIMAGE_SUFFIXES
     kinds = metafile.kinds or ("domain",) * len(metafile.size)
     if sum(kind in ("domain", "space") for kind in kinds) != 3 or "time" in kinds or len(kinds) > 4:
-        raise metafile.failure(
-            f"it must be one 3D volume; got axes of the kinds {' '.join(kinds)}. If it is a sequence of frames, give it as a sequence."
-        )
+        raise metafile.failure(f"it must be one 3D volume; got axes of the kinds {' '.join(kinds)}. Give a sequence as a sequence.")
     require_bytes(path, metafile.pixel_bytes, available_memory())
     if is_metaimage:
         _check_metaimage(metafile)
@@ -140,28 +124,22 @@ def _check_metaimage(metafile: Metafile) -> None:
     if metafile.encoding != RAW and not int(metafile.entries.get("CompressedDataSize") or 0):
         raise metafile.failure("CompressedDataSize is missing, without which ITK reads other voxels. Save the volume from Slicer again.")
     for key in _METAIMAGE_NUMBERS.keys() & metafile.entries.keys():
-        text, count = metafile.entries[key], _METAIMAGE_NUMBERS[key]
-        numbers: list[float] = []
-        with contextlib.suppress(ValueError):
-            numbers = parse_numbers(text)
-        if len(numbers) != count or not np.isfinite(numbers).all():
-            raise metafile.failure(f"{key} must be {count} finite numbers; got {shorten(text)!r}. Correct the header.")
-        if key in ("ElementSpacing", "ElementSize") and min(numbers) <= 0:
-            raise metafile.failure(f"{key} must be positive; got {numbers}. Correct the header.")
+        try:
+            numbers = finite_numbers(metafile.entries[key], _METAIMAGE_NUMBERS[key])
+        except NotANumberError as error:
+            raise metafile.failure(f"{key} must be {_METAIMAGE_NUMBERS[key]} finite numbers; {error}. Correct the header.") from error
+        if key in ("ElementSpacing", "ElementSize") and numbers.min() <= 0:
+            raise metafile.failure(f"{key} must be positive; got {metafile.entries[key]}. Correct the header.")
 
 
 def _check_nrrd(metafile: Metafile) -> None:
     """Return if the header says which way the volume lies, where it says a place; a note tells of a frame that is not named."""
     directions, space = metafile.entries.get("space directions"), metafile.entries.get("space")
     if directions is None and {"space origin", "axis mins", "axis maxs"} & metafile.entries.keys():
-        raise metafile.failure(
-            "it has a place but no space directions, so which way it lies is not known. Save the volume from Slicer again."
-        )
+        raise metafile.failure("it has a place but no space directions, so which way it lies is not known. Save it from Slicer again.")
     if directions is not None and directions.count("(") != 3:
-        raise metafile.failure(
-            f"space directions must be a vector for each axis in space, none for others; got {shorten(directions)!r}. Save the volume "
-            "from Slicer again."
-        )
+        must = "space directions must be a vector for each axis in space, none for others"
+        raise metafile.failure(f"{must}; got {shorten(directions)!r}. Save the volume from Slicer again.")
     if not _SPACE.fullmatch(space or ""):
         _note_no_frame(metafile.path, f"says {shorten(space)!r}" if space else "does not say which", "LPS, as ITK does")
 
@@ -169,36 +147,3 @@ def _check_nrrd(metafile: Metafile) -> None:
 def _note_no_frame(path: Path, stated: str, taken: str) -> None:
     text = "%s: of the frame that its place is in, RAS or LPS, it %s; it is taken to be %s. If it lies wrong, save it from Slicer as .nrrd"
     logger.warning(text, path, stated, taken)
-
-
-def _note_contradiction(path: Path, header: dict[str, str], ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:
-    """Note a NIfTI header without a place, or whose two forms do not place the voxels alike, and which of them ITK took, (4, 4)."""
-    forms = _nifti_forms(header)
-    if not forms:
-        _note_no_frame(path, "says nothing (both form codes are 0)", "LPS with voxel (0, 0, 0) at the origin, as ITK does")
-    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0, count - 1) for count in size))]).T
-    with np.errstate(all="ignore"):
-        off = {name: float(np.linalg.norm((form - ijk_to_ras[:3]) @ corners, axis=0).max()) for name, form in forms.items()}
-    if len(off) == 2 and max(off.values()) > FORMS_APART:
-        text = "%s: its qform and sform place voxels up to %.3g mm apart. The %s is taken, as ITK does; if it lies wrong, export it again"
-        logger.warning(text, path, max(off.values()), min(off, key=lambda name: off[name]))
-
-
-def _nifti_forms(header: dict[str, str]) -> dict[str, Matrix]:
-    """Voxel (i, j, k) to RAS, (3, 4) in mm, by the forms that a header has: ``qform``, a rotation, and ``sform``, any matrix."""
-
-    def numbers(*keys: str) -> list[float]:
-        return [float(word) for key in keys for word in header[key].split()]
-
-    forms: dict[str, Matrix] = {}
-    if int(header["qform_code"]) > 0:
-        handed, *sizes = numbers(*(f"pixdim[{n}]" for n in range(4)))
-        b, c, d = numbers("quatern_b", "quatern_c", "quatern_d")
-        sizes[2] *= -1 if handed < 0 else 1
-        with contextlib.suppress(ValueError):  # no numbers
-            rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
-            forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, numbers("qoffset_x", "qoffset_y", "qoffset_z")])
-    if int(header["sform_code"]) > 0:
-        forms["sform"] = np.reshape(numbers("srow_x", "srow_y", "srow_z"), (3, 4))
-    scale = _UNIT_MM.get(int(header["xyzt_units"]) & 7, 1.0)
-    return {name: scale * form for name, form in forms.items()}

@@ -16,11 +16,11 @@ from dataclasses import replace
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
 from ...message import message_of
 from .connection import check_port, open_connection
-from .decoding import READING_TYPES, codec, decode
+from .decoding import codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Framer, RawMessage
 from .messages import EventKind, StreamEvent
-from .sources import CONNECTED, DEVICES, ENDED, InPlace, QueueSource, StreamStatistics
+from .sources import CONNECTED, DEVICES, ENDED, QueueSource, StreamStatistics
 
 logger = logging.getLogger(__name__)
 
@@ -43,14 +43,12 @@ RESOLVING_TIMEOUT = 10.0
 class OpenIGTLinkClient(QueueSource):
     """Receives from a server, in a thread of its own, until it is stopped.
 
-    Nine parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
+    Eight parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
 
     Parameters
     ----------
     port : int
         Plus listens on 18944.
-    in_place : callable or None
-        What makes poses of messages of numbers, as `JointPoses`; without, those are left out.
     queue_size : int
         Messages that wait to be taken; beyond it the oldest are dropped and counted.
     queue_bytes : int
@@ -80,7 +78,6 @@ class OpenIGTLinkClient(QueueSource):
         host: str,
         port: int,
         *,
-        in_place: InPlace | None = None,
         queue_size: int = 512,
         queue_bytes: int = 256 * 2**20,
         size_limit: int = SIZE_LIMIT,
@@ -92,7 +89,7 @@ class OpenIGTLinkClient(QueueSource):
             raise SettingsError(f"Input host must be a host name or an IP address; got {host!r}.")
         if queue_size < 1 or queue_bytes < 1 or size_limit < 1 or stall_after <= 0 or connect_timeout <= 0 or not retry_delays:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
-        super().__init__(queue_size, queue_bytes, in_place)
+        super().__init__(queue_size, queue_bytes)
         self.host = host.strip()
         self.port = check_port(port)
         self._size_limit = size_limit
@@ -265,8 +262,6 @@ class OpenIGTLinkClient(QueueSource):
         with self._lock:
             key = message.device, message.kind
             self._received[key if key in self._received or len(self._received) < DEVICES else (OTHERS, OTHERS)] += 1
-        if message.kind in READING_TYPES and self._in_place is None:
-            return  # who does not ask for them is not told of those that make no sense
         try:
             for content in decode(message, now):
                 self.put(content)

@@ -6,6 +6,7 @@ import errno
 import mmap
 import os
 import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,16 +44,10 @@ def array_file(tmp_path):
     return tmp_path / "a.npy"
 
 
-def test_an_array_that_is_cut_after_it_was_opened_is_refused_frame_by_frame(array_file):
+@pytest.mark.parametrize("damage", [lambda file: os.truncate(file, file.stat().st_size // 2), Path.unlink], ids=["cut", "gone"])
+def test_an_array_that_is_cut_or_vanishes_is_refused_frame_by_frame(array_file, damage):
     stack = open_images([array_file]).stack
-    os.truncate(array_file, array_file.stat().st_size // 2)
-    with pytest.raises(FileFormatError, match="has changed since it was opened"):
-        stack[5]
-
-
-def test_an_array_that_vanishes_is_named(array_file):
-    stack = open_images([array_file]).stack
-    array_file.unlink()
+    damage(array_file)
     with pytest.raises(FileFormatError, match="frame 5 cannot be read"):
         stack[5]
 
@@ -75,16 +70,6 @@ def test_pictures_are_not_mapped_into_memory(tmp_path, monkeypatch, suffix):
     image.fromarray(FRAMES[0]).save(tmp_path / f"p{suffix}")
     monkeypatch.setattr(mmap, "mmap", fail)
     np.testing.assert_array_equal(open_images([tmp_path / f"p{suffix}"]).stack[0], FRAMES[0])
-
-
-def test_pages_of_two_pictures_are_not_mixed(tmp_path):
-    image = pytest.importorskip("PIL.Image")
-    pages = [image.fromarray(frame) for frame in FRAMES]
-    pages[0].save(tmp_path / "p.tif", save_all=True, append_images=pages[1:])
-    stack = open_images([tmp_path / "p.tif"]).stack
-    pages[5].save(tmp_path / "p.tif", save_all=True, append_images=pages[:5])
-    with pytest.raises(FileFormatError, match="has changed since it was opened"):
-        stack[3]
 
 
 @pytest.mark.parametrize("compress", [False, True])
@@ -173,13 +158,6 @@ def test_a_transform_that_came_out_incomplete_does_not_get_its_name(tmp_path, mo
     with pytest.raises(OutputError, match="came out incomplete"):
         write_transform(np.eye(4), tmp_path / "t.tfm")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_transform_that_came_out_different_does_not_get_its_name(tmp_path, monkeypatch):
-    write_original = sitk.WriteTransform
-    monkeypatch.setattr(sitk, "WriteTransform", lambda _, name: write_original(sitk.TranslationTransform(3, (1, 2, 3)), name))
-    with pytest.raises(OutputError, match="came out different"):
-        write_transform(np.eye(4), tmp_path / "t.tfm")
 
 
 def test_a_recording_needs_no_folder_for_temporary_files(tmp_path, monkeypatch):

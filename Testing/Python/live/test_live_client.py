@@ -17,7 +17,7 @@ from igtl_streams import DEADLINE, Inbox, ScriptedServer, image_bytes, picture, 
 from AIFReconLib.errors import LiveConnectionError, SettingsError
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.connection import open_connection
-from AIFReconLib.live.wire.encoding import encode_message, encode_status_request
+from AIFReconLib.live.wire.encoding import encode_status_request
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
 
@@ -84,16 +84,6 @@ def test_images_and_transforms_arrive_in_order(server, connect):
     inbox.until(lambda inbox: len(inbox.transforms()) == 5)
     assert [type(message).__name__ for message in inbox.messages[1:]] == ["ImageMessage", "TransformMessage"] * 5
     assert [image.timestamp for image in inbox.images()] == [1, 2, 3, 4, 5]
-
-
-@pytest.mark.parametrize("takes", [False, True])
-def test_readings_come_where_they_are_asked_for_and_trouble_nobody_else(server, connect, takes):
-    inbox = connect(in_place=(lambda message: [message]) if takes else None)
-    whole, short = (encode_message("SENSOR", "Slide", 1.0, bytes([1, 0, *bytes(8)]) + bytes(size), version=2) for size in (8, 3))
-    server.send(whole, short, transform_bytes(device="Last"))
-    inbox.until_transform("Last")
-    kinds = [type(message).__name__ for message in inbox.messages[1:]]
-    assert kinds == (["ReadingsMessage", "StreamEvent", "TransformMessage"] if takes else ["TransformMessage"])
 
 
 def test_a_client_knows_the_devices_and_their_types(server, connect):
