@@ -24,6 +24,7 @@ import math
 import os
 import re
 import shutil
+from dataclasses import replace
 from io import FileIO
 from pathlib import Path
 
@@ -54,6 +55,9 @@ _SIZE_LETTERS = 40
 """Room for three numbers, the last of which grows."""
 
 _LAST_LINE = b"ElementDataFile"
+
+GAP = "AIFRecon_gap"
+"""Field of a frame before which nothing was recorded for so many s, as its program was lost."""
 
 _PATIENCE = 2.0
 """s in which the lock of a program that was killed just now comes free."""
@@ -131,7 +135,6 @@ class Recorder:
         self.frames = self.without_image = 0
         self._was_seen = False
         self._taken_up_at: float | None = None
-        self._gap = ""
         self._shape: tuple[int, ...] = (0, 0)
         self._dtype: NumberType = np.dtype(np.uint8)
         self._pixels: FileIO | None = None
@@ -174,18 +177,19 @@ class Recorder:
         try:
             if self.frames and not self._was_seen and self._differs(frame.image):
                 self._start_anew(frame.image)
-            self._note_gap(frame.record.timestamp)
-            self._append(frame.image, frame.record)
+            self._append(frame.image, self._after_gap(frame.record))
             self._was_seen = self._was_seen or _shows_probe(frame.record)
         except (AIFReconError, OSError) as error:
             self._fail(error)
 
-    def _note_gap(self, now: float | None) -> None:
-        """Say what is missing between the frames that were taken up and the first one after them."""
+    def _after_gap(self, record: FrameRecord) -> FrameRecord:
+        """The first frame behind those that were taken up says how long nothing was recorded, as `note` does."""
         before, self._taken_up_at = self._taken_up_at, None
-        if now is not None and before is not None and now - before > LONGEST_GAP:
-            self._gap = f"{now - before:.1f} s of the scan are missing after {before:.2f} s: its program was lost."
-            self.note = " ".join(filter(None, (self.note, self._gap)))
+        if before is None or record.timestamp is None or record.timestamp - before <= LONGEST_GAP:
+            return record
+        missing = record.timestamp - before
+        self.note = f"{missing:.1f} s of the scan are missing after {before:.2f} s: the program that recorded was lost."
+        return replace(record, fields={**record.fields, GAP: f"{missing:.3f}"})
 
     def finish(self, progress: Progress | None = None) -> Path | None:
         """Make the file that was asked for; the answer is its path, or None when there is no frame.

@@ -258,12 +258,16 @@ def test_a_recording_is_taken_up_twice_and_all_frames_are_there_poses_or_not(tmp
     assert sorted(file.name for file in tmp_path.iterdir()) == ["scan.mhd", "scan.raw"]
 
 
-def test_what_is_missing_while_its_program_was_lost_is_said_and_marked_in_the_file(tmp_path, record):
-    record(tmp_path / "scan.mha", [of_size(8, 1.0 + 0.1 * n) for n in range(5)]).close()
-    recorder = record(tmp_path / "scan.mha", [of_size(8, 7.5 + 0.1 * n) for n in range(3)], takes_up=True)
-    told = "6.1 s of the scan are missing after 1.40 s: its program was lost."
-    assert recorder.note == told
-    assert read_sequence(recorder.finish()).fields["AIFRecon_gap"] == told
+@pytest.mark.parametrize("suffix", [".mha", ".mhd", ".nrrd"])
+def test_seconds_that_are_missing_are_said_and_marked_in_the_file_each_time_that_its_program_was_lost(suffix, tmp_path, record):
+    path = tmp_path / f"scan.igs{suffix}"
+    for begin in (1.0, 1.5, 7.5, 20.0):
+        recorder = record(path, [of_size(8, begin + 0.1 * n) for n in range(5)], takes_up=begin > 1.0)
+        recorder.close()
+    assert recorder.note == "12.1 s of the scan are missing after 7.90 s: the program that recorded was lost."
+    gaps = [each.fields.get("AIFRecon_gap") for each in read_sequence(record(path, [], takes_up=True).finish()).records]
+    # Half a second may be a pause of the scanner
+    assert gaps == [None] * 10 + ["5.600"] + [None] * 4 + ["12.100"] + [None] * 4
 
 
 @pytest.mark.parametrize("writes", range(4))
