@@ -7,7 +7,6 @@ affine one, such as an image with its pixel spacing, keeps its spacing.
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from ..arrays import Floats, Matrix
 from ..errors import GeometryError
@@ -39,7 +38,10 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
         return np.array(second, dtype=np.float64)
     first_rotation, first_stretch = _polar(first)
     second_rotation, second_stretch = _polar(second)
-    turn = scipy.spatial.transform.Rotation.from_rotvec(fraction * _turn(first_rotation, second_rotation)).as_matrix()
+    # Whose windows show poses need no scipy
+    from scipy.spatial.transform import Rotation
+
+    turn = Rotation.from_rotvec(fraction * _turn(first_rotation, second_rotation)).as_matrix()
     stretch = (1.0 - fraction) * first_stretch + fraction * second_stretch
     shift = (1.0 - fraction) * np.asarray(first)[:3, 3] + fraction * np.asarray(second)[:3, 3]
     return affine(first_rotation @ turn @ stretch, shift)
@@ -59,7 +61,10 @@ def _turn(first: Matrix, second: Matrix) -> Floats:
     turn = first.T @ second
     if np.linalg.det(turn) < 0.0:
         raise GeometryError("Input poses must both be mirrored, or neither; got one of each. Check the transforms.")
-    vector: Floats = scipy.spatial.transform.Rotation.from_matrix(turn).as_rotvec()
+    # Whose windows show poses need no scipy
+    from scipy.spatial.transform import Rotation
+
+    vector: Floats = Rotation.from_matrix(turn).as_rotvec()
     return vector
 
 

@@ -150,7 +150,7 @@ def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> Dete
     lit = _lit_area(brightest)
     box = fit_rectangle(lit, on_black=True)
     if box is not None:
-        if has_bent_ends(lit, box, SMOOTH_ON_BLACK, only_down=False):
+        if has_bent_ends(lit, (*box[:2], 0, len(lit)), SMOOTH_ON_BLACK, only_down=False):
             raise _SidesCutOff(
                 "The probe cannot be told from the images: its sides are upright and its upper or lower edge is bent, as of a sector whose "
                 "sides were cut off.",

@@ -82,7 +82,7 @@ class PatientMotion:
     """How a patient moved against the reference during a scan, as its bone echoes tell."""
 
     curve: MotionCurve
-    before: float  #: mm. How far the worst pass lies off the others, by frames that had no say; see `apart`.
+    before: float  #: mm. How far the worst pass lies off the others, see `apart`; by frames that had no say where it is applied.
     after: float  #: mm. The same with the motion taken out.
     applied: bool  #: Whether it is to be taken out
     loose: tuple[str, ...] = ()  #: Directions that the echoes do not hold, left at rest
@@ -182,7 +182,9 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
     tried: Mask = np.isin(echoes.frames, np.unique(echoes.frames)[::2])
     rest, asked = MotionCurve.none(passes, echoes), echoes[~tried]
     before = apart(asked, rest, bone)
-    still = PatientMotion(rest, before, before, False, echoes=echoes)
+    # Half of the frames of a sparse sweep lie farther off each other than they do with the frames between
+    contradiction = apart(echoes, rest, bone)
+    still = PatientMotion(rest, contradiction, contradiction, False, echoes=echoes)
     if not moves(asked, passes, bone):
         return still
     alone, _ = solved(echoes[tried], rest, bone, free=CALIBRATION_ALONE, progress=part(progress, 0.0, 0.2))

@@ -66,6 +66,8 @@ def parted(stamps: Floats, matrices: Matrix) -> Integers:
         if begin and length >= FEWEST:
             number, length = number + 1, 0
         numbers[n], length = number, length + 1
+    if length < FEWEST and number:
+        numbers[-length:] -= 1
     return numbers
 
 

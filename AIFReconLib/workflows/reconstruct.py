@@ -203,8 +203,7 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
         messages = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
-    is_told = asked.motion or (motion is not None and motion.unexplained)
-    if motion is not None and not motion.applied and is_told and not any(line.startswith("WARNING") for line in messages):
+    if motion is not None and not motion.applied and asked.motion and not any(line.startswith("WARNING") for line in messages):
         messages = (*messages, *motion.lines)
     if motion is None and asked.motion == AUTOMATIC:
         messages = (*messages, f"{CANNOT_TELL[:1].upper()}{CANNOT_TELL[1:]}.")

@@ -180,7 +180,7 @@ def mending(error: AIFReconError, parameterNode) -> dict:
     return {
         f"{RULES[name]['label']} {value.label()}": (camelCase(name), value)
         for name, chosen in current.items()
-        if isinstance(chosen, enum.Enum)
+        if isinstance(chosen, SettingChoice)
         for value in type(chosen)
         if value != chosen
     }

@@ -219,7 +219,6 @@ class Recorder:
         else:
             recorded = read_sequence(self.header_path)
             fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
-            fields |= {"AIFRecon_gap": self._gap} if self._gap else {}
             write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
         self._remove()
 

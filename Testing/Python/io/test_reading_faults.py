@@ -182,14 +182,6 @@ class TestKeptCodeOfKernels:
 
         return compiled(double)
 
-    @pytest.mark.parametrize("step", ["load_overload", "save_overload"])
-    def test_a_cache_that_fails_costs_time_and_nothing_else(self, kernel, monkeypatch, step):
-        monkeypatch.setattr(kernel._cache._cache, step, fail)
+    def test_a_disk_that_is_full_costs_time_and_nothing_else(self, kernel, monkeypatch):
+        monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", fail)
         assert kernel(21) == 42
-
-    def test_a_damaged_cache_is_emptied(self, kernel, monkeypatch):
-        emptied = []
-        monkeypatch.setattr(kernel._cache._cache, "load_overload", fail)
-        monkeypatch.setattr(kernel._cache._cache, "flush", lambda: emptied.append(True))
-        kernel(21)
-        assert emptied == [True]
