@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
+import itertools
 import logging
 import math
 import re
 import zlib
 from pathlib import Path
 
+import numpy as np
+import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix, Numbers
 from ...errors import FileFormatError, VolumeFormatError
+from ...geometry.transforms import LPS_FROM_RAS
 from ...machine.memory import available_memory, require_bytes
 from ...message import shorten
 from ..disk.itk import itk_reads
@@ -25,11 +30,17 @@ from .itk_images import array_of, ijk_to_lps
 
 logger = logging.getLogger(__name__)
 
+FORMS_APART = 0.5
+"""mm between the places of a voxel by qform and sform that are worth a note; both are rounded."""
+
 _NIFTI_COPIES = 2
 """What SimpleITK reads from the file, and the image that it makes of it."""
 
 _PIECE = 2**20
 """Bytes that are decoded at a time."""
+
+_UNIT_MM = {1: 1e3, 3: 1e-3}
+"""By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
 
 _METAIMAGE_NUMBERS = {
     **dict.fromkeys(("ElementSpacing", "ElementSize", "Offset", "Position", "Origin"), 3),
@@ -52,8 +63,7 @@ def read_nifti(path: Path) -> tuple[Numbers, Matrix]:
     """
     header = nifti_header(path, VolumeFormatError)
     image = _read(path, "NiftiImageIO")
-    if not int(header["qform_code"]) and not int(header["sform_code"]):
-        _note_no_frame(path, "says nothing (both form codes are 0)", "LPS with voxel (0, 0, 0) at the origin, as ITK does")
+    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(image), image.GetSize())
     return array_of(image), ijk_to_lps(image)
 
 
@@ -147,3 +157,36 @@ def _check_nrrd(metafile: Metafile) -> None:
 def _note_no_frame(path: Path, stated: str, taken: str) -> None:
     text = "%s: of the frame that its place is in, RAS or LPS, it %s; it is taken to be %s. If it lies wrong, save it from Slicer as .nrrd"
     logger.warning(text, path, stated, taken)
+
+
+def _note_contradiction(path: Path, header: dict[str, str], ijk_to_ras: Matrix, size: tuple[int, ...]) -> None:
+    """Note a NIfTI header without a place, or whose two forms do not place the voxels alike, and which of them ITK took, (4, 4)."""
+    forms = _nifti_forms(header)
+    if not forms:
+        _note_no_frame(path, "says nothing (both form codes are 0)", "LPS with voxel (0, 0, 0) at the origin, as ITK does")
+    corners = np.array([(*corner, 1.0) for corner in itertools.product(*((0, count - 1) for count in size))]).T
+    with np.errstate(all="ignore"):
+        off = {name: float(np.linalg.norm((form - ijk_to_ras[:3]) @ corners, axis=0).max()) for name, form in forms.items()}
+    if len(off) == 2 and max(off.values()) > FORMS_APART:
+        text = "%s: its qform and sform place voxels up to %.3g mm apart. The %s is taken, as ITK does; if it lies wrong, export it again"
+        logger.warning(text, path, max(off.values()), min(off, key=lambda name: off[name]))
+
+
+def _nifti_forms(header: dict[str, str]) -> dict[str, Matrix]:
+    """Voxel (i, j, k) to RAS, (3, 4) in mm, by the forms that a header has: ``qform``, a rotation, and ``sform``, any matrix."""
+
+    def numbers(*keys: str) -> list[float]:
+        return [float(word) for key in keys for word in header[key].split()]
+
+    forms: dict[str, Matrix] = {}
+    if int(header["qform_code"]) > 0:
+        handed, *sizes = numbers(*(f"pixdim[{n}]" for n in range(4)))
+        b, c, d = numbers("quatern_b", "quatern_c", "quatern_d")
+        sizes[2] *= -1 if handed < 0 else 1
+        with contextlib.suppress(ValueError):  # no numbers
+            rotation = scipy.spatial.transform.Rotation.from_quat((b, c, d, math.sqrt(max(1 - b * b - c * c - d * d, 0.0))))
+            forms["qform"] = np.column_stack([rotation.as_matrix() * sizes, numbers("qoffset_x", "qoffset_y", "qoffset_z")])
+    if int(header["sform_code"]) > 0:
+        forms["sform"] = np.reshape(numbers("srow_x", "srow_y", "srow_z"), (3, 4))
+    scale = _UNIT_MM.get(int(header["xyzt_units"]) & 7, 1.0)
+    return {name: scale * form for name, form in forms.items()}

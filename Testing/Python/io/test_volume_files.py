@@ -384,11 +384,18 @@ def two_forms(path: Path, codes=(1, 1), moved=(0.0, 0.0, 0.0), stretched=1.0) ->
     return path
 
 
-@pytest.mark.parametrize(("codes", "moved"), [((1, 1), (0, 0, 0)), ((1, 1), (3, -4, 0)), ((0, 1), (3, 0, 0)), ((1, 0), (3, 0, 0))])
-def test_a_nifti_lies_where_itk_puts_it_without_a_note(tmp_path, caplog, codes, moved):
-    path = two_forms(tmp_path / "ct.nii", codes, moved)
+@pytest.mark.parametrize(("codes", "taken"), [((1, 1), "sform"), ((1, 2), "qform"), ((2, 1), "sform"), ((2, 2), "qform")])
+def test_a_nifti_whose_forms_contradict_each_other_lies_where_itk_puts_it_and_is_noted(tmp_path, caplog, codes, taken):
+    path = two_forms(tmp_path / "ct.nii", codes, (3.0, -4.0, 0.0))
     itk = sitk.ReadImage(str(path))
     np.testing.assert_allclose(read_volume(path).ijk_to_reference[:3, 3] * (-1, -1, 1), itk.GetOrigin(), atol=1e-5)
+    (said,) = caplog.messages
+    assert said.startswith(f"{path}: its qform and sform place voxels up to 5 mm apart. The {taken} is taken, as ITK does; if")
+
+
+@pytest.mark.parametrize(("codes", "moved"), [((1, 1), (0, 0, 0)), ((1, 1), (0.1, 0, 0)), ((0, 1), (3, 0, 0)), ((1, 0), (3, 0, 0))])
+def test_a_nifti_whose_forms_agree_or_that_has_one_needs_no_note(tmp_path, caplog, codes, moved):
+    read_volume(two_forms(tmp_path / "ct.nii", codes, moved))
     assert caplog.messages == []
 
 
@@ -404,10 +411,10 @@ def test_labels_that_are_whole_but_for_rounding_are_labels(tmp_path):
     assert np.unique(read_labels(tmp_path / "labels.nrrd", "28-29").array).tolist() == [0, 28, 29]
 
 
-def test_of_the_forms_of_a_nifti_itk_tells_nothing(tmp_path, capfd):
+def test_the_forms_of_a_nifti_are_told_in_one_line_without_those_of_itk(tmp_path, capfd):
     path = two_forms(tmp_path / "labels.nii", stretched=1.2)
     main(["bone-map", str(path), "--labels", "1-99", "--output", str(tmp_path / "map.nrrd")])
-    assert capfd.readouterr().err == ""
+    assert [line.partition(" place")[0] for line in capfd.readouterr().err.splitlines()] == [f"{path}: its qform and sform"]
 
 
 def test_a_nifti_whose_quaternion_is_no_number_lies_where_itk_puts_it(tmp_path):
