@@ -14,6 +14,7 @@ from waiting import until
 from AIFReconLib import LabeledBone, mended, read_labels, read_sequence, read_transform, reconstruct, register
 from AIFReconLib.commands.parser import main
 from AIFReconLib.inspection.verdicts import Level, motion_verdict
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.session import LOOKING
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.motion.motion import find_motion
@@ -141,7 +142,8 @@ def test_convert_writes_mended_poses_and_says_so_in_the_header(files, moving, tm
 def test_a_live_scan_is_laid_together_pass_by_pass(moving):
     grid = reconstruct(moving, Recipe(method="average", spacing=2.0)).intensity.grid
     recipe, source = Recipe(method="weighted", motion="auto", bone_from_sweep=True), QueueSource(limit=10 * FRAMES)
-    with LiveScan(ScanJob(recipe, configuration=moving.configuration, grid=grid), source) as scan:
+    patient = SynchronizerSettings(patience=60.0)
+    with LiveScan(ScanJob(recipe, configuration=moving.configuration, grid=grid, synchronizer=patient), source) as scan:
         session, watch = scan.session, scan.motion_watch
         session.start()
         for message in streamed(moving):
@@ -159,5 +161,6 @@ def test_a_live_scan_is_laid_together_pass_by_pass(moving):
     assert any(line.startswith("Mended: echoes lie ") for line in result.messages)
     assert settings_of(result.intensity)["motion"] == "auto"
     numbers = [frame.number for frame in session.kept][: len(session.in_place)]
-    came = replace(moving, images=np.stack([moving.images[number] for number in numbers]), records=[moving.records[number] for number in numbers])
+    images, records = np.stack([moving.images[number] for number in numbers]), [moving.records[number] for number in numbers]
+    came = replace(moving, images=images, records=records)
     assert beside(session.in_place, sweep_poses(mended(came)).image_to_reference, together=True) < 0.5
