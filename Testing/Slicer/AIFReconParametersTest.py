@@ -37,7 +37,7 @@ class AIFReconParametersTest(unittest.TestCase):
 
         from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
-        self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING))
+        self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING, motion="auto"))
 
     def test_ranges_are_the_library_s(self):
         from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, rangeOf, settingsFrom

@@ -94,7 +94,7 @@ class AIFReconWorkTest(unittest.TestCase):
         self.addInputs()
         before, told = self.scene(), []
         with mock.patch.object(slicer.util, "infoDisplay", lambda text, **options: told.append(text)):
-            self.pressAndCancel(self.ui.applyButton, "apply", 0.3, workerStates.killWorker)
+            self.pressAndCancel(self.ui.applyButton, "apply", 0.1, workerStates.killWorker)
         self.assertEqual(len(told), 1)
         self.assertIn("The process that computes ended with code 9. Nothing was changed; try again.", told[0])
         self.assertEqual(self.scene(), before)

@@ -24,7 +24,7 @@ from ..metafile.payload import check_payload
 from .dicom_writer import SUFFIX as DICOM_SUFFIX
 from .dicom_writer import check_dicom, write_dicom
 from .itk_images import to_sitk
-from .itk_reading import StoredVolume, nifti_header, read_metafile_volume, read_nifti
+from .itk_reading import StoredVolume, read_metafile_volume, read_nifti
 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
@@ -114,7 +114,7 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
                 beside[0].write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
             if suffix in NIFTI_SUFFIXES:
-                nifti_header(temporary, VolumeFormatError)
+                read_nifti(temporary)
             else:
                 check_payload(read_metafile(temporary, VolumeFormatError))
         except FileFormatError as error:

@@ -58,7 +58,7 @@ def array_of(image: sitk.Image) -> Numbers:
     return array
 
 
-def ijk_to_lps(image: sitk.Image) -> Matrix:
+def ijk_to_lps(image: sitk.Image | sitk.ImageFileReader) -> Matrix:
     """Where a 3D image places its voxels, (4, 4), mm."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())

@@ -16,7 +16,7 @@ import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix, Numbers
-from ...errors import FileFormatError, VolumeFormatError
+from ...errors import VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...machine.memory import available_memory, require_bytes
 from ...message import shorten
@@ -33,11 +33,8 @@ logger = logging.getLogger(__name__)
 FORMS_APART = 0.5
 """mm between the places of a voxel by qform and sform that are worth a note; both are rounded."""
 
-_NIFTI_COPIES = 2
-"""What SimpleITK reads from the file, and the image that it makes of it."""
-
-_PIECE = 2**20
-"""Bytes that are decoded at a time."""
+_NIFTI_TYPES = {2: "u1", 4: "i2", 8: "i4", 16: "f4", 64: "f8", 256: "i1", 512: "u2", 768: "u4", 1024: "i8", 1280: "u8"}
+"""What NIfTI calls the voxels that are single real numbers."""
 
 _UNIT_MM = {1: 1e3, 3: 1e-3}
 """By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
@@ -61,37 +58,43 @@ def read_nifti(path: Path) -> tuple[Numbers, Matrix]:
 
     Raises VolumeFormatError when it is damaged, or no 3D volume of real numbers; InsufficientMemoryError.
     """
-    header = nifti_header(path, VolumeFormatError)
-    image = _read(path, "NiftiImageIO")
-    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(image), image.GetSize())
-    return array_of(image), ijk_to_lps(image)
-
-
-def nifti_header(path: Path, error: type[FileFormatError]) -> dict[str, str]:
-    """What the header says, by SimpleITK's names, if the file is complete: SimpleITK takes what is missing for zeros.
-
-    Raises
-    ------
-    FileFormatError
-        Of the class given.
-    """
     reader = sitk.ImageFileReader()
     reader.SetImageIO("NiftiImageIO")
-    with itk_reads(path, error, "Export the volume again, as NIfTI-1 or .nrrd.") as name:
+    with itk_reads(path, VolumeFormatError, "Export the volume again, as NIfTI-1 or .nrrd.") as name:
         reader.SetFileName(name)
         reader.ReadImageInformation()
-    header = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
-    sizes = [int(header[f"dim[{n}]"]) for n in range(1, int(header["dim[0]"]) + 1)]
-    promised = int(float(header["vox_offset"])) + (math.prod(sizes) * int(header["bitpix"]) + 7) // 8
-    require_bytes(path, _NIFTI_COPIES * promised, available_memory())
+        header = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
+        _require_real(path, reader)
+        voxels = _nifti_voxels(path, reader, header)
+    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(reader), reader.GetSize())
+    return voxels, ijk_to_lps(reader)
+
+
+def _nifti_voxels(path: Path, reader: sitk.ImageFileReader, header: dict[str, str]) -> Numbers:
+    """The voxels [k, j, i] of the type and scaled as SimpleITK would: it holds them twice, and takes what is missing for zeros."""
+    stored, sizes = _NIFTI_TYPES.get(int(header["datatype"])), reader.GetSize()
+    if stored is None or (count := reader.GetNumberOfComponents()) != 1:
+        got = "colors" if stored is None else f"{count} each"
+        raise VolumeFormatError(f"{path}: its voxels must be single numbers; got {got}. Export a scalar or label volume.")
+    of_itk = sitk.GetArrayFromImage(sitk.Image((1, 1, 1), reader.GetPixelID())).dtype
+    require_bytes(path, math.prod(sizes) * of_itk.itemsize, available_memory())
+    slope, offset = (float(np.float32(header[key])) for key in ("scl_slope", "scl_inter"))
+    slope, array = slope or 1.0, np.empty(sizes[::-1], of_itk)
     try:
         with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
-            there = sum(map(len, iter(lambda: file.read(_PIECE), b"")))
+            little = int.from_bytes(file.read(4), "little") in (348, 540)
+            file.seek(int(float(header["vox_offset"])))
+            for number, plane in enumerate(array):
+                there = file.read(plane.size * int(stored[1]))
+                if len(there) < plane.size * int(stored[1]):
+                    raise EOFError(f"of {len(array)} slices {number} are whole")
+                here = np.frombuffer(there, ("<" if little else ">") + stored).reshape(plane.shape)
+                plane[...] = here if (slope, offset) == (1.0, 0.0) else here * slope + offset
+            while file.read(2**20):
+                pass  # only a file that is decoded to its end is known to be whole
     except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
-        raise error(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
-    if there < promised:
-        raise error(f"{path}: the voxels are cut short: the header promises {promised} bytes, there are {there}. Copy the file again.")
-    return header
+        raise VolumeFormatError(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
+    return array
 
 
 def read_metafile_volume(path: Path) -> StoredVolume:
@@ -122,11 +125,15 @@ def _read(path: Path, reader: str, *beside: Path) -> sitk.Image:
     with itk_reads(path, VolumeFormatError, "Export the volume again.", *beside) as name:
         # Left to look for a reader itself, it asks others too
         image = sitk.ReadImage(name, imageIO=reader)
+    _require_real(path, image)
+    return image
+
+
+def _require_real(path: Path, image: sitk.Image | sitk.ImageFileReader) -> None:
     if image.GetDimension() != 3:
         raise VolumeFormatError(f"{path}: it must be a 3D volume; got {image.GetDimension()} dimensions. Export one 3D volume.")
-    if "complex" in image.GetPixelIDTypeAsString():
+    if "complex" in sitk.GetPixelIDValueAsString(image.GetPixelID()):
         raise VolumeFormatError(f"{path}: its voxels must be real numbers; got complex ones. Export the magnitude.")
-    return image
 
 
 def _check_metaimage(metafile: Metafile) -> None:

@@ -122,15 +122,16 @@ def test_a_disk_that_goes_away_shows_as_an_error_of_the_file_even_when_it_is_clo
 def test_a_volume_that_is_written_to_while_it_is_read_is_refused(tmp_path, monkeypatch, suffix):
     path = tmp_path / f"v{suffix}"
     Volume(np.ones((3, 4, 5), np.uint8), np.eye(4)).write(path)
-    read_image = sitk.ReadImage
+    of, name = (sitk.ImageFileReader, "ReadImageInformation") if suffix == ".nii" else (sitk, "ReadImage")
+    read = getattr(of, name)
 
     def meanwhile(*given, **named):
-        image = read_image(*given, **named)
+        image = read(*given, **named)
         with open(path, "ab") as file:
             file.write(b"\0")
         return image
 
-    monkeypatch.setattr(sitk, "ReadImage", meanwhile)
+    monkeypatch.setattr(of, name, meanwhile)
     with pytest.raises(VolumeFormatError, match="changed while it was read"):
         read_volume(path)
 
