@@ -81,7 +81,8 @@ def fit_rectangle(area: Mask, has_level_face: bool = False, on_black: bool = Fal
     for number, (points, axis, all_) in enumerate(zip(outline, (0, 0, 1, 1), (rows, rows, columns, columns), strict=True)):
         place, count = most_at(points[:, axis], 1.5)
         parts.append(count / all_.size)
-        if parts[-1] >= CRISP:
+        # On black all that is lit belongs to it, however ragged its ends are
+        if parts[-1] >= CRISP and not (on_black and number >= NEAR):
             bounds[number] = place + (0.5 if number % 2 == 0 else -0.5)
     lines = [straightest(outline[LEFT], -1), straightest(outline[RIGHT], 1)]
     lean = [None if line is None or line[2] < CRISP * rows.size else abs(math.degrees(math.atan(line[1]))) for line in lines]
