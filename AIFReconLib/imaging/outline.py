@@ -38,6 +38,9 @@ MOST_OUTSIDE = 0.02
 SPECKS = 0.003
 """Part of the area that may lie beyond a side that is seen."""
 
+NEARER = 0.001
+"""Part of the area that may lie nearer than the near end."""
+
 LARGEST_APEX_ERROR, LARGEST_ONE_SIDED = 1.0, 0.7
 """mm. Estimated error of the apex, on the large side, beyond which a fit is refused, and one of which only one side is seen."""
 
@@ -337,7 +340,10 @@ def _checked(fit: _Fit, seen: list[bool], outline: Outline, pixels: Floats, spac
     if y.min() < -2 or max(_beyond(fit, pixels, side) for side in (LEFT, RIGHT)) > SPECKS:
         return None
     if not fit.used[NEAR]:
-        first = max(fit.flat - fit.apex[1], 0.0) if fit.flat is not None else float(np.quantile(radius, 0.001))
+        # Specks lie nearer; what is left out with them is made good, as a sector's area grows with the square of its radius
+        nearest, farthest = np.quantile(radius, (NEARER, 1 - NEARER))
+        innermost = math.sqrt(max(nearest**2 - NEARER * farthest**2, 0.0))
+        first = max(fit.flat - fit.apex[1], 0.0) if fit.flat is not None else innermost
     # What rings ends above, where a dark side begins
     cut_off = np.count_nonzero(outline[FAR][:, 1] > pixels[:, 1].mean()) < CUT_OFF * np.ptp(pixels[:, 0])
     if not fit.used[FAR]:
