@@ -84,6 +84,11 @@ class AIFReconParametersTest(unittest.TestCase):
     def test_what_is_chosen_by_itself_is_chosen_at_once(self):
         from AIFReconScene.inputs import readiness
 
+        # As Sequences and Segment Editor leave them
+        for className in ("vtkMRMLSequenceBrowserNode", "vtkMRMLSegmentationNode"):
+            slicer.mrmlScene.AddNewNodeByClass(className)
+        readiness.chooseDefaults(self.parameters)
+        self.assertEqual((self.parameters.sweep, self.parameters.bone), (None, None))
         tinyScene.addSweep()
         tinyScene.addCT()
         changes, node = [], self.parameters.parameterNode
