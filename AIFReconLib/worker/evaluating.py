@@ -8,6 +8,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -134,6 +135,10 @@ def guidance_in_sweep(
     return guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress).seen()
 
 
+WHOLE_BODY = 12.0
+"""mm by which a sweep begins earlier, so that it sees the first vertebra to its upper end."""
+
+
 @dataclass(frozen=True, eq=False)
 class _SimulatedPatient:
     """The CT of a lumbar spine, its labels 1, 2, ..., where they lie, and a sweep of it."""
@@ -151,11 +156,12 @@ def simulated_patient(
     from ..io.plus.configuration import read_plus_configuration
     from ..simulation.anatomy import LumbarAnatomy
     from ..simulation.phased_array import PhasedArray
-    from ..simulation.scan import plus_configuration_xml
+    from ..simulation.scan import multi_angle_sweep, plus_configuration_xml
     from ..workflows.simulate import simulated
 
     anatomy = LumbarAnatomy.from_seed(seed, vertebrae=vertebrae)
-    phantom, sweep = simulated(seed, frames=frames, anatomy=anatomy, spacing=spacing, progress=progress)
+    way = partial(multi_angle_sweep, above=WHOLE_BODY)
+    phantom, sweep = simulated(seed, way, frames, anatomy=anatomy, spacing=spacing, progress=progress)
     with workspace(Path(tempfile.gettempdir())) as folder:
         path = folder / "PlusDeviceSet.xml"
         path.write_text(plus_configuration_xml(PhasedArray()), encoding="utf-8")

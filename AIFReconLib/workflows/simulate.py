@@ -87,7 +87,7 @@ def planned_path(path: Path) -> ProbePath:
 
 def simulated(
     seed: int,
-    path: str | ProbePath = "multi-angle",
+    path: str | ProbePath | Callable[[LumbarPhantom, int], ProbePath] = "multi-angle",
     frames: int = 144,
     *,
     anatomy: LumbarAnatomy | None = None,
@@ -100,7 +100,8 @@ def simulated(
     place = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     anatomy = anatomy or LumbarAnatomy.from_seed(seed)
     phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=place, progress=part(progress, 0.0, 0.4))
-    way = PATHS[path](phantom, frames) if isinstance(path, str) else path
+    path = PATHS[path] if isinstance(path, str) else path
+    way = path if isinstance(path, ProbePath) else path(phantom, frames)
     drawn = part(progress, 0.4, 1.0)
     sweep = simulate_sweep(phantom, PhasedArray(), way, errors=errors, effects=effects, seed=seed, progress=drawn)
     return phantom, sweep

@@ -140,6 +140,6 @@ def test_what_is_made_of_labels_takes_no_more_memory_than_was_asked_for(make, mo
 def test_a_nifti_volume_that_memory_does_not_hold_is_refused_before_it_is_read(tmp_path, monkeypatch):
     path = tmp_path / "labels.nii.gz"
     write_volume(labeled(), path)
-    monkeypatch.setattr("AIFReconLib.io.volume.itk_reading.available_memory", lambda: 100_000)
+    monkeypatch.setattr("AIFReconLib.io.volume.itk_reading.available_memory", lambda: labeled().array.nbytes - 1)
     with pytest.raises(InsufficientMemoryError, match=r"labels\.nii\.gz: its voxels need"):
         read_labels(path)
