@@ -6,15 +6,10 @@ import os
 import sys
 
 from .machine.processes import CONNECTION, ENVIRONMENT
-from .terminal.signals import OrderlyEnd, orderly_end
-
-LEAST_ADDRESS_SPACE = 800 * 2**20
-"""Bytes that loading the libraries takes. With less, some of them end the program in words of their own, or wait forever."""
+from .terminal.signals import INTERRUPTED, OrderlyEnd, orderly_end
 
 UNGUARDED = ("live",)
 """Commands that work in this very process: nothing may stand between a recording and who ends it."""
-
-_INTERRUPTED = "Interrupted. No file is left half-written."
 
 
 def main() -> int:
@@ -40,8 +35,6 @@ def main() -> int:
                 under_guard()
             for name, value in ENVIRONMENT.items():
                 os.environ.setdefault(name, value)
-            if problem := _too_little_address_space():
-                return _fail(problem, 2)
             from .commands.parser import load, named
             from .commands.parser import main as run
 
@@ -59,38 +52,18 @@ def main() -> int:
             return _fail(not_loaded(error), 2)
     # An interrupt may come out of an import as another error, or not at all
     if end.told:
-        return _fail(_INTERRUPTED, end.exit_code)
+        return _fail(INTERRUPTED, end.exit_code)
     try:
         return run()
     except KeyboardInterrupt:  # before a command had begun, or when it was just over
-        return _fail(_INTERRUPTED, 130)
+        return _fail(INTERRUPTED, 130)
 
 
 def _wants_guard(words: list[str]) -> bool:
     """Whether a process of its own is to do what the command line asks for: it can be started again, and is no mere question."""
     is_whole = bool(words) and sys.orig_argv[-len(words) :] == words
-    is_question = not words or words[0].startswith("-") or not {"-h", "--help"}.isdisjoint(words) or "_ARGCOMPLETE" in os.environ
+    is_question = not words or words[0].startswith("-") or not {"-h", "--help"}.isdisjoint(words)
     return is_whole and not is_question and words[0] not in UNGUARDED and CONNECTION not in os.environ
-
-
-def _too_little_address_space() -> str:
-    """Why the libraries cannot be loaded, if so."""
-    space = _address_space()
-    if space >= LEAST_ADDRESS_SPACE:
-        return ""
-    least, given = LEAST_ADDRESS_SPACE // 2**20, int(space) // 2**20
-    return f"The program may use {given} MiB of address space and needs {least} to start. Raise the limit (ulimit -v)."
-
-
-def _address_space() -> float:
-    """Bytes that the process may map, where the system limits that."""
-    try:
-        import resource
-
-        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        return float("inf") if limit == resource.RLIM_INFINITY else limit
-    except ImportError:  # Windows
-        return float("inf")
 
 
 def _fail(message: str, code: int) -> int:

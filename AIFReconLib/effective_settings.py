@@ -23,7 +23,7 @@ from .imaging.recognized import learned_gray_levels, recognized
 from .imaging.region import ClipRectangle, Fan, FanDetection, ImageRegion
 from .io.plus.importance_mask import configured_importance, read_importance_mask
 from .message import Sentence, message_of
-from .recipe.recipe import OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
+from .recipe.recipe import AUTOMATIC, OF_GRID, OF_READING, OF_REGION, ImagingSettings, Recipe
 from .remedies import NAME_THE_PROBE
 from .sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from .sweep.frames import TrackedSequence
@@ -68,6 +68,11 @@ class ReconstructorParts:
     fits_spacing: bool = False
     grid: VoxelGrid | None = None
     notes: tuple[str, ...] = ()
+
+
+def takes_out_motion(recipe: Recipe) -> bool:
+    """Whether the motion of the patient is to be taken out: as asked, else as the method has it."""
+    return recipe.motion == AUTOMATIC if recipe.motion else method_named(recipe.method_for(True)).mends_motion
 
 
 def resolve_settings(settings: Recipe, configuration: PlusConfiguration, has_bone: bool) -> Recipe:

@@ -7,8 +7,10 @@ import contextlib
 import types
 from typing import Any
 
+import qt
 import slicer
 from AIFReconScene.inputs.nodesAtWork import NodesAtWork
+from AIFReconScene.inputs.parameters import mending
 from AIFReconScene.panelWords import inPanelWords
 from slicer.i18n import tr as _
 
@@ -41,20 +43,22 @@ class LongWork:
     def run(self, title: str, failure: str, work, parameters) -> str:
         """Call ``work(parameters, progress=...)`` and return what it did, in words.
 
-        An error of the library is shown under `failure`, and nothing was done; another one is a bug: it is shown and raised again. A cancel
-        leaves the scene as it was, and so does a node that is deleted meanwhile.
+        An error of the library is shown under `failure`, and nothing was done; with a choice of what would mend it the work is done again.
+        Another error is a bug: it is shown and raised again. A cancel leaves the scene as it was, and so does a node that goes meanwhile.
         """
         nodes = NodesAtWork(parameters, self.cancel)
         try:
-            with errorsShown(failure, waitCursor=True) as outcome, nodes, ProgressDialog(title) as self._progress:
+            with errorsShown(failure, parameters, waitCursor=True) as outcome, nodes, ProgressDialog(title) as self._progress:
                 self._enable(False)
                 # A node may have gone while the dialog came up
                 report(self._progress, 0.0, title)
                 return work(parameters, progress=self._progress)
-            return (nodes.lost or _("Canceled. Nothing was changed.")) if isinstance(outcome.error, OperationCanceled) else ""
         finally:
             self._progress = None
             self._enable(True)
+        if outcome.isMended:
+            return self.run(title, failure, work, parameters)
+        return (nodes.lost or _("Canceled. Nothing was changed.")) if isinstance(outcome.error, OperationCanceled) else ""
 
     def _enable(self, enabled: bool) -> None:
         if self._panel is not None:
@@ -62,24 +66,41 @@ class LongWork:
 
 
 @contextlib.contextmanager
-def errorsShown(failure: str, waitCursor: bool = False):
+def errorsShown(failure: str, parameters=None, waitCursor: bool = False):
     """Errors of the library end the block and are shown under `failure`, in the panel's words; others are raised.
 
-    What it yields has the `error` that was shown, or a cancel.
+    What it yields has the `error` that was shown, or a cancel, and whether it `isMended`: the user has chosen a setting that would.
 
     Slicer's error display leaves a traceback and marks the application's error log, and so does its warning: right for a bug, wrong for
     a calibration that was not given. A bug still goes that way.
     """
-    outcome = types.SimpleNamespace(error=None)
+    outcome, choices = types.SimpleNamespace(error=None, isMended=False), {}
     with slicer.util.tryWithErrorDisplay(failure, waitCursor=waitCursor):
         try:
             yield outcome
         except OperationCanceled as error:
             outcome.error = error
         except AIFReconError as error:
-            outcome.error = type(error)(inPanelWords(error))
+            outcome.error, choices = type(error)(inPanelWords(error)), mending(error, parameters)
     if outcome.error is not None and not isinstance(outcome.error, OperationCanceled):
-        slicer.util.infoDisplay(f"{failure}\n\n{outcome.error}", windowTitle=slicer.app.applicationName)
+        outcome.isMended = _tell(f"{failure}\n\n{outcome.error}", choices, parameters)
+
+
+def _tell(text: str, choices: dict, parameters) -> bool:
+    """Show what is wrong, with a button for each choice (parameter and value by its words) that would mend it; whether one was pressed."""
+    if not choices or slicer.app.testingEnabled():
+        slicer.util.infoDisplay(text, windowTitle=slicer.app.applicationName)
+        return False
+    box = qt.QMessageBox(slicer.util.mainWindow())
+    box.icon, box.text, box.windowTitle = qt.QMessageBox.Information, text, slicer.app.applicationName
+    buttons = [(box.addButton(words, qt.QMessageBox.ActionRole), chosen) for words, chosen in choices.items()]
+    box.addButton(qt.QMessageBox.Close)
+    box.exec_()
+    for button, (name, value) in buttons:
+        if box.clickedButton() == button:
+            setattr(parameters, name, value)
+            return True
+    return False
 
 
 class ProgressDialog:

@@ -73,7 +73,7 @@ class AIFReconParameterNode(_SETTINGS):
     imageOrientation: ImageOrientation = ImageOrientation.AUTOMATIC
     timeOffset: Annotated[float, WithinRange(-LARGEST_OFFSET, LARGEST_OFFSET)] = 0.0
     longestGap: Annotated[float, WithinRange(0.01, 60.0)] = LONGEST_GAP
-    takeOutMotion: bool = False
+    takeOutMotion: bool = True
 
     ctVolume: vtkMRMLScalarVolumeNode | None
     bone: vtkMRMLSegmentationNode | vtkMRMLLabelMapVolumeNode | vtkMRMLScalarVolumeNode | None

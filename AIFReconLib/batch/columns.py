@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..compounding.methods.table import is_own_method, method_named
 from ..errors import MethodError, SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
-from ..terminal.arguments import OneLineParser, Settings, path, rivals_of, spelling
+from ..terminal.arguments import OneLineParser, Settings, path, positive, rivals_of, spelling
 from ..terminal.labels_options import PlacingOptions
 from ..terminal.reconstruction_options import SIDE_OUTPUTS, ReconstructionOptions
 from ..terminal.refusing import WrongArguments
@@ -49,7 +49,7 @@ class CaseOptions(PlacingOptions, ReconstructionOptions, SweepOptions):
 
     sweeps: list[Path] = []
     register: bool = False
-    beam_thickness: float = BEAM_THICKNESS
+    beam_thickness: Annotated[float, positive] = BEAM_THICKNESS
     bone: Path | None = None
     preview: bool = True  # type: ignore[assignment]  # a file, of a single reconstruction
 

@@ -5,6 +5,7 @@ It needs nothing from elsewhere; pictures are the files beside it.
 
 from __future__ import annotations
 
+import json
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,32 +26,17 @@ OF_BONE = (
     *("bone_thickness", "bone_localization_error"),
 )
 
-NUMBERS = {
-    **{name: (HEADINGS[name], QUANTITIES[name].form) for name in OF_BONE},
-    "sweep_met": ("bone hit", ".0%"),
-    "sweep_interspinous_met": ("gaps hit", ".0%"),
-    "registration_agreement": ("CT agrees", ".0%"),
-    "registration_median_distance_mm": ("CT off by mm", ".2f"),
-    "frames": ("frames", ".0f"),
-    "seconds": ("seconds", ".1f"),
+NUMBERS: dict[str, tuple[str, str, str]] = {
+    **{name: (HEADINGS[name], QUANTITIES[name].form, QUANTITIES[name].definition) for name in OF_BONE},
+    **json.loads(Path(__file__).with_name("numbers.json").read_text("utf-8")),
 }
-"""What the page shows of a row, with its heading and format; all numbers are in the tables beside it."""
+"""What the page shows of a row, with its heading, format and definition; all numbers are in the tables beside it."""
 
 MEANS = {
     "oblique_": "of bone that beams hit at more than 45\N{DEGREE SIGN} at best",
     "interspinous_": "of the borders of the gaps between spinous processes",
 }
 """What the parts of the bone are, by how the names of numbers begin; else it is all bone that beams met."""
-
-DEFINITIONS = {
-    "sweep_met": "Share of the bone within reach that a beam hit, as aifrecon coverage tells.",
-    "sweep_interspinous_met": "The same of the borders of the gaps between spinous processes.",
-    "registration_agreement": "Share of the sweep's bone echoes that lie within 2 mm of the CT's bone.",
-    "registration_median_distance_mm": "Median distance of these echoes from the CT's bone.",
-    "frames": "Frames that entered the volume.",
-    "seconds": "What the case took.",
-}
-"""Of what is no number of `BoneMetrics`."""
 
 FEWEST_DRAWN = 3
 """Cases from which a distribution is drawn: a dot or two are read from the table."""
@@ -94,9 +80,8 @@ def page(title: str, table: DataFrame) -> str:
 
 def _described(name: str) -> dict[str, str]:
     """What a number of the page is."""
-    heading, form = NUMBERS[name]
+    heading, form, definition = NUMBERS[name]
     part = next((f", {words}" for begin, words in MEANS.items() if name.startswith(begin)), "")
-    definition = DEFINITIONS.get(name) or QUANTITIES[name].definition
     return {"name": name, "heading": heading, "form": form, "part": part, "definition": definition}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import difflib
 import io
-import math
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -234,8 +233,6 @@ class _Reading:
         elif not names_labels(arguments):
             no_bone = "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct."
             problems.append(_Problem(row, "register", no_bone))
-        if not (math.isfinite(arguments.beam_thickness) and arguments.beam_thickness > 0):
-            problems.append(_Problem(row, "beam_thickness", f"must be positive mm; got {arguments.beam_thickness:g}."))
         with _told(problems, row, "config"):
             configured(arguments, arguments.sweeps)
         source = seen_source(arguments)

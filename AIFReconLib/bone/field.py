@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Mask, Singles
+from ..arrays import Floats, Integers, Singles
 from ..errors import GeometryError
 from ..geometry.box import block_sums, box_around
 from ..geometry.transforms import transform_points
-from ..geometry.volume import Volume
+from ..geometry.volume import Volume, nearest
 from ..machine.memory import LARGEST_GRID, require_memory
 from ..machine.threads import in_parts, usable_cores
 
@@ -121,10 +121,7 @@ class BoneField:
         for depth in (0.5, 1.5, 3.0):
             open_ = np.flatnonzero(result == 0)
             under = points[open_] - (np.maximum(distance[open_], 0.0) + depth)[:, None] * slopes[open_]
-            ijk = np.floor(transform_points(to_ijk, under) + 0.5).astype(np.int64)
-            known: Mask = np.all((ijk >= 0) & (ijk < np.array(self.labels.grid.size)), axis=1)
-            i, j, k = np.where(known[:, None], ijk, 0).T
-            result[open_] = np.where(known, self.labels.array[k, j, i], 0)
+            result[open_] = nearest(self.labels, transform_points(to_ijk, under))
         return result
 
 
@@ -160,11 +157,11 @@ def _signed_distance(share: Singles, spacing_kji: Floats, side: float) -> Single
 
     def measure(which: int) -> None:
         within, result = share[asked[which]], found[asked[which]]
-        nearest = scipy.ndimage.distance_transform_edt(
+        places = scipy.ndimage.distance_transform_edt(
             within < 0.5 if which == 0 else within > 0.5, sampling=spacing_kji, return_distances=False, return_indices=True
         )
         # Plane by plane: distances of all at once would take many times the memory of what is asked
-        for plane, indices in enumerate(nearest.swapaxes(0, 1)):
+        for plane, indices in enumerate(places.swapaxes(0, 1)):
             whole = np.nonzero(within[plane] <= 0 if which == 0 else within[plane] >= 1)
             k, j, i = indices[(slice(None), *whole)]
             steps = zip((k, j, i), (plane, *whole), spacing_kji)

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from ..arrays import Floats, Integers, Matrix, Numbers, Singles
+from ..arrays import Floats, Integers, Matrix, Singles
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.volume import Volume, VoxelGrid, as_volume
@@ -190,12 +190,14 @@ class BoneMap(Described):
         array = np.clip(np.nan_to_num(probability.array.astype(np.float32), nan=0.0, posinf=0.0, neginf=0.0), 0.0, 1.0)
         return cls(Volume(array, probability.ijk_to_reference).placed_by(probability_to_reference))
 
-    def _potential(self, direction: str) -> Numbers:
-        """What V_dir is the gradient of, on the map's voxels."""
-        if direction == "gradient":
-            return self.probability.array
-        bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
-        return _smoothed(bone.astype(np.float32), SURFACE_SIGMA / self.probability.grid.spacing[::-1])
+    def _gradient(self, direction: str) -> Singles:
+        """V_dir before it is normalized, (3, k, j, i), along i, j, k of the map."""
+        potential = self.probability.array
+        if direction == "surface":
+            bone = self.inside.array if self.inside is not None else self.probability.array > 0.5
+            potential = _smoothed(bone.astype(np.float32), SURFACE_SIGMA / self.probability.grid.spacing[::-1])
+        potential = potential.astype(np.float32, copy=False)
+        return np.stack([scipy.ndimage.sobel(potential, axis=2 - axis, mode="nearest") for axis in range(3)])
 
     def at_voxels(
         self, grid: VoxelGrid, direction: str = "gradient", progress: Progress | None = None, planes: tuple[int, int] | None = None
@@ -208,13 +210,11 @@ class BoneMap(Described):
             raise GeometryError(f"Input direction must be {listed(DIRECTIONS, ' or ')}; got {direction!r}.")
         report(progress, 0.0, "Placing the bone map")
         array = np.ascontiguousarray(self.probability.array, np.float32)
-        potential = (
-            array if self.slopes is not None or direction == "gradient" else np.ascontiguousarray(self._potential(direction), np.float32)
-        )
+        slopes = self._gradient(direction) if self.slopes is None else self.slopes
         coordinates = MapCoordinates.of(self.probability.grid, grid, planes or (0, grid.shape[0]))
         ijk_to_map = self.probability.grid.reference_to_ijk @ grid.ijk_to_reference
         to_reference = np.linalg.inv(self.probability.ijk_to_reference[:3, :3]).T.astype(np.float32)
-        placed = BoneAtVoxels(array, ijk_to_map, potential, self.slopes, to_reference, coordinates)
+        placed = BoneAtVoxels(array, ijk_to_map, slopes, to_reference, coordinates)
         report(progress, 1.0, "Placed the bone map")
         return placed
 
@@ -237,7 +237,6 @@ class BoneMap(Described):
         """
         placed = self.at_voxels(grid, direction, part(progress, 0.0, 0.1), planes)
         within = placed.coordinates
-        _ = placed.all_slopes  # made once, before several threads ask for it
         (first, stop), rows, columns = within.planes, slice(*within.rows), slice(*within.columns)
         line = np.arange(rows.start, rows.stop)[:, None] * within.shape[2] + np.arange(columns.start, columns.stop)
         probability, directions = np.zeros(within.shape, np.float32), np.zeros((*within.shape, 3), np.float32)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+import scipy
 
 from ..arrays import Floats, Integers, Numbers, Singles
 from ..errors import GeometryError, SequenceFormatError
@@ -97,11 +98,8 @@ class RecordedPredictions:
         """The number of each frame's prediction, (frames,); -1 for those without."""
         frames, times = _times(sweep), _times(predicted)
         if frames is not None and times is not None:
-            order = np.argsort(times, kind="stable")
-            index = np.searchsorted(times[order], frames)
-            candidates = order[np.clip(np.stack([index - 1, index]), 0, len(order) - 1)]
-            nearest = candidates[np.abs(times[candidates] - frames).argmin(axis=0), np.arange(len(frames))]
-            matched = np.where(np.abs(times[nearest] - frames) <= SAME_TIME, nearest, -1)
+            away, nearest = scipy.spatial.cKDTree(times[:, None]).query(frames[:, None], distance_upper_bound=SAME_TIME + 1e-9)
+            matched = np.where(np.isfinite(away), nearest, -1)
             count = int((matched >= 0).sum())
             if count:
                 self._tell(sweep, predicted, count, "time")

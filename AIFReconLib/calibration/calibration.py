@@ -107,7 +107,10 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
     many = echoes.spread(FINE_ECHOES)
     best = solutions[0]
     report(progress, 0.8, "Judging the calibration")
-    given = min((_as_given(many, bone, place, none) for place in (best.labels_to_reference, *starts)), key=lambda one: one.cost)
+    nothing = np.zeros(len(PARAMETERS), dtype=bool)
+    near = (best.labels_to_reference, *starts)
+    as_given = [descend(many, bone, Solved(place, none, 1.0), (*COARSE, FINE[-1]), nothing) for place in near]
+    given = min(as_given, key=lambda one: one.cost)
     deviation = np.full(len(PARAMETERS), np.nan)
     deviation[asked] = deviations(many, bone, best, asked)
     free = np.nan_to_num(deviation, nan=np.inf) <= HELD
@@ -130,10 +133,6 @@ def calibrate_echoes(echoes: ImagedEchoes, bone: BoneField, start: Floats | None
 def _only(free: Mask, correction: Correction) -> Correction:
     """The numbers of a correction that are free, (9,); the others stay as given."""
     return as_correction(np.where(free, as_vector(correction), 0.0), correction.center)
-
-
-def _as_given(echoes: ImagedEchoes, bone: BoneField, place: Floats, none: Correction) -> Solved:
-    return descend(echoes, bone, Solved(place, none, 1.0), (*COARSE, FINE[-1]), np.zeros(len(PARAMETERS), dtype=bool))
 
 
 def _refusal(echoes: ImagedEchoes, best: Solved, others: list[Solved], free: Mask, after: Agreement, sides: Halves) -> Sentence | None:

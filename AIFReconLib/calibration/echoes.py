@@ -87,15 +87,12 @@ class _PlaneTrack:
         """The planes at times (m,), (m, 4, 4): between two frames, or beyond the last of an unbroken run as the two before it moved."""
         runs = np.concatenate([[0], np.cumsum(np.diff(self.times) > LONGEST_GAP)])
         nearest = np.searchsorted((self.times[1:] + self.times[:-1]) / 2, times)
-        low = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, max(len(self.times) - 2, 0))
-        # A run's ends go on as they came; a frame that is alone in its run stays where it is
-        low = np.where(runs[low] == runs[nearest], low, nearest)
-        low = np.where((low + 1 < len(self.times)) & (runs[np.minimum(low + 1, len(runs) - 1)] == runs[low]), low, np.maximum(low - 1, 0))
-        high = np.minimum(low + 1, len(self.times) - 1)
+        # Of the nearest frame's run; its ends go on as they came, and a frame that is alone in its run stays where it is
+        first, last = np.searchsorted(runs, runs[nearest]), np.searchsorted(runs, runs[nearest], side="right") - 1
+        low = np.clip(np.searchsorted(self.times, times, side="right") - 1, first, np.maximum(last - 1, first))
+        high = np.minimum(low + 1, last)
         span = self.times[high] - self.times[low]
-        steady = (runs[low] == runs[high]) & (span > 0)
-        low, high = np.where(steady, low, nearest), np.where(steady, high, nearest)
-        share = np.where(steady, (times - self.times[low]) / np.where(steady, span, 1.0), 0.0)
+        share = np.where(span > 0, (times - self.times[low]) / np.where(span > 0, span, 1.0), 0.0)
         result = self.planes[low].copy()
         vectors = self.turns[np.minimum(low, max(len(self.turns) - 1, 0))] if len(self.turns) else np.zeros((len(times), 3))
         turned = scipy.spatial.transform.Rotation.from_rotvec(vectors * share[:, None]).as_matrix()

@@ -115,7 +115,8 @@ def advice_for(missing: Mask) -> str | None:
     moves = [move for move, tells in MOVEMENTS.items() if {*tells} & {*names}]
     if not names:
         return None
-    return f"Not determined by this sweep, and left as given: {listed(names)}. Scan the same bone with the probe also {listed(moves)}."
+    kept = f"This sweep does not show these, and they stay as they were: {listed(names)}."
+    return f"{kept} Scan the same bone with the probe also {listed(moves)}."
 
 
 def doubt_of(apart: float, correction: Correction, held: Mask) -> Sentence | None:

@@ -22,14 +22,14 @@ import scipy
 from ..arrays import Floats, Matrix
 from ..errors import NoUsableFramesError, SettingsError, TransformError
 from ..geometry.transform_graph import TransformName
-from ..geometry.transforms import affine, invert, transform_points
+from ..geometry.transforms import affine, invert, transform_points, unit_vectors
 from ..message import Judged, Sentence, listed
 from ..progress import Progress, part, report
 from ..remedies import MISSING_LINK
 from ..sweep.frames import CROPPED, TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
 from ..sweep.poses import chain_ends, sweep_poses
-from .wire_points import ORDERS, WireFrames, as_wires, unit_vectors, wire_points
+from .wire_points import ORDERS, WireFrames, as_wires, wire_points
 
 PHANTOM = "Phantom"
 """What Plus calls the phantom's frame."""

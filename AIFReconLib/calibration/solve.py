@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, cast
 
 import numpy as np
 import scipy
@@ -21,7 +20,7 @@ from ..bone.field import BoneField
 from ..geometry.transforms import invert, transform_points
 from ..progress import Progress, report
 from ..registration.comparison import ENTERING
-from ..registration.refine import FAR, vector_motion, welsch
+from ..registration.refine import FAR, minimized, vector_motion
 from .echoes import Correction, ImagedEchoes
 
 PARAMETERS = (
@@ -76,13 +75,6 @@ class _Cost:
         placed = echoes.placed(start.correction)
         self.center = placed.points.mean(axis=0)
         self.lever = max(math.sqrt(((placed.points - self.center) ** 2).sum(axis=1).mean()), 1.0)
-        self._known: tuple[Floats, tuple[Floats, Floats]] | None = None
-
-    def __call__(self, vector: Floats) -> tuple[Floats, Floats]:
-        """(n,) distances in mm, `FAR` where sound would leave bone, and (n, 6 + free) slopes."""
-        if self._known is None or not np.array_equal(vector, self._known[0]):
-            self._known = vector.copy(), self._compute(vector)
-        return self._known[1]
 
     def stepped(self, vector: Floats) -> Solved:
         """Place and correction after a step (6 + free,)."""
@@ -97,7 +89,8 @@ class _Cost:
         by[self.free] = vector[6:] * EXPECTED[self.free]
         return by
 
-    def _compute(self, vector: Floats) -> tuple[Floats, Floats]:
+    def __call__(self, vector: Floats) -> tuple[Floats, Floats]:
+        """(n,) distances in mm, `FAR` where sound would leave bone, and (n, 6 + free) slopes."""
         now = self.stepped(vector)
         correction, echoes = now.correction, self.echoes
         planes = echoes.planes_at(correction.delay)
@@ -134,33 +127,17 @@ def descend(echoes: ImagedEchoes, bone: BoneField, start: Solved, scales: tuple[
     """The best place and correction near a start; only the numbers of the correction that are `free`, (9,), change."""
     now = start
     free = free & (ALL if echoes.timed else np.arange(9) < 8)
-    count = len(echoes)
     pull = math.sqrt(KNOWN * SEEN_TOGETHER * NOISE)
     for scale in scales:
         cost = _Cost(echoes, bone, now, free)
         given = as_vector(now.correction)[free] / EXPECTED[free]
 
-        def residuals(vector: Floats, scale: float = scale, cost: _Cost = cost, given: Floats = given) -> Floats:
-            return np.concatenate([cost(vector)[0] / scale, pull * (given + vector[6:])])
+        def judged(vector: Floats, scale: float = scale, cost: _Cost = cost, given: Floats = given) -> tuple[Floats, Floats]:
+            distances, slopes = cost(vector)
+            prior = pull * np.eye(len(given), len(vector), 6)
+            return np.concatenate([distances / scale, pull * (given + vector[6:])]), np.concatenate([slopes / scale, prior])
 
-        def slopes_of(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
-            prior = np.zeros((int(free.sum()), len(vector)))
-            prior[:, 6:] = pull * np.eye(len(prior))
-            return np.concatenate([cost(vector)[1] / scale, prior])
-
-        # Typed in another way from one release of the stubs to the next
-        solution = cast("Any", scipy.optimize.least_squares)(
-            residuals,
-            np.zeros(6 + int(free.sum())),
-            jac=slopes_of,
-            loss=welsch(count),
-            x_scale=1.0,
-            xtol=1e-4,
-            ftol=1e-5,
-            gtol=1e-6,
-            max_nfev=30,
-        )
-        now = cost.stepped(solution.x)
+        now = cost.stepped(minimized(judged, 6 + int(free.sum()), len(echoes)))
     distances, _ = _Cost(echoes, bone, now, free)(np.zeros(6 + int(free.sum())))
     weights = np.exp(-0.5 * np.minimum((distances / scales[-1]) ** 2, 1e3))
     return Solved(now.labels_to_reference, now.correction, float(1 - weights.mean()))

@@ -21,6 +21,7 @@ import scipy
 
 from ..arrays import Floats, Integers, Matrix, Numbers
 from ..errors import GeometryError
+from ..geometry.transforms import unit_vectors
 
 MOST_DOTS = 20
 """The brightest that are looked at."""
@@ -199,9 +200,3 @@ def _lines(dots: Floats, shortest: float) -> Integers:
         part = (along * to).sum(axis=1) / length**2
     good = (length > shortest) & (np.abs(along[:, 1]) < np.abs(along[:, 0])) & (off < OFF * length) & (part > OFF) & (part < 1 - OFF)
     return np.asarray(triples[good])
-
-
-def unit_vectors(vectors: Floats) -> Floats:
-    """Vectors (..., 3) of length 1."""
-    lengths: Floats = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return vectors / lengths

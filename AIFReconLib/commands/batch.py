@@ -19,7 +19,7 @@ from ..batch.results import results_table, write_tables
 from ..batch.table import Cases, read_cases
 from ..errors import FileFormatError, OutputError, SettingsError
 from ..io.disk.atomic import write_text
-from ..terminal.arguments import Names, Options, load_method_here
+from ..terminal.arguments import Names, Options, count, load_method_here
 from ..terminal.console import ProgressBar, show
 from ..terminal.reconstruction_options import gigabytes
 
@@ -49,6 +49,19 @@ class _BatchOptions(Options):
         that all of them may take (default: what is free)
     scheduler : ADDRESS
         use the cluster of this Dask scheduler instead, e.g. tcp://10.0.0.5:8786
+
+    Examples
+    --------
+    a row per case; several files or methods in a cell with ; between them:
+      case,sweeps,config,bone_labels,register,method
+      P01,P01/sweep.igs.mha,PlusDeviceSet.xml,P01/lumbar.nrrd,yes,average;weighted
+
+      aifrecon batch cases.csv --output results --dry-run
+      aifrecon batch cases.csv --output results
+
+    Columns are as the options of reconstruct, register, coverage and evaluate of the same names. Paths are relative
+    to the table; yes or no for options without a value. The same command again computes what is missing or has
+    changed.
     """
 
     table: Path
@@ -56,22 +69,12 @@ class _BatchOptions(Options):
     dry_run: bool = False
     retry_failed: bool = False
     method: list[str] = []
-    workers: int | None = None
+    workers: Annotated[int, count] | None = None
     memory: Annotated[int, gigabytes] | None = None
     scheduler: str | None = None
 
     WORDS: ClassVar[Names] = ("table",)
-    EXAMPLES: ClassVar[str] = f"""example, a row per case; several files or methods in a cell with ; between them:
-  case,sweeps,config,bone_labels,register,method
-  P01,P01/sweep.igs.mha,PlusDeviceSet.xml,P01/lumbar.nrrd,yes,average;weighted
-
-  aifrecon batch cases.csv --output results --dry-run
-  aifrecon batch cases.csv --output results
-
-columns: case and sweeps, and as needed
-{textwrap.fill(", ".join(Columns().names), 100)}
-as the options of reconstruct, register, coverage and evaluate of the same names. Paths are relative to the table; yes or no for options
-without a value. The same command again computes what is missing or has changed."""
+    NOTES: ClassVar[str] = "\n\ncolumns: case and sweeps, and as needed\n" + textwrap.fill(", ".join(Columns().names), 100)
 
 
 def run(asked: _BatchOptions) -> int:
@@ -113,8 +116,6 @@ def _write(cohort: Cohort, asked: _BatchOptions) -> list[Path]:
 
 
 def _check(asked: _BatchOptions) -> None:
-    if asked.workers is not None and asked.workers < 1:
-        raise SettingsError(f"Input --workers must be at least 1; got {asked.workers}.")
     if asked.scheduler and (asked.workers or asked.memory):
         raise SettingsError("--workers and --memory are of this computer; a cluster has its own. Leave them out, or --scheduler.")
 

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import math
+from typing import Annotated
 
 from .. import __version__
 from ..compounding.engines import INSTALL_NUMBA
 from ..errors import SettingsError
-from ..io.disk.atomic import write_text
 from ..machine.threads import optional_module
 from ..message import columns
 from ..recipe.recipe import DEFAULT_SPACING
-from ..terminal.arguments import Options, Output
+from ..terminal.arguments import Options, Output, count, positive
 from ..terminal.console import ProgressBar
+from ..terminal.outputs import write_json
 from ..workflows.benchmark import JUST_KEEPS_UP, KEEPS_UP, TOO_SLOW, MeasuredSpeed, busy_warning, machine, measured_speed, verdict
 
 LEAST_SIDE, LARGEST_SIDE = 16, 8192
@@ -40,26 +39,22 @@ class _BenchmarkOptions(Options):
     """
 
     size: tuple[int, int] = (640, 480)
-    rate: float = 30.0
-    spacing: float = DEFAULT_SPACING
+    rate: Annotated[float, positive] = 30.0
+    spacing: Annotated[float, positive] = DEFAULT_SPACING
     frames: int = 120
-    repeats: int = 5
+    repeats: Annotated[int, count] = 5
     json: Output | None = None
 
 
 def run(asked: _BenchmarkOptions) -> None:
     """Measure, print, and answer."""
-    if asked.frames < 2 or asked.repeats < 1:
-        raise SettingsError("A benchmark takes at least 2 --frames and 1 of --repeats.")
+    if asked.frames < 2:
+        raise SettingsError("A benchmark takes at least 2 --frames.")
     if not all(LEAST_SIDE <= n <= LARGEST_SIDE for n in asked.size):
         raise SettingsError(f"Input --size must be {LEAST_SIDE} to {LARGEST_SIDE} pixels each way; got {asked.size!r}.")
-    for name, value, unit in (("--rate", asked.rate, "frames/s"), ("--spacing", asked.spacing, "mm")):
-        if not (value > 0 and math.isfinite(value)):
-            raise SettingsError(f"Input {name} must be above 0; got {value!r}. Give it in {unit}.")
     with ProgressBar() as progress:
         found = measured_speed(asked.size, asked.rate, asked.spacing, asked.frames, asked.repeats, progress)
-    if asked.json:
-        write_text(asked.json, json.dumps(_report(found, asked.spacing), indent=2) + "\n")
+    write_json(asked.json, _report(found, asked.spacing))
     size, millions = " x ".join(map(str, found.size)), found.voxels / 1e6
     print(f"{machine()}\nAIFRecon {__version__}; {size} pixels into {millions:.1f} million voxels, with {found.engine}\n")
     rows = [("method", "frames/s", f"at {found.rate:g}/s")]

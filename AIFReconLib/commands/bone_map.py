@@ -15,7 +15,7 @@ from ..registration.labeled_bone import LabeledBone
 from ..terminal.arguments import Names, Output, Rivals, Settings
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import LabelsOptions, required_labels
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell
 
 
 class _BoneMapOptions(LabelsOptions):
@@ -52,10 +52,5 @@ def run(asked: _BoneMapOptions) -> None:
         bone = LabeledBone(labels, recipe=asked.recipe).map(method, part(progress, 0.3, 1.0))
         bone.probability.write(asked.output)
     size = " x ".join(str(n) for n in bone.probability.grid.size)
-    lines = [
-        f"bone probability on {size} voxels around the labels, 0 elsewhere",
-        ", ".join(f"{name.removeprefix('bone_').replace('_', ' ')} {value:g}" for name, value in bone.made.items()),
-        *map(in_options, labels.notes),
-        f"wrote {asked.output}",
-    ]
-    print("\n  ".join(lines))
+    made = ", ".join(f"{name.removeprefix('bone_').replace('_', ' ')} {value:g}" for name, value in bone.made.items())
+    tell(f"bone probability on {size} voxels around the labels, 0 elsewhere", [made, *labels.notes], [asked.output])

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import ClassVar
 
 from ..calibration.check import check_calibration
 from ..errors import OutputError, SettingsError
-from ..io.disk.atomic import write_text
 from ..io.transform.files import HDF5_SUFFIXES, TEXT_SUFFIXES
 from ..progress import part
 from ..terminal.arguments import Names, Output, Rivals
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import labels_from, names_labels, place_from
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell, write_json
 from ..terminal.sequence_options import SequencesOptions, sequences_from
 from ..workflows.calibrate import calibration_of, calibration_on_wires
 
@@ -37,6 +35,14 @@ class _CalibrateOptions(SequencesOptions):
         also write numbers, for the log book
     preview : FILE.png
         also draw the echoes before and after
+
+    Examples
+    --------
+      aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
+      aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
+      aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml
+
+    Exit code 1: the sweep does not tell, and nothing is written but --report. The delay alone: aifrecon info.
     """
 
     phantom: Path | None = None
@@ -48,12 +54,6 @@ class _CalibrateOptions(SequencesOptions):
 
     RIVALS: ClassVar[Rivals] = (("output", "check"),)
     FIRST: ClassVar[Names] = ("output", "check", "config", "bone_labels", "ct", "phantom", "preview", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --check
-  aifrecon calibrate sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --output Calibrated.xml --preview calibrated.png
-  aifrecon calibrate wires.igs.mha --phantom PlusDeviceSet.xml --output Calibrated.xml
-
-Exit code 1: the sweep does not tell, and nothing is written but --report. The delay alone: aifrecon info."""
 
 
 def run(asked: _CalibrateOptions) -> None:
@@ -66,8 +66,8 @@ def run(asked: _CalibrateOptions) -> None:
         sequences = sequences_from(asked, asked.sequences)
         recipe, rest = asked.recipe, part(progress, 0.05, 0.95)
         if asked.check:
-            lines = check_calibration(sequences, labels, start, recipe=recipe, progress=rest)
-            print("\n  ".join(map(in_options, lines)))
+            first, *others = check_calibration(sequences, labels, start, recipe=recipe, progress=rest)
+            tell(first, others)
             return
         if asked.phantom:
             done = calibration_on_wires(sequences, asked.phantom, asked.image_to_reference, rest)
@@ -75,14 +75,11 @@ def run(asked: _CalibrateOptions) -> None:
             done = calibration_of(sequences, labels, start, recipe, asked.output.suffix.lower() == ".xml", rest)
         if asked.preview:
             done.draw(asked.preview)
-    written = [asked.preview] if asked.preview else []
     if done.found.accepted:
         done.write(asked.output, asked.config)
-        written.append(asked.output)
-    if asked.report:
-        write_text(asked.report, json.dumps(done.report, indent=2) + "\n")
-        written.append(asked.report)
-    print("\n  ".join([*map(in_options, done.lines), *(f"wrote {path}" for path in written)]))
+    write_json(asked.report, done.report)
+    first, *others = done.lines
+    tell(first, others, [asked.preview, asked.output if done.found.accepted else None, asked.report])
     done.require_accepted()
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..errors import GeometryError, SettingsError
 from ..evaluation.figures import CT_WINDOW, ComparisonFigure, require_matplotlib
-from ..evaluation.likeness import why_unlike
 from ..evaluation.preview import middle_of_bone
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
@@ -17,7 +16,7 @@ from ..provenance.record import unlike_inputs
 from ..terminal.arguments import Names, Output
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, labels_from, labels_inputs, place_from
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell
 from .evaluate import unique_names
 
 SUFFIXES = (".png", ".pdf", ".svg")
@@ -45,6 +44,11 @@ class _CompareOptions(PlacedLabelsOptions):
         written above all
     mask : MASK
         0 where nothing was scanned
+
+    Examples
+    --------
+      aifrecon compare average.nrrd weighted.nrrd --ct ct.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
+          --names average weighted --white --output figure.pdf
     """
 
     volumes: tuple[Path, ...]
@@ -57,9 +61,6 @@ class _CompareOptions(PlacedLabelsOptions):
     mask: Path | None = None
 
     WORDS: ClassVar[Names] = ("volumes",)
-    EXAMPLES: ClassVar[str] = """example:
-  aifrecon compare average.nrrd weighted.nrrd --ct ct.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --names average weighted --white --output figure.pdf"""
 
 
 def run(asked: _CompareOptions) -> None:
@@ -81,9 +82,8 @@ def run(asked: _CompareOptions) -> None:
         place = place_from(asked)
         given = labels_from(asked, progress)
         labels = None if given is None else given.told_by(first.grid, place).placed_by(place)
-        doubts = [words for name in names[1:] if (words := why_unlike(first, names[0], volumes[name], name))]
         headers = {name: volume.fields for name, volume in volumes.items()}
-        doubts += unlike_inputs(headers, [*labels_inputs(asked), asked.bone_transform])
+        doubts = unlike_inputs(headers, [*labels_inputs(asked), asked.bone_transform])
         ct = read_ct(asked.ct).placed_by(place) if asked.ct else None
         center = np.array(asked.at) if asked.at else middle_of_bone(first, first.array != 0, labels)
         _require_within(first.grid.corners(), center, asked.volumes[0])
@@ -92,13 +92,8 @@ def run(asked: _CompareOptions) -> None:
         figure.write(asked.output)
     where, window = " ".join(f"{mm:.1f}" for mm in center), " to ".join(f"{level:g}" for level in figure.gray_window)
     shown = f"cuts meet at {where} mm (R A S of Reference); gray levels {window}, CT {CT_WINDOW[0]:g} to {CT_WINDOW[1]:g} HU"
-    unscanned = (
-        []
-        if mask is not None
-        else ["Black may be a shadow or a place that was not scanned: --mask (reconstruct --mask writes one) tells them apart."]
-    )
-    notes = [shown, *unscanned, *doubts, *(() if given is None else given.notes)]
-    print("\n  ".join([f"wrote {asked.output}", *map(in_options, notes)]))
+    black = "Black may be a shadow or a place that was not scanned: --mask (reconstruct --mask writes one) tells them apart."
+    tell(f"wrote {asked.output}", [shown, *([black] if mask is None else []), *doubts, *(() if given is None else given.notes)])
 
 
 def _require_within(corners: np.ndarray, center: np.ndarray, path: Path) -> None:

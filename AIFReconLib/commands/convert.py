@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ..arrays import Matrix
-from ..errors import SettingsError, TransformError
+from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName
 from ..io.foreign.calibration import read_calibration
 from ..io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
@@ -28,9 +28,9 @@ from ..sweep.edits import (
     with_configured_transforms,
 )
 from ..sweep.frames import TrackedSequence
-from ..terminal.arguments import Names, Output, Settings
+from ..terminal.arguments import Names, Output, Settings, pair, reading
 from ..terminal.console import ProgressBar
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell
 from ..terminal.sequence_options import RecordingOptions, sequences_from
 from ..workflows.reconstruct import mended
 
@@ -68,6 +68,16 @@ class _ConvertOptions(RecordingOptions):
         take a transform for its inverse, e.g. ProbeToTracker
     mirror
         turn the images left to right; poses stay
+
+    Examples
+    --------
+      aifrecon convert sweep.igs.mha sweep.nrrd
+      aifrecon convert long.igs.mha short.igs.mha --frames 100 499 --every 2 --crop 80 20 640 480 --config PlusDeviceSet.xml
+      aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
+      aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
+      aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm --time-offset 0.045
+      aifrecon convert breathed.igs.mha mended.igs.mha --motion auto --config PlusDeviceSet.xml
+      aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha
     """
 
     sequence: Path
@@ -77,7 +87,7 @@ class _ConvertOptions(RecordingOptions):
     frames: tuple[int, int] | None = None
     every: int = 1
     crop: tuple[int, int, int, int] | None = None
-    rename: list[str] = []
+    rename: Annotated[list[tuple[str, str]], reading(pair, "A=B, as in ProbeToTracker=NeedleToTracker")] = []
     calibration: str | None = None
     wrong_calibration: str | None = None
     correction: Path | None = None
@@ -87,14 +97,6 @@ class _ConvertOptions(RecordingOptions):
 
     WORDS: ClassVar[Names] = ("sequence", "output")
     SETTINGS: ClassVar[Settings] = ("motion",)
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon convert sweep.igs.mha sweep.nrrd
-  aifrecon convert long.igs.mha short.igs.mha --frames 100 499 --every 2 --crop 80 20 640 480 --config PlusDeviceSet.xml
-  aifrecon convert mirrored.igs.mha right.igs.mha --orientation UF
-  aifrecon convert old.igs.mha mended.igs.mha --calibration new/PlusDeviceSet.xml --wrong-calibration old/PlusDeviceSet.xml
-  aifrecon convert sweep.igs.mha mended.igs.mha --correction correction.tfm --time-offset 0.045
-  aifrecon convert breathed.igs.mha mended.igs.mha --motion auto --config PlusDeviceSet.xml
-  aifrecon convert Image.seq.nrrd sweep.igs.mha --transform-sequence ImageToReference=Transform.seq.mha"""
 
 
 def run(asked: _ConvertOptions) -> None:
@@ -108,15 +110,14 @@ def run(asked: _ConvertOptions) -> None:
             sequence = replace(sequence, fields={**sequence.fields, "AIFRecon_motion": " ".join(sequence.notes[before:])})
         write_sequence(sequence, asked.output, asked.compress, progress)
     columns, rows = sequence.frame_size
-    lines = [f"{len(sequence)} frames of {columns} x {rows} pixels", *map(in_options, sequence.notes), f"wrote {asked.output}"]
-    print("\n  ".join(lines))
+    tell(f"{len(sequence)} frames of {columns} x {rows} pixels", sequence.notes, [asked.output])
 
 
 def changed(sequence: TrackedSequence, asked: _ConvertOptions) -> TrackedSequence:
     """The sequence with everything done to it that the options ask for: names first, then calibration, part and frames."""
     # What is written is complete; the mark would keep readers from saying that it is damaged when it is
     sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)})
-    sequence = rename(with_configured_transforms(sequence), dict(_pair(text) for text in asked.rename))
+    sequence = rename(with_configured_transforms(sequence), dict(asked.rename))
     if asked.calibration:
         name, matrix = _calibration(asked.calibration)
         wrong = _calibration(asked.wrong_calibration)[1] if asked.wrong_calibration else None
@@ -148,24 +149,6 @@ def _mended(sequence: TrackedSequence, asked: _ConvertOptions) -> TrackedSequenc
     return sequence
 
 
-def _pair(text: str) -> tuple[str, str]:
-    old, equals, new = (word.strip() for word in text.partition("="))
-    if not (old and equals and new):
-        raise SettingsError(f"Input rename must be A=B, as in ProbeToTracker=NeedleToTracker; got {text!r}.")
-    return old, new
-
-
-def _named_file(text: str) -> tuple[TransformName | None, Path]:
-    """``ImageToProbe=FILE`` or ``FILE``."""
-    word, equals, file = text.partition("=")
-    if not equals:
-        return None, Path(text)
-    try:
-        return TransformName.parse(word.strip()), Path(file.strip())
-    except TransformError:
-        return None, Path(text)
-
-
 def _calibration(text: str) -> tuple[TransformName, Matrix]:
-    name, path = _named_file(text)
-    return read_calibration(path, name)
+    name, _, file = text.rpartition("=")
+    return read_calibration(Path(file.strip()), TransformName.parse(name.strip()) if name else None)

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
+from ..effective_settings import takes_out_motion
 from ..errors import SettingsError
 from ..evaluation.visibility import BEAM_THICKNESS
-from ..guidance.coverage import Coverage, coverage
+from ..guidance.coverage import coverage
 from ..guidance.mesh import ColoredBone, bone_mesh, met_on_mesh
-from ..io.disk.atomic import write_text
-from ..io.volume.surfaces import check_surface_path, write_surface
+from ..io.volume.surfaces import write_surface
 from ..progress import part
-from ..recipe.recipe import AUTOMATIC
 from ..registration.labeled_bone import LabeledBone
-from ..terminal.arguments import Names, Options, Output, Settings, Spellings
+from ..terminal.arguments import Names, Options, Output, Settings, Spellings, positive
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import labels_from, place_from
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell, write_json
 from ..terminal.sequence_options import SequencesOptions, sequences_from
 from ..workflows.reconstruct import mended
 
@@ -35,26 +32,26 @@ class _CoverageOptions(SequencesOptions):
         also write the table as JSON
     beam_thickness : MM
         width of the beams across the image plane
+
+    Examples
+    --------
+      aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
+      aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
+
+    Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more.
     """
 
     surface: Output | None = None
     report: Output | None = None
-    beam_thickness: float = BEAM_THICKNESS
+    beam_thickness: Annotated[float, positive] = BEAM_THICKNESS
 
     SETTINGS: ClassVar[Settings] = ("motion",)
     SPELLED: ClassVar[Spellings] = {**Options.SPELLED, "report": ("-o", "--output", "--report")}
     FIRST: ClassVar[Names] = ("bone_labels", "ct", "bone_transform", "config", "surface", "report", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm
-  aifrecon coverage sweep.igs.mha --config PlusDeviceSet.xml
-
-Shares are of the bone that a probe on the back can reach at all. 'aifrecon plan' says which passes would show more."""
 
 
 def run(asked: _CoverageOptions) -> None:
     """Read, follow the beams, say what was met."""
-    if asked.surface:
-        check_surface_path(asked.surface)
     with ProgressBar() as progress:
         labels, placed = labels_from(asked, part(progress, 0.0, 0.05)), place_from(asked)
         if labels is None and placed is not None:
@@ -63,7 +60,7 @@ def run(asked: _CoverageOptions) -> None:
         recipe = asked.recipe
         bone = None if labels is None else LabeledBone(labels, placed, sequences, recipe)
         labels = None if bone is None else bone.labels
-        if recipe.motion == AUTOMATIC:
+        if takes_out_motion(recipe):
             sequences = [mended(sequences, bone, recipe)]
         found = coverage(
             sequences,
@@ -73,19 +70,10 @@ def run(asked: _CoverageOptions) -> None:
             thickness=asked.beam_thickness,
             progress=part(progress, 0.05, 0.95),
         )
-        written = _write(asked, found)
-    notes = [*(labels.notes if labels is not None else ()), *found.notes, *(f"wrote {path}" for path in written)]
-    print("\n".join([*found.lines(), *(f"  {in_options(note)}" for note in notes)]))
-
-
-def _write(asked: _CoverageOptions, found: Coverage) -> list[Path]:
-    written: list[Path] = []
-    if asked.surface:
-        bone = found.met.bone
-        mesh = bone_mesh(bone.distance) if bone.is_of_ct else ColoredBone.of(bone).mesh
-        write_surface(asked.surface, mesh.points_reference, mesh.triangles, **met_on_mesh(mesh, found.met))
-        written.append(asked.surface)
-    if asked.report:
-        write_text(asked.report, json.dumps(found.to_dict(), indent=2) + "\n")
-        written.append(asked.report)
-    return written
+        if asked.surface:
+            met = found.met.bone
+            mesh = bone_mesh(met.distance) if met.is_of_ct else ColoredBone.of(met).mesh
+            write_surface(asked.surface, mesh.points_reference, mesh.triangles, **met_on_mesh(mesh, found.met))
+        write_json(asked.report, found.to_dict())
+    notes = labels.notes if labels is not None else ()
+    tell("\n".join(found.lines()), [*notes, *found.notes], [asked.surface, asked.report])

@@ -53,14 +53,8 @@ WIDTH = 80
 
 
 PRINTED = (
-    "bone_cnr",
-    "oblique_cnr",
-    "bone_detectability",
-    "bone_coverage",
-    "interspinous_coverage",
-    "lines_called_free",
-    "bone_thickness",
-    "speckle_snr",
+    *("bone_cnr", "oblique_cnr", "bone_detectability", "bone_coverage", "interspinous_coverage"),
+    *("lines_called_free", "bone_thickness", "speckle_snr"),
 )
 """Metrics that are printed; the page and the CSV hold all."""
 

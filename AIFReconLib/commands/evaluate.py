@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..errors import SettingsError
 from ..evaluation.cases import FEW, FEWEST, LEVEL, CaseNumbers
@@ -24,7 +23,7 @@ from ..progress import part
 from ..provenance.record import made_by, unlike_inputs
 from ..provenance.settings_files import made_with
 from ..sweep.multi_sweep import joined
-from ..terminal.arguments import Names, Options, Output, Spellings
+from ..terminal.arguments import Names, Options, Output, Spellings, positive
 from ..terminal.console import ProgressBar, real_path
 from ..terminal.labels_options import PlacedLabelsOptions, labels_inputs, place_from, required_labels
 from ..terminal.remedies import in_options
@@ -61,6 +60,14 @@ class _EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
         frames that the volumes were made from, which decide which bone counts; without, all bone in the volume does
     beam_thickness : MM
         width of the beams across the image plane
+
+    Examples
+    --------
+      aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
+          --sweep sweep.igs.mha --config PlusDeviceSet.xml --csv metrics.csv --ct ct.nrrd --report report.html
+      aifrecon evaluate results/results.csv --against average --csv summary.csv
+
+    Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both.
     """
 
     volumes: tuple[Path, ...]
@@ -71,16 +78,10 @@ class _EvaluateOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
     methods: Output | None = None
     report: Output | None = None
     sweep: tuple[Path, ...] = ()
-    beam_thickness: float = BEAM_THICKNESS
+    beam_thickness: Annotated[float, positive] = BEAM_THICKNESS
 
     WORDS: ClassVar[Names] = ("volumes",)
     SPELLED: ClassVar[Spellings] = {**Options.SPELLED, "bone_labels": ("--bone", "--bone-labels")}
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon evaluate average.nrrd weighted.nrrd --bone lumbar.nrrd --bone-transform CTToReference.tfm \\
-      --sweep sweep.igs.mha --config PlusDeviceSet.xml --csv metrics.csv --ct ct.nrrd --report report.html
-  aifrecon evaluate results/results.csv --against average --csv summary.csv
-
-Volumes are to be compared under one sweep: it decides which bone counts. To compare sweeps, give the one that saw more for both."""
 
 
 def run(asked: _EvaluateOptions) -> None:
@@ -94,8 +95,6 @@ def run(asked: _EvaluateOptions) -> None:
     of_sweep = [*asked.sweep, *asked.config]
     inputs = [*asked.volumes, *labels_inputs(asked), asked.bone_transform, asked.mask, *of_sweep]
     outputs = [path for path in (asked.csv, asked.report, asked.methods) if path]
-    if not (math.isfinite(asked.beam_thickness) and asked.beam_thickness > 0):
-        raise SettingsError(f"Input --beam-thickness must be positive mm; got {asked.beam_thickness:g}.")
     if asked.config and not asked.sweep:
         raise SettingsError("--config describes a sweep, and there is none. Give --sweep SEQUENCE.")
     if asked.ct and asked.report:

@@ -14,8 +14,7 @@ from ..io.sequence.writer import check_sequence_name, write_sequence
 from ..recipe.rules import Rule
 from ..terminal.arguments import Names, Options, Output, Settings
 from ..terminal.console import ProgressBar, program
-from ..terminal.outputs import check_outputs
-from ..terminal.remedies import in_options
+from ..terminal.outputs import check_outputs, tell
 
 
 class _ImportedOptions(Options):
@@ -36,6 +35,13 @@ class _ImportedOptions(Options):
         where to draw the sweep (default: beside the output)
     compress
         compress the images (default: yes)
+
+    Examples
+    --------
+      aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
+      aifrecon import sweep.mp4 --poses tracker.txt --columns "time x y z qx qy qz qw" --units m \\
+          --transform ProbeToTracker --calibration ImageToProbe.tfm --output sweep.igs.mha
+      aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd
     """
 
     images: tuple[Path, ...]
@@ -48,11 +54,6 @@ class _ImportedOptions(Options):
     WORDS: ClassVar[Names] = ("images",)
     SETTINGS: ClassVar[Settings] = tuple(RULES)
     RULES: ClassVar[Mapping[str, Rule]] = RULES
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon import frames/ --poses poses.csv --transform ImageToTracker --spacing 0.1 0.1 --output sweep.igs.mha
-  aifrecon import sweep.mp4 --poses tracker.txt --columns "time x y z qx qy qz qw" --units m \\
-      --transform ProbeToTracker --calibration ImageToProbe.tfm --output sweep.igs.mha
-  aifrecon import images.npy --poses poses.json --transform TrackerToImage --spacing 0.2 0.2 --rate 20 --output sweep.nrrd"""
 
 
 def run(asked: _ImportedOptions) -> None:
@@ -65,10 +66,10 @@ def run(asked: _ImportedOptions) -> None:
     with ProgressBar() as progress:
         write_sequence(imported.sequence, asked.output, asked.compress, progress)
     seen = check_import(imported, asked.output.name)
-    lines = [*map(in_options, (*imported.understood, *seen.lines))]
+    lines = [*imported.understood, *seen.lines]
     if seen.drawing is not None:
         option = "" if seen.reference == REFERENCE_FRAME else f" --reference {seen.reference}"
         lines.append(f"to reconstruct: {program()} reconstruct {asked.output.name}{option} --output volume.nrrd")
         write_text(drawing, seen.drawing.to_svg())
         lines.append(f"drew {drawing}")
-    print("\n".join(["Understood:", *(f"  {line}" for line in lines), f"  wrote {asked.output}"]))
+    tell("Understood:", lines, [asked.output])

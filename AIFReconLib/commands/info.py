@@ -14,9 +14,9 @@ from ..message import columns
 from ..progress import Progress, part
 from ..terminal.arguments import Output, given_words, with_values
 from ..terminal.console import ProgressBar, command_line
-from ..terminal.labels_options import labels_from, place_from
+from ..terminal.labels_options import PlacedLabelsOptions, labels_from, place_from
 from ..terminal.remedies import in_options
-from ..terminal.sequence_options import OF_A_RECORDING, SequencesOptions, configured, sequences_from
+from ..terminal.sequence_options import SequencesOptions, SweepOptions, configured, sequences_from
 from ..workflows.inspect import inspected
 
 NOT_READY = 1
@@ -86,11 +86,6 @@ def _report(asked: _InfoOptions, progress: Progress | None) -> tuple[str, dict[s
 
 
 OF_REGISTER = Path("CTToReference.tfm")
-OF_FILES = (
-    *("config", "bone_labels", "labels", "ct", "bone_above", "bone_space", "bone_unit", "image_to_reference", "reference"),
-    *(*OF_A_RECORDING, "probe", "apex_px", "clip_px", "fan_angles_deg", "fan_radius_px", "transform_sequence"),
-)
-"""Options that say how to read sequences, and where bone is."""
 
 
 def reconstruct_command(asked: SequencesOptions, clip: ClipRectangle | None = None, bone_transform: Path | None = None) -> str:
@@ -100,10 +95,14 @@ def reconstruct_command(asked: SequencesOptions, clip: ClipRectangle | None = No
     if bone_transform is not None:
         asked = with_values(asked, bone_transform=bone_transform)
     name = asked.sequences[0].name.partition(".")[0]
-    words = given_words(asked, (*OF_FILES, "bone_transform"))
-    return command_line(["reconstruct", *map(str, asked.sequences), *words, "--output", f"{name}-volume.nrrd"])
+    return _command("reconstruct", asked, f"{name}-volume.nrrd")
 
 
 def register_command(asked: SequencesOptions) -> str:
     """The registration of these files."""
-    return command_line(["register", *map(str, asked.sequences), *given_words(asked, OF_FILES), "--output", str(OF_REGISTER)])
+    return _command("register", with_values(asked, bone_transform=None), str(OF_REGISTER))
+
+
+def _command(name: str, asked: SequencesOptions, output: str) -> str:
+    words = given_words(asked, SweepOptions, PlacedLabelsOptions)
+    return command_line([name, *map(str, asked.sequences), *words, "--output", output])

@@ -7,25 +7,22 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from ..compounding.methods.table import method_named
 from ..compounding.state import Reconstruction
 from ..errors import AIFReconError, LiveConnectionError, NoUsableFramesError, SettingsError
-from ..geometry.transform_graph import TransformName
-from ..io.foreign.mechanisms import read_mechanism
 from ..io.plus.configuration import read_plus_configuration
 from ..live.pairing.synchronizer import SynchronizerSettings
 from ..live.replay.server import PLUS_PORT
 from ..live.session.bone_watch import predictions_beside
 from ..live.session.session import LiveSession
 from ..live.wire.client import OpenIGTLinkClient
-from ..live.wire.joint_poses import JointPoses
 from ..live.wire.sources import StreamStatistics
-from ..message import one_line, shorten
+from ..message import one_line
 from ..recipe.recipe import Recipe
 from ..sweep.configuration import NO_CONFIGURATION
-from ..terminal.arguments import Names, Output, Settings
+from ..terminal.arguments import Names, Output, Rivals, Settings, count, positive
 from ..terminal.console import ProgressBar
 from ..terminal.outputs import check_outputs
 from ..terminal.reconstruction_options import (
@@ -78,9 +75,6 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
         use the pose that comes with an image although the server never tells whether its tool is seen
     tracker_frame : FRAME
         where poses lead that are named after their tool alone: Probe is ProbeTo and this
-    mechanism : NAME=FILE
-        what moves the probe (see import), whose axes messages (STRING, SENSOR) or the images' fields tell in mm and degrees: as in
-        ProbeToBase=array.toml
     output : VOLUME
         where to write (.nrrd, .mha, .mhd, .nii, .nii.gz)
     record : SEQUENCE
@@ -91,6 +85,11 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
         end S seconds after the first frame
     scout_seconds : S
         without --grid-like: find the box in so many seconds from the first tracked frame on
+
+    Examples
+    --------
+      aifrecon live --host 192.168.0.12 --output volume.nrrd
+      aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60
     """
 
     host: str = "127.0.0.1"
@@ -99,29 +98,22 @@ class _LiveOptions(ReconstructionOptions, TrackingOptions):
     bone_image: str | None = None
     trust_image_pose: bool = False
     tracker_frame: str = SynchronizerSettings.tracker_frame
-    mechanism: str | None = None
     output: Output
     record: Output | None = None
-    frames: int | None = None
-    seconds: float | None = None
-    scout_seconds: float = 10.0
+    frames: Annotated[int, count] | None = None
+    seconds: Annotated[float, positive] | None = None
+    scout_seconds: Annotated[float, positive] = 10.0
 
     SETTINGS: ClassVar[Settings] = ("time_offset", "longest_gap", "motion")
     time_offset: ClassVar[float] = 0.0
     longest_gap: ClassVar[float] = SynchronizerSettings.longest_gap
+    RIVALS: ClassVar[Rivals] = (("bone_labels", "bone_probability", "bone_from_sweep", "bone_frames", "bone_model", "bone_image"),)
     NOT_KEPT: ClassVar[Names] = OF_A_RECORDING
     FIRST: ClassVar[Names] = ("host", "port", "record", "seconds", *FIRST_OPTIONS, "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon live --host 192.168.0.12 --output volume.nrrd
-  aifrecon live --output volume.nrrd --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --seconds 60"""
 
 
 def run(asked: _LiveOptions) -> int:
     """Connect, reconstruct until the end or Ctrl-C, write what there is; the answer is the exit code."""
-    for name in ("frames", "seconds", "scout_seconds"):
-        value = getattr(asked, name)
-        if value is not None and not value > 0:
-            raise SettingsError(f"Input --{name.replace('_', '-')} must be above 0; got {value!r}.")
     inputs = [*asked.config, *bone_inputs(asked), asked.importance_mask]
     says_bone = asked.record and (asked.bone_image or asked.bone_model)
     check_outputs(asked, [predictions_beside(asked.record)] if says_bone and asked.record else [])
@@ -171,7 +163,7 @@ def _scan_of(asked: _LiveOptions, recipe: Recipe) -> tuple[LiveScan, OpenIGTLink
         tracker_frame=asked.tracker_frame,
     )
     _check_bone_options(asked)
-    client = OpenIGTLinkClient(asked.host, asked.port, in_place=_joints(asked.mechanism))
+    client = OpenIGTLinkClient(asked.host, asked.port)
     with ProgressBar() as progress:
         job = ScanJob(
             recipe,
@@ -200,10 +192,6 @@ def _check_bone_options(asked: _LiveOptions) -> None:
     check_bone_options(asked)
     if asked.bone_frames:
         raise SettingsError("--bone-frames belongs to a recorded sweep. Give --bone-image or --bone-model for a live scan.")
-    others = ("bone_labels", "ct", "bone_probability", "bone_transform", "bone_model", "bone_from_sweep")
-    both = next((name for name in others if asked.bone_image and getattr(asked, name)), None)
-    if both is not None:
-        raise SettingsError(f"--bone-image is a source of bone, and so is --{both.replace('_', '-')}. Leave out one.")
     if asked.bone_image and asked.bone_image == asked.image:
         raise SettingsError(f"--bone-image and --image must be two devices; got {asked.image!r} for both.")
 
@@ -220,16 +208,6 @@ def _bone_lines(scan: LiveScan) -> list[str]:
         told = "--bone-from-sweep" if watch.recorded is None else f"--bone-frames {watch.recorded}"
         lines.append(f"to weight all frames by all that was found: aifrecon reconstruct {recorded} {told}")
     return lines
-
-
-def _joints(mechanism: str | None) -> JointPoses | None:
-    """What makes poses of what the axes of a mechanism read."""
-    if mechanism is None:
-        return None
-    name, equals, file = mechanism.partition("=")
-    if not equals:
-        raise SettingsError(f"--mechanism must be NAME=FILE, as in ProbeToBase=array.toml; got {shorten(mechanism)!r}.")
-    return JointPoses(read_mechanism(file), TransformName.parse(name))
 
 
 def _scan(scan: LiveScan, client: OpenIGTLinkClient, asked: _LiveOptions) -> tuple[Reconstruction | None, int | None]:
@@ -311,8 +289,6 @@ def _use_scouted_box(scan: LiveScan, status: StatusLine) -> None:
 
 def _is_over(session: LiveSession, asked: _LiveOptions, first_frame: float) -> bool:
     """Whether the time is up, or there is nothing left to do: a recording goes on after the reconstruction has failed."""
-    if session.finished.is_set():
-        return True
-    if session.error is not None and (session.recorder is None or session.recording_failure):
-        return True
-    return asked.seconds is not None and time.monotonic() - first_frame >= asked.seconds
+    has_failed = session.error is not None and (session.recorder is None or session.recording_failure is not None)
+    is_late = asked.seconds is not None and time.monotonic() - first_frame >= asked.seconds
+    return session.finished.is_set() or has_failed or is_late

@@ -12,10 +12,12 @@ import argparse
 import contextlib
 import difflib
 import errno
+import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
 from importlib import import_module
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, get_type_hints
 
@@ -23,37 +25,16 @@ from .. import __version__
 from ..errors import AIFReconError, OperationCanceled, RegistrationRefused
 from ..message import LONGEST_QUOTE, one_line, shorten
 from ..terminal.console import not_loaded, prepare_streams
-from ..terminal.guard import BAD_INPUT, INTERRUPTED, last_opened
+from ..terminal.guard import BAD_INPUT, last_opened
 from ..terminal.log import logging_as_asked, quiet_as_asked
 from ..terminal.refusing import RefusingParser, WrongArguments
 from ..terminal.remedies import in_options
-from ..terminal.signals import OrderlyEnd, orderly_end
+from ..terminal.signals import INTERRUPTED, OrderlyEnd, orderly_end
 
 if TYPE_CHECKING:
     from ..terminal.arguments import OneLineParser, Options
 
-COMMANDS = {
-    "demo": ("demo", "simulate a lumbar scan, reconstruct it with every method, measure and draw it"),
-    "reconstruct": ("reconstruct", "turn a recorded sweep into a volume"),
-    "preview": ("preview", "draw a volume: three cuts through its bone and a projection"),
-    "compare": ("compare", "draw volumes side by side, in one figure for a paper"),
-    "register": ("register", "find where a CT belongs on a sweep"),
-    "start-calibration": ("start_calibration", "write a first calibration of a probe by a ruler"),
-    "calibrate": ("calibrate", "check a calibration by the scan itself, or find a better one"),
-    "coverage": ("coverage", "say which bone a sweep has met, and how squarely"),
-    "plan": ("plan", "say which passes will show the borders of the interspinous gaps, or other bone"),
-    "paths": ("paths", "find straight lines from the skin to a target past the bone that a volume shows; research only"),
-    "batch": ("batch", "reconstruct, register and measure all cases of a table"),
-    "bone-map": ("bone_map", "make a bone probability map from a segmentation"),
-    "info": ("info", "say what a sequence holds and what is missing"),
-    "import": ("import_frames", "make a sequence from images and a file of poses"),
-    "convert": ("convert", "write a recording in another format, cut, renamed or mended"),
-    "live": ("live", "reconstruct while scanning, from an OpenIGTLink server"),
-    "replay": ("replay", "serve a recording over OpenIGTLink as Plus would"),
-    "evaluate": ("evaluate", "measure how well volumes show bone"),
-    "simulate": ("simulate", "make a simulated lumbar spine, its CT and a tracked sweep"),
-    "benchmark": ("benchmark", "measure whether this machine keeps up with a live scan"),
-}
+COMMANDS: dict[str, tuple[str, str]] = json.loads(Path(__file__).with_name("commands.json").read_text("utf-8"))
 """All commands in the order of the help: the file of each in this folder, and what it is for."""
 
 SUCCESS, REFUSED = 0, 1
@@ -104,22 +85,8 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def completed() -> argparse.ArgumentParser:
-    """The same with the options of all commands, for a shell that asks how a line may go on."""
-    from ..terminal.arguments import OneLineParser
-
-    parser = RefusingParser(prog="aifrecon")
-    commands = parser.add_subparsers(parser_class=OneLineParser)
-    for name in COMMANDS:
-        commands.add_parser(name, options=options_of(name))
-    return parser
-
-
 def main(argv: list[str] | None = None) -> int:
     """Run the command line, of the process by default; the answer is the exit code: 0, 1, 2, or 128 and the signal that ended it."""
-    if "_ARGCOMPLETE" in os.environ:
-        # A shell asks how a line may go on; this ends the program
-        import_module("argcomplete").autocomplete(completed())
     prepare_streams()
     words = sys.argv[1:] if argv is None else argv
     prog = " ".join(["aifrecon", *named(words)])

@@ -14,17 +14,16 @@ from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
 from ..io.volume.files import read_volume
 from ..io.volume.models import LPS, MODEL_SUFFIXES, RAS, read_model
-from ..io.volume.surfaces import check_surface_path
-from ..paths.free_paths import CONE_DEG, MARGIN, WITHIN, FreePaths, free_paths
+from ..paths.free_paths import CONE_DEG, MARGIN, WITHIN, free_paths
 from ..paths.path_export import markups, paths_figure, write_skin_map
 from ..progress import part
 from ..sweep.frames import TrackedSequence
 from ..terminal.arguments import Names, Output
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, labels_from, place_from
+from ..terminal.outputs import tell, write_json
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import ImageOptions, TrackingOptions, configured
-from .preview import check_preview
 
 MARKUPS = ".mrk.json"
 
@@ -61,6 +60,13 @@ class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
         also write all numbers, for aifrecon plan --unseen
     preview : FILE.png
         also draw slices along the best line, and the skin
+
+    Examples
+    --------
+      aifrecon paths volume.nrrd --mask mask.nrrd --score score.nrrd --target L3-L4 --bone-labels lumbar.nrrd \\
+          --bone-transform CTToReference.tfm --sweep sweep.igs.mha --config PlusDeviceSet.xml --output paths.mrk.json
+
+    Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted.
     """
 
     volume: Path
@@ -79,24 +85,15 @@ class _PathsOptions(PlacedLabelsOptions, TrackingOptions, ImageOptions):
 
     WORDS: ClassVar[Names] = ("volume",)
     FIRST: ClassVar[Names] = ("bone_labels", "bone_transform", "sweep", "skin", "config", "mask", "score", "preview", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon paths volume.nrrd --mask mask.nrrd --score score.nrrd --target L3-L4 --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --sweep sweep.igs.mha --config PlusDeviceSet.xml --output paths.mrk.json
-
-Research only: not for guiding a needle. What was not seen is not called free; that needs --mask, and --score of the method weighted."""
 
 
 def run(asked: _PathsOptions) -> None:
     """Read, look along the lines, write, and say what was found."""
-    outputs = [asked.output, asked.skin_map, asked.report, asked.preview]
     if not asked.output.name.lower().endswith(MARKUPS):
         raise OutputError(f"Cannot write {asked.output}: Slicer's markups end in {MARKUPS}. Choose another name.")
     if bool(asked.sweep) == bool(asked.skin):
         raise SettingsError("Where the skin is must be given, once. Give --sweep SEQUENCE, whose probe was on it, or --skin FILE.")
     target = _target(asked.target)
-    if asked.skin_map:
-        check_surface_path(asked.skin_map)
-    check_preview(asked.preview)
     with ProgressBar() as progress:
         volume = read_volume(asked.volume)
         mask, score = (read_volume(path) if path else None for path in (asked.mask, asked.score))
@@ -120,9 +117,12 @@ def run(asked: _PathsOptions) -> None:
         )
         if asked.preview:
             paths_figure(asked.preview, volume, found)
-        _write(asked, found)
-    notes = [*(labels.notes if labels is not None else ()), *(f"wrote {path}" for path in outputs if path)]
-    print("\n".join([*found.text(in_options), *(f"  {in_options(note)}" for note in notes)]))
+        write_text(asked.output, json.dumps(markups(found), indent=1) + "\n")
+        if asked.skin_map:
+            write_skin_map(asked.skin_map, found)
+        write_json(asked.report, found.to_dict())
+    notes = labels.notes if labels is not None else ()
+    tell("\n".join(found.text(in_options)), notes, [asked.output, asked.skin_map, asked.report, asked.preview])
 
 
 def _target(words: Sequence[str]) -> str | list[float]:
@@ -147,11 +147,3 @@ def _skin(asked: _PathsOptions) -> list[TrackedSequence] | Floats:
     # As Slicer does, what does not say its space is in LPS
     is_ras = (model.space or asked.bone_space or LPS).lower() == RAS.lower()
     return model.points if is_ras else transform_points(LPS_FROM_RAS, model.points)
-
-
-def _write(asked: _PathsOptions, found: FreePaths) -> None:
-    write_text(asked.output, json.dumps(markups(found), indent=1) + "\n")
-    if asked.skin_map:
-        write_skin_map(asked.skin_map, found)
-    if asked.report:
-        write_text(asked.report, json.dumps(found.to_dict(), indent=2) + "\n")

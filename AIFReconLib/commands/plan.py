@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..arrays import Floats
-from ..errors import AIFReconError, FileFormatError, SettingsError
+from ..errors import AIFReconError, FileFormatError
 from ..evaluation.plan_figure import plan_figure
 from ..geometry.transforms import invert, transform_points
 from ..guidance.bone import GuidedBone
@@ -21,12 +21,11 @@ from ..io.disk.atomic import write_text
 from ..io.disk.tables import read_table
 from ..message import columns
 from ..progress import part
-from ..terminal.arguments import Names, Output, Rivals
+from ..terminal.arguments import Names, Output, Rivals, count
 from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, place_from, required_labels
-from ..terminal.remedies import in_options
+from ..terminal.outputs import tell
 from ..terminal.sequence_options import SweepOptions, sequences_from
-from .preview import check_preview
 
 
 class _PlanOptions(PlacedLabelsOptions, SweepOptions):
@@ -49,28 +48,27 @@ class _PlanOptions(PlacedLabelsOptions, SweepOptions):
         also draw the passes over the bone (needs matplotlib)
     probe_like : SEQUENCE
         a recording of the probe, best of this patient, whose skin it tells
+
+    Examples
+    --------
+      aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
+      aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json
     """
 
     output: Output
     target: str = "interspinous"
     unseen: Path | None = None
-    frames: int = 180
+    frames: Annotated[int, count] = 180
     candidates: Annotated[str, CANDIDATES] = FREEHAND
     preview: Output | None = None
     probe_like: Path | None = None
 
     RIVALS: ClassVar[Rivals] = (("target", "unseen"),)
     FIRST: ClassVar[Names] = ("bone_labels", "ct", "bone_transform", "target", "frames", "probe_like", "config", "preview", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --output plan.json
-  aifrecon plan --bone-labels lumbar.nrrd --bone-transform CTToReference.tfm --unseen paths.json --frames 60 --output plan.json"""
 
 
 def run(asked: _PlanOptions) -> None:
     """Read, plan, write, and say what each pass adds."""
-    if asked.frames < 1:
-        raise SettingsError(f"Input frames must be 1 or more; got {asked.frames!r}. Give --frames N.")
-    check_preview(asked.preview)
     with ProgressBar() as progress:
         labels = required_labels(asked, part(progress, 0.0, 0.05))
         placed = place_from(asked)
@@ -81,19 +79,9 @@ def run(asked: _PlanOptions) -> None:
             bone, asked.target = window(bone, _unseen(asked.unseen)), NOT_SEEN
         plan = plan_scan(bone, probe, asked.target, asked.frames, asked.candidates, progress=part(progress, 0.1, 0.95))
         write_text(asked.output, json.dumps(plan.to_dict()) + "\n")
-        written = [asked.output]
         if asked.preview:
             _draw(asked.preview, plan, bone, probe)
-            written.append(asked.preview)
-    print(
-        "\n".join(
-            [
-                *_lines(plan),
-                *covered(plan.met).lines(),
-                *(f"  {in_options(note)}" for note in [*notes, *(f"wrote {path}" for path in written)]),
-            ]
-        )
-    )
+    tell("\n".join([*_lines(plan), *covered(plan.met).lines()]), notes, [asked.output, asked.preview])
 
 
 def _unseen(path: Path) -> Floats:

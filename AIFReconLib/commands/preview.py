@@ -10,7 +10,6 @@ from typing import ClassVar
 from ..arrays import Matrix
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError, SettingsError
-from ..evaluation.figures import require_matplotlib
 from ..evaluation.preview import preview
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume
@@ -23,8 +22,8 @@ from ..sweep.poses import SweepPoses
 from ..terminal.arguments import Names, Output, given_words
 from ..terminal.console import ProgressBar, command_line
 from ..terminal.labels_options import PlacedLabelsOptions, labels_from, labels_inputs, names_labels, place_from
+from ..terminal.outputs import tell
 from ..terminal.reconstruction_options import ReconstructionOptions
-from ..terminal.remedies import in_options
 
 
 class _PreviewOptions(PlacedLabelsOptions):
@@ -51,18 +50,8 @@ class _PreviewOptions(PlacedLabelsOptions):
     WORDS: ClassVar[Names] = ("volume",)
 
 
-def check_preview(path: Path | None) -> None:
-    """Return if a preview can be drawn to `path`; to be asked before a long computation."""
-    if path is None:
-        return
-    if path.suffix.lower() != ".png":
-        raise SettingsError(f"{path}: a preview is a PNG picture. Choose a name that ends with .png.")
-    require_matplotlib()
-
-
 def run(asked: _PreviewOptions) -> None:
     """Read, draw, write."""
-    check_preview(asked.output)
     if asked.bone_transform and not (asked.bone_labels or asked.ct):
         raise SettingsError("--bone-transform places labels or a CT, and there are none. Give --bone-labels or --ct.")
     with ProgressBar() as progress:
@@ -79,7 +68,7 @@ def run(asked: _PreviewOptions) -> None:
         doubts = unlike_inputs({asked.volume.name: volume.fields}, [*labels_inputs(asked), asked.bone_transform])
         progress(0.5, "Drawing")
         preview(volume, mask, labels, ct, asked.volume.name, patient=asked.patient or None).write(asked.output)
-    print("\n  ".join([f"wrote {asked.output}", *doubts, *map(in_options, () if given is None else given.notes)]))
+    tell(f"wrote {asked.output}", [*doubts, *(() if given is None else given.notes)])
 
 
 def _in_sight(labels: Labels, volume: Volume, place: Matrix | None) -> Labels:
@@ -107,6 +96,6 @@ def how_to_look(asked: ReconstructionOptions, output: Path) -> list[str]:
     """The line that says how to see what was written; none where no one reads it, or where it was drawn already."""
     if asked.preview or not sys.stdout.isatty():
         return []
-    of_bone = ("bone_labels", "labels", "ct", "bone_above", "bone_space", "bone_unit", "bone_transform") if names_labels(asked) else ()
+    of_bone = given_words(asked, PlacedLabelsOptions) if names_labels(asked) else []
     picture = output.with_name(output.name.partition(".")[0] + ".png")
-    return [f"to look at it: {command_line(['preview', str(output), *given_words(asked, of_bone), '--output', str(picture)])}"]
+    return [f"to look at it: {command_line(['preview', str(output), *of_bone, '--output', str(picture)])}"]

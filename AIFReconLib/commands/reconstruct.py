@@ -16,7 +16,6 @@ from ..errors import BeamGeometryError, GeometryError, SettingsError
 from ..geometry.volume import Volume
 from ..inspection.summary import summary_lines
 from ..inspection.tracking_report import TrackingReport
-from ..io.disk.atomic import write_text
 from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import check_volume_path, write_volume
 from ..progress import Progress, part
@@ -29,6 +28,7 @@ from ..sweep.multi_sweep import joined
 from ..sweep.poses import SweepPoses, sweep_poses
 from ..terminal.arguments import Names, Output, Settings
 from ..terminal.console import ProgressBar
+from ..terminal.outputs import write_json
 from ..terminal.reconstruction_options import (
     SIDE_OUTPUTS,
     ReconstructionOptions,
@@ -43,19 +43,11 @@ from ..terminal.sequence_options import SequencesOptions, sequence_inputs, seque
 from ..workflows.job import ReconstructionJob, ReconstructionOutput
 from ..workflows.reconstruct import plain_mean, reconstruct_job, tracking_of
 from .info import register_command
-from .preview import check_preview, how_to_look, write_preview
+from .preview import how_to_look, write_preview
 
 FIRST_OPTIONS = (
-    "config",
-    "bone_labels",
-    "ct",
-    "bone_transform",
-    "bone_from_sweep",
-    "method",
-    "spacing",
-    "grid_like",
-    "hole_limit",
-    "preview",
+    *("config", "bone_labels", "ct", "bone_transform", "bone_from_sweep"),
+    *("method", "spacing", "grid_like", "hole_limit", "preview"),
 )
 """What most need, here and in a live scan."""
 
@@ -77,6 +69,13 @@ class _ReconstructOptions(ReconstructionOptions, SequencesOptions):
         a DICOM file or folder of the study that .dcm outputs join
     report : FILE.html
         also tell of the tracking and of what was done: .html, a page with pictures; .json, numbers
+
+    Examples
+    --------
+      aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
+      aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
+          --bone-transform CTToReference.tfm --output volume.nrrd
+      aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd
     """
 
     output: Output
@@ -86,11 +85,6 @@ class _ReconstructOptions(ReconstructionOptions, SequencesOptions):
 
     SETTINGS: ClassVar[Settings] = ("motion",)
     FIRST: ClassVar[Names] = (*FIRST_OPTIONS, "report", "quiet")
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --output volume.nrrd
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-labels lumbar.nrrd \\
-      --bone-transform CTToReference.tfm --output volume.nrrd
-  aifrecon reconstruct sweep.igs.mha --config PlusDeviceSet.xml --bone-from-sweep --method weighted --output volume.nrrd"""
 
 
 def run(asked: _ReconstructOptions) -> None:
@@ -117,9 +111,8 @@ def run(asked: _ReconstructOptions) -> None:
     agreement = list(map(in_options, lines))
     tracking = tracking_of(job, result)
     if asked.report and not is_page(asked.report):
-        facts = {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)}
-        write_text(asked.report, json.dumps(facts, indent=2) + "\n")
-    if asked.report and is_page(asked.report):
+        write_json(asked.report, {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)})
+    elif asked.report:
         with ProgressBar() as progress:
             _write_page(asked, replace(job, sequence=output.sequence or sequence), output, result, tracking, progress)
     print(describe(result, len(sequence), time.perf_counter() - started, files, tracking, agreement))
@@ -133,7 +126,6 @@ def checked_outputs(asked: ReconstructionOptions, output: Path) -> dict[str, Pat
     outputs = {"intensity": output, **{name: path for name in SIDE_OUTPUTS if (path := getattr(asked, name))}}
     for name, path in outputs.items():
         check_volume_path(path, TYPE_OF.get(name) or asked.output_type or "uint8")
-    check_preview(asked.preview)
     if asked.save_settings:
         check_settings_path(asked.save_settings)
     return outputs

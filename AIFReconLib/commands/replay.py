@@ -34,6 +34,12 @@ class _ReplayOptions(TrackingOptions):
         send this transform, e.g. ProbeToReference; may be given several times (default: the recorded ones and the image's)
     send_invalid
         send invalid transforms too, as identity (default: leave them out)
+
+    Examples
+    --------
+      aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml
+      aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml --loop --rate 30
+      aifrecon live --port 18944 --output volume.nrrd        (in a second terminal)
     """
 
     sequence: Path
@@ -46,10 +52,6 @@ class _ReplayOptions(TrackingOptions):
     send_invalid: bool = False
 
     WORDS: ClassVar[Names] = ("sequence",)
-    EXAMPLES: ClassVar[str] = """examples:
-  aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml
-  aifrecon replay sweep.igs.mha --config PlusDeviceSet.xml --loop --rate 30
-  aifrecon live --port 18944 --output volume.nrrd        (in a second terminal)"""
 
 
 def run(asked: _ReplayOptions) -> None:

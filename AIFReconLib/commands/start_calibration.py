@@ -37,6 +37,12 @@ class _StartCalibrationOptions(Options):
         the marker's name
     output : FILE.xml
         where to write
+
+    Examples
+    --------
+    60 mm of the depth scale take rows 40 to 440; the face is 118 mm before the marker along its
+    -z, 4 mm beside along its x; in the image the marked side is on the right
+      aifrecon start-calibration --depth 60 40 440 --face-px 320 38 --face-mm 4 0 -118 --right x --down=-z --output Probe.xml
     """
 
     depth: tuple[float, float, float]
@@ -49,9 +55,6 @@ class _StartCalibrationOptions(Options):
     output: Output
 
     RIVALS: ClassVar[Rivals] = (("depth", "pixel"),)
-    EXAMPLES: ClassVar[str] = """example: 60 mm of the depth scale take rows 40 to 440; the face is 118 mm before the marker along its
--z, 4 mm beside along its x; in the image the marked side is on the right
-  aifrecon start-calibration --depth 60 40 440 --face-px 320 38 --face-mm 4 0 -118 --right x --down=-z --output Probe.xml"""
 
 
 def run(asked: _StartCalibrationOptions) -> None:

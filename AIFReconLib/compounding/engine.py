@@ -60,7 +60,6 @@ class Engine:
         given = job.settings
         self.factors = Factors(*map(np.float32, (given.alpha, given.beta, given.weight_floor, given.bone_gain, job.maximum)))
         self._judging: Any = None if given.engine == "numpy" else optional_module("AIFReconLib.compounding.compiled.numba_evidence")
-        self._judge: Any = None
 
     def insert(self, batch: FrameBatch, layout: PixelLayout, scan_lines: ScanLines | None) -> list[int]:
         """Put frames into the volume; how many pixels entered of each. `scan_lines` is for methods that judge shadows."""
@@ -91,12 +90,9 @@ class Engine:
         image_to_map = np.eye(4) if bone is None else bone.ijk_to_map @ image_to_ijk
         if self._judging is None:
             expected = None if probability is None else scan_lines.expected(probability, image_to_map)
-            evidence = scan_lines.evidence(values, self.gray_levels, expected)
-            room[0], room[1] = evidence.reach, evidence.onset
-            return room
-        if self._judge is None or self._judge.lines is not scan_lines:
-            self._judge = self._judging.FrameJudge(scan_lines, self.gray_levels)
-        self._judge.evidence(values, probability, image_to_map, room[0], room[1])
+            room[0], room[1] = scan_lines.evidence(values, self.gray_levels, expected)
+        else:
+            self._judging.judge_frame(scan_lines, self.gray_levels, values, (probability, image_to_map), (room[0], room[1]))
         return room
 
 

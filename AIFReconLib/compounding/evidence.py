@@ -11,8 +11,6 @@ Image Analysis 2012), of which this is a much simpler, one-pass relative.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import Integers, Matrix, Numbers, Singles
@@ -74,22 +72,6 @@ CREST = 0.25
 
 Scales = tuple[np.float32, ...]
 """What brightness is judged by, 14 numbers: see `ScanLines.scales`."""
-
-
-@dataclass(frozen=True, eq=False)
-class _FrameEvidence:
-    """Evidence at the pixels of a layout.
-
-    Parameters
-    ----------
-    reach : (n,) float32 array, 0.01 to 1.01
-        R: how surely sound reached the pixel.
-    onset : (n,) float32 array, 0 to 1
-        E: how surely a shadow begins there.
-    """
-
-    reach: Singles
-    onset: Singles
 
 
 class ScanLines:
@@ -209,8 +191,8 @@ class ScanLines:
         read[~inside] = 0.0
         return read
 
-    def evidence(self, values: Numbers, gray_levels: GrayLevels, expected: Singles | None = None) -> _FrameEvidence:
-        """Judge one frame.
+    def evidence(self, values: Numbers, gray_levels: GrayLevels, expected: Singles | None = None) -> tuple[Singles, Singles]:
+        """Judge one frame: R, how surely sound reached each pixel, (n,) 0.01 to 1.01, and E, how surely a shadow begins there, 0 to 1.
 
         Parameters
         ----------
@@ -247,7 +229,7 @@ class ScanLines:
         onset = np.zeros_like(below)
         for line in np.flatnonzero(strength > 0):
             onset[max(place[line] - self.crest, 0) : place[line] + self.crest + 1, line] = strength[line]
-        return _FrameEvidence(arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel])
+        return arrived.reshape(-1)[self.sample_of_pixel], onset.reshape(-1)[self.sample_of_pixel]
 
     def _brightness(self, values: Singles, scales: Scales) -> Singles:
         """q at the samples, (samples, lines)."""

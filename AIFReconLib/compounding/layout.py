@@ -242,16 +242,14 @@ def most_in_a_voxel(image_to_ijk: Matrix) -> float:
 class MostHits:
     """The most pixels that any voxel of a grid of `size` (i, j, k) can have got of all images, without a look at the voxels.
 
-    `so_far` is what none has got more of before the first one.
-
     Notes
     -----
     Counted for each plane of voxels along each axis: a voxel lies in one of each, and got no more than any of the three. So a probe that
     moves is told from one that rests.
     """
 
-    def __init__(self, size: tuple[int, int, int], so_far: float = 0.0):
-        self._along = [np.full(count, so_far, np.float64) for count in size]
+    def __init__(self, size: tuple[int, int, int]):
+        self._along = [np.zeros(count) for count in size]
 
     def after(self, image_to_ijk: Matrix, layout: PixelLayout) -> float:
         """The most after one image more, at this place, (4, 4)."""

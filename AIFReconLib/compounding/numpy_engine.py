@@ -10,9 +10,8 @@ from .batch import FrameBatch
 from .engine import Engine, Job
 from .evidence import ScanLines
 from .layout import PixelLayout
-from .methods.method import Pixels
-from .methods.table import METHODS, built_in
-from .state import HIT
+from .methods.method import BuiltInMethod, Pixels
+from .methods.table import METHODS
 
 NOTHING: Singles = np.empty(0, np.float32)
 
@@ -24,7 +23,9 @@ class NumpyEngine(Engine):
 
     def __init__(self, job: Job):
         super().__init__(job)
-        self._rule = built_in(self.method.name).insert
+        if not isinstance(self.method, BuiltInMethod):
+            raise ValueError(f"Input state must be of a method of the library; got {self.method.name}.")
+        self._rule = self.method.insert
         self._probability, self._directions = everywhere(job.bone)
 
     def _insert(self, batch: FrameBatch, place: int, layout: PixelLayout, scan_lines: ScanLines | None) -> int:
@@ -39,9 +40,6 @@ class NumpyEngine(Engine):
         state, bone = self.state, self.job.bone
         if state.cosine is not None:
             np.maximum.at(state.cosine, voxels, beams.cosine(self._directions[voxels]))
-        if state.packed:
-            np.add.at(state.value, voxels, values.astype(np.uint32) + np.uint32(HIT))
-            return int(pixels.size)
         if state.hits.size:
             np.add.at(state.hits, voxels, np.uint32(1))
         reach = onset = NOTHING

@@ -33,7 +33,7 @@ from .engines import choose_engine
 from .finishing.parts import Planes
 from .finishing.results import Results
 from .frame_placement import OUTSIDE, ImageKind, Intake, require_kinds, why_not
-from .layout import MostHits, most_in_a_voxel
+from .layout import MostHits
 from .methods.table import method_named
 from .needs import (
     bone_on_grid,
@@ -356,8 +356,7 @@ class Reconstructor:
         if state.room < math.inf and layout is not None and self._hits.after(image_to_ijk, layout) > state.room:
             # What waits adds up as it would have one by one
             self._compute(progress)
-            self._hits = MostHits(self.grid.size, state.make_room(most_in_a_voxel(image_to_ijk)))
-            self._hits.after(image_to_ijk, layout)
+            state.widen()
         if self._part is not None and layout is not None:
             self._intake.laid_out[frame.number] = layout.spacing
             low, high = self.counts.reached[frame.number] = layout.planes_reached(image_to_ijk)

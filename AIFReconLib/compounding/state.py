@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from ..arrays import Numbers, Reals, Singles
 from ..geometry.volume import Volume, VoxelGrid
@@ -24,15 +24,9 @@ MAP_BYTES = 4 + 3 * 4
 BESIDE = ("score", "hits")
 """Volumes that are made beside the intensity and the mask, unless others are asked for."""
 
-HIT_BITS = 20
-HIT = 2**HIT_BITS
-"""What a pixel adds to a voxel of `packed` state, beside its gray level: hits above, their sum below."""
-
-MOST_HITS = 2**12 - 1
-"""Pixels that a packed voxel counts; their sum, if all are as bright as 8 bits can be, still leaves the hits alone."""
-
-MOST_IN_SINGLE = 2.0**16
-"""Pixels of a voxel whose weights and values add up in float32: the mean is then off by a third of a gray level at worst."""
+MOST_IN_SINGLE, MOST_IN_WHOLE = 2.0**16, 2.0**24
+"""Pixels of a voxel whose weights and values add up in float32, where the mean is then off by a third of a gray level at worst; and whose
+gray levels of 8 bits add up in 32."""
 
 AT_ONCE = 2**20
 """Voxels that are looked through at a time: little memory beside them."""
@@ -49,12 +43,12 @@ class VoxelState:
     Parameters
     ----------
     hits : (voxels,) uint32 array
-        Pixels that entered; none where they are `packed`, or not counted.
+        Pixels that entered; none where they are not counted.
     value : (voxels,) array
-        uint32: pixels that entered, times `HIT`, and their sum (average of 8-bit images, whose mean is exact).
+        uint32: the sum (average of 8-bit images).
         uint8: the last (latest) or the largest (maximum) value of 8-bit images; float32: of others, and the running average (aif), the sum
         of w v (weighted).
-        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own, and weighted once it was `make_room`).
+        float64: the sum (average), so that its mean is exact; the sum of w v (a method of one's own, and weighted after `widen`).
     weight : (voxels,) array or None
         float32: the paper's V_count (aif), the sum of w (weighted). float64: the sum of shares (average of pixels that count unequally),
         the sum of w where that of w v is float64.
@@ -92,17 +86,12 @@ class VoxelState:
             value.fill(kinds.start)
         return cls(
             method=method,
-            hits=NO_HITS if value.dtype == np.uint32 or not counted else np.zeros(voxels, dtype=np.uint32),
+            hits=np.zeros(voxels, dtype=np.uint32) if counted else NO_HITS,
             value=value,
             weight=None if kinds.weight is None else np.zeros(voxels, kinds.weight),
             cosine=np.zeros(voxels, dtype=np.float32) if best_cosine else None,
             start=kinds.start,
         )
-
-    @property
-    def packed(self) -> bool:
-        """Whether value and hits are one."""
-        return self.value.dtype == np.uint32
 
     @property
     def nbytes(self) -> int:
@@ -111,9 +100,7 @@ class VoxelState:
 
     @property
     def met(self) -> NDArray[np.unsignedinteger]:
-        """(voxels,), 0 where no pixel entered and nowhere else: hits, alone or packed, or the bits of weights, which are above 0 then."""
-        if self.packed:
-            return self.value.view(np.uint32)
+        """(voxels,), 0 where no pixel entered and nowhere else: hits, or the bits of weights, which are above 0 then."""
         return self.hits if self.hits.size or self.weight is None else self.weight.view(f"u{self.weight.itemsize}")
 
     @property
@@ -126,48 +113,28 @@ class VoxelState:
     @property
     def room(self) -> float:
         """How many pixels of one voxel its sums have room for."""
-        if self.packed:
-            return MOST_HITS
+        if self.value.dtype == np.uint32:
+            return MOST_IN_WHOLE
         return MOST_IN_SINGLE if method_named(self.method).widens and self.value.dtype == np.float32 else math.inf
 
-    def make_room(self, pixels: float) -> float:
-        """Make room for so many more pixels in one voxel, where some could have too little; how many the fullest may have.
-
-        Packed voxels are looked through first: where a probe moves they hold far less than they could. Then pixels and sums go on apart,
-        and sums of weights in float64: in float32 they would stop growing where a probe rests. Memory that is empty stays so.
-        """
-        if not self.packed:
-            self.value, self.weight = _copied(self.value, np.float64), _copied(self.weights, np.float64)
-            return 0.0
-        fullest = int(self.value.max(initial=0)) >> HIT_BITS
-        if fullest + pixels > MOST_HITS / 2:
-            self.hits = _copied(self.value, np.uint32, lambda some: some >> np.uint32(HIT_BITS))
-            self.value = _copied(self.value, np.float64, lambda some: some & np.uint32(HIT - 1))
-        return fullest
-
-    def pixels(self) -> NDArray[np.uint32]:
-        """How many pixels entered each voxel, (voxels,); the state's own array where it has one."""
-        return unpacked(self.value)[1] if self.packed else self.hits
+    def widen(self) -> None:
+        """Go on in float64: sums would run over, or stop growing, where a probe rests. Memory that is empty stays so."""
+        self.value = _copied(self.value)
+        self.weight = None if self.weight is None else _copied(self.weight)
 
 
-def _copied(values: NDArray[Any], dtype: DTypeLike, part: Callable[[NDArray[Any]], NDArray[Any]] = np.asarray) -> NDArray[Any]:
-    """A part of the values, as another type; where they are 0 nothing is written."""
-    copy = np.zeros(values.size, dtype)
+def _copied(values: Numbers) -> Reals:
+    """The values in float64; where they are 0 nothing is written."""
+    copy = np.zeros(values.size)
     for start in range(0, values.size, AT_ONCE):
         some = values[start : start + AT_ONCE]
-        np.copyto(copy[start : start + AT_ONCE], part(some), where=some != 0)
+        np.copyto(copy[start : start + AT_ONCE], some, where=some != 0)
     return copy
 
 
 def counts_hits(method: str, beside: Collection[str]) -> bool:
     """Whether a method's state counts pixels, for one who wants these volumes beside the intensity."""
     return not method_named(method).always_weighs or "hits" in beside
-
-
-def unpacked(packed: Numbers) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
-    """Sums and hits of packed voxels."""
-    both: NDArray[np.uint32] = packed.astype(np.uint32, copy=False)
-    return both & np.uint32(HIT - 1), both >> np.uint32(HIT_BITS)
 
 
 def part_bytes(
@@ -197,7 +164,7 @@ def bytes_per_voxel(
     reconstruction has results, state and map at the same time, and copies of those results that are the state's own.
     """
     one = VoxelState.empty(1, method, best_cosine, shares, whole, counts_hits(method, beside))
-    results = output + 1 + (4 if one.packed and len(beside) else 0)
+    results = output + 1
     # A weight of 4 bytes is handed over as the score
     score = 4 if "score" in beside and (one.weight is None or one.weight.nbytes != 4) else 0
     part = one.nbytes + (MAP_BYTES if map_on_grid else 0)
@@ -256,11 +223,6 @@ class Reconstruction(Described):
     def notes(self) -> tuple[str, ...]:
         """What a user should know about how this result came about, in Python's words."""
         return tuple(map(advised, self.messages))
-
-    @property
-    def said(self) -> tuple[str, ...]:
-        """The old name of `messages`, for one release."""
-        return self.messages
 
     @property
     def grid(self) -> VoxelGrid:

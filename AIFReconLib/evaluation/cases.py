@@ -24,10 +24,8 @@ MOST_BYTES = 2**28
 
 def _rows(text: str) -> list[dict[str, str]]:
     """The rows of a table; of one that a spreadsheet of another country has saved, too."""
-    if text.partition("\n")[0].count(";") > text.partition("\n")[0].count(","):
-        rows = csv.DictReader(io.StringIO(text), delimiter=";")
-    else:
-        rows = csv.DictReader(io.StringIO(text))
+    headings = text.partition("\n")[0]
+    rows = csv.DictReader(io.StringIO(text), delimiter=";" if headings.count(";") > headings.count(",") else ",")
     return list(rows) or [{}]  # a table without rows is none
 
 
@@ -83,9 +81,6 @@ class CaseNumbers:
             return
         if case in known:
             self.notes.append(f"WARNING: {volume} of {case} stands there twice; that of {path} counts. Give each case a name of its own.")
-        alike = [other for other, others in known.items() if other != case and others == numbers]
-        same = "WARNING: {} of {} has the same numbers as that of {}. Are these two patients?"
-        self.notes.extend(same.format(volume, case, other) for other in alike)
         known[case] = numbers
         if row.get("registration_agreement"):
             self.agreement[case] = float(row["registration_agreement"].replace(",", "."))

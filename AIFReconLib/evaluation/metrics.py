@@ -28,11 +28,11 @@ from ..arrays import Floats, Integers, Mask, Numbers, Singles
 from ..errors import GeometryError, require_kind
 from ..geometry.box import block_sums
 from ..geometry.transforms import transform_points
-from ..geometry.volume import Volume
+from ..geometry.volume import Volume, nearest
 from ..registration.comparison import compared, warn_of_disagreement
 from ..sweep.frames import TrackedSequence
 from .quantities import NEAR, SHADOW_FROM_SURFACE, SPECKLE_BLOCK, SPECKLE_FROM_BONE, STANDS_OUT, TISSUE, BoneMetrics, SurfaceMetrics
-from .surface import exceeds, mean_std, median, nearest, ratio
+from .surface import exceeds, mean_std, median, ratio
 from .visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
 
 STEP = 0.25
@@ -114,14 +114,6 @@ def evaluate(
         lines_area=lines_area,
         lines_called_free=lines_called_free,
     )
-
-
-def shown_points(volume: Volume, truth: BoneTruth, mask: Volume | None = None) -> Mask:
-    """Which points of the true surface `evaluate` counts as covered, (n,) bool; the arguments are its own."""
-    chosen = _chosen(volume, truth)
-    shown = np.zeros(len(truth.surface), dtype=bool)
-    shown[chosen] = _responses(*_grays(volume, mask), volume, truth, chosen).covered
-    return shown
 
 
 def _grays(volume: Volume, mask: Volume | None) -> tuple[Singles, Mask]:

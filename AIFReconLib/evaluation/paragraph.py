@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import cast
 
 from .. import __version__
-from ..compounding.methods.table import METHODS, built_in
+from ..compounding.methods.table import METHODS, method_named
 from ..compounding.methods.weighted import WEIGHTED
 from ..errors import FileFormatError
 from ..io.metafile.opening import read_metafile
@@ -51,7 +51,7 @@ _LEFT_OUT = ("method", "engine", "frames", "inputs", "grid_to_reference", "gray_
 def made_in_words(name: str, settings: Mapping[str, object]) -> str:
     """How a volume was made, by the settings in its header."""
     method = str(settings["method"])
-    words = f" ({built_in(method).words})" if method in METHODS else ""
+    words = f" ({method_named(method).words})" if method in METHODS else ""
     more = {**BRIGHTENS, **dict.fromkeys(cast("list[str]", settings.get("found", [])), "found")}
     told = {key: setting_in_words(key, value) for key, value in settings.items() if key not in _LEFT_OUT}
     values = (f"{words} ({more[key]})" if key in more else words for key, words in told.items())

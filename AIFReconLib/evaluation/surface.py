@@ -15,7 +15,7 @@ from ..arrays import Floats, Integers, Mask, Numbers, Reals
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
-from ..geometry.volume import Volume
+from ..geometry.volume import Volume, nearest
 from ..machine.memory import LARGEST_GRID, require_memory
 
 DISTANCE_LIMIT = 12.0
@@ -233,14 +233,6 @@ def _label_of(points: Floats, normals: Floats, labels: Volume | None) -> Integer
 
 def _sample(array: Numbers, ijk: Floats) -> Floats:
     return scipy.ndimage.map_coordinates(array, ijk.T[::-1], order=1, mode="nearest", output=np.float64)
-
-
-def nearest(volume: Volume, ijk: Floats, outside: float = 0) -> Numbers:
-    """Values of the nearest voxels to points (n, 3) given as (i, j, k); `outside` beyond the volume."""
-    numbers = np.floor(ijk + 0.5).astype(np.int64)
-    known = ((numbers >= 0) & (numbers < volume.grid.size)).all(axis=1)
-    numbers[~known] = 0
-    return np.where(known, volume.array[numbers[:, 2], numbers[:, 1], numbers[:, 0]], outside)
 
 
 # ---- statistics over points of a surface, each with its area, of which some are not known (NaN)

@@ -53,9 +53,8 @@ FACE = 1.0
 FACE_POINTS = 16
 """Of each frame, along its face."""
 
-PAIRS_AT_ONCE = 200_000
 PLACES_AT_ONCE = 4_000
-"""Points on a bone with their beams that are looked at together, and places on few rays."""
+"""Places on few rays that are looked at together."""
 
 MOST_LOOKS = 200
 """Along a ray that are left out at once where bone is far."""
@@ -209,10 +208,9 @@ def look(
     best = np.full(len(points), -np.inf)
     kept = sweep.region.mask(*sweep.frame_size)
     bone = BoneRays(distance)
-    waiting, waited = [], 0
     for number, image_to_reference in enumerate(sweep.image_to_reference):
         report(progress, number / len(sweep.image_to_reference), "Following the beams")
-        seen, _, beams, lengths = in_beam(points, image_to_reference, sweep, kept)
+        _, seen, _, beams, lengths = in_beams(points, image_to_reference[None], sweep, kept)
         status[seen] = np.maximum(status[seen], SHADOWED)
         if normals_reference is None:
             starts, cosines = points[seen], np.ones(len(seen))
@@ -222,32 +220,22 @@ def look(
             starts = points[seen] + max(LIFT, distance.grid.spacing.max()) * normals
             cosines = -(beams * normals).sum(axis=1)
             open_ = (cosines >= math.cos(math.radians(GRAZING_DEG))) & (cosines > best[seen])
-        waiting.append((seen[open_], starts[open_], beams[open_], lengths[open_], cosines[open_]))
-        waited += int(open_.sum())
-        if waited >= PAIRS_AT_ONCE or number == len(sweep.image_to_reference) - 1:
-            which, starts, beams, lengths, cosines = (np.concatenate(parts) for parts in zip(*waiting))
-            free = ~bone.blocks(starts, beams, lengths)
-            status[which[free]] = REACHED
-            np.maximum.at(best, which[free], cosines[free])
-            waiting, waited = [], 0
+        free = ~bone.blocks(starts[open_], beams[open_], lengths[open_])
+        reached = seen[open_][free]
+        status[reached], best[reached] = REACHED, cosines[open_][free]
     report(progress, 1.0, "Followed the beams")
     best[(status != REACHED) | (normals_reference is None)] = np.nan
     return status, best
 
 
-def in_beam(points: Floats, image_to_reference: Matrix, sweep: SweepBeams, kept: Mask) -> tuple[Integers, Floats, Floats, Floats]:
-    """Numbers of the points (m,) within a frame's beam, their pixels (m, 2), beam directions in Reference (m, 3), and mm from where the
-    beam begins (m,)."""
-    return in_beams(points, image_to_reference[None], sweep, kept)[1:]
-
-
 def in_beams(
     points: Floats, image_to_reference: Matrix, sweep: SweepBeams, kept: Mask
 ) -> tuple[Integers, Integers, Floats, Floats, Floats]:
-    """The same of several frames together, (frames, 4, 4): which of them each is about (m,), in their order, and what `in_beam` tells."""
+    """Points within the beams of frames, (frames, 4, 4): numbers of the frames (m,), in their order, and of the points (m,), their pixels
+    (m, 2), beam directions in Reference (m, 3), and mm from where the beam begins (m,)."""
     right, down = np.array([image_plane_axes(pose) for pose in image_to_reference]).transpose(1, 0, 2)
     spacing = np.array([pixel_spacing(pose) for pose in image_to_reference])
-    across = _cross(right, down)
+    across = np.cross(right, down)
     elevation = across @ points.T
     elevation -= (image_to_reference[:, :3, 3] * across).sum(axis=1)[:, None]
     frame, near = np.divmod(np.flatnonzero(np.abs(elevation) <= sweep.thickness / 2), max(len(points), 1))
@@ -267,12 +255,6 @@ def in_beams(
     with np.errstate(invalid="ignore"):
         beams = np.where(length[:, None] > 0, (x[:, None] * right[frame] + y[:, None] * down[frame]) / length[:, None], 0.0)
     return frame, near, pixels, beams, length
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """`np.cross` of rows (n, 3); that takes a tenth of a millisecond."""
-    (ax, ay, az), (bx, by, bz) = a.T, b.T
-    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], axis=1)
 
 
 class BoneRays:

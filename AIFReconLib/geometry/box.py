@@ -39,6 +39,13 @@ def block_sums(array: Numbers, factors: ArrayLike, dtype: DTypeLike) -> Any:
     return sums
 
 
+def in_cubes(points: Floats, edge: float, *more: Floats) -> list[Floats]:
+    """The mean (m, 3) of the points (n, 3) in each cube of this edge, and of what `more` (n, 3) is told of each."""
+    _, cube = np.unique(np.floor(points / edge), axis=0, return_inverse=True)
+    count = np.bincount(cube.reshape(-1))
+    return [np.stack([np.bincount(cube.reshape(-1), axis) / count for axis in each.T], axis=1) for each in (points, *more)]
+
+
 def corners_of(ends: Floats) -> Floats:
     """The corners, (8, 3), of a box with these ends, (3, 2), along the axes."""
     return np.array([*product(*ends)])

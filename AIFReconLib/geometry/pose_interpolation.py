@@ -38,11 +38,10 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
         return np.array(second, dtype=np.float64)
     first_rotation, first_stretch = _polar(first)
     second_rotation, second_stretch = _polar(second)
-    axis, angle = rotation_between(first_rotation, second_rotation)
     # Whose windows show poses need no scipy
     from scipy.spatial.transform import Rotation
 
-    turn = Rotation.from_rotvec(fraction * angle * axis).as_matrix()
+    turn = Rotation.from_rotvec(fraction * _turn(first_rotation, second_rotation)).as_matrix()
     stretch = (1.0 - fraction) * first_stretch + fraction * second_stretch
     shift = (1.0 - fraction) * np.asarray(first)[:3, 3] + fraction * np.asarray(second)[:3, 3]
     return affine(first_rotation @ turn @ stretch, shift)
@@ -50,31 +49,23 @@ def interpolate_pose(first: Matrix, second: Matrix, fraction: float) -> Matrix:
 
 def pose_change(first: Matrix, second: Matrix) -> tuple[float, float]:
     """How far apart two poses are: distance of their origins (mm) and angle of the turn between them (radians, 0 to pi)."""
-    _, angle = rotation_between(_polar(first)[0], _polar(second)[0])
-    return float(np.linalg.norm(np.asarray(second)[:3, 3] - np.asarray(first)[:3, 3])), angle
+    turn = _turn(_polar(first)[0], _polar(second)[0])
+    return float(np.linalg.norm(np.asarray(second)[:3, 3] - np.asarray(first)[:3, 3])), float(np.linalg.norm(turn))
 
 
-def rotation_between(first: Matrix, second: Matrix) -> tuple[Floats, float]:
-    """Axis (3,), unit vector in the frame before `first`, and angle (radians, 0 to pi) with first @ turn(axis, angle) = second.
-
-    Both are (3, 3) rotations, or both mirrored.
+def _turn(first: Matrix, second: Matrix) -> Floats:
+    """The rotation vector (3,), radians, in the frame before `first`, with first @ turn = second; both are (3, 3), mirrored or not.
 
     Raises GeometryError when one is mirrored and the other is not.
     """
     turn = first.T @ second
     if np.linalg.det(turn) < 0.0:
         raise GeometryError("Input poses must both be mirrored, or neither; got one of each. Check the transforms.")
-    # Twice the axis times the sine; the sine of half a turn vanishes, and the axis then stands in the symmetric part
-    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
-    twice_sine, twice_cosine = float(np.linalg.norm(skew)), float(np.trace(turn)) - 1.0
-    angle = float(np.arctan2(twice_sine, twice_cosine))
-    if twice_cosine > -1.0:
-        return (skew / twice_sine if twice_sine > 0.0 else np.array([0.0, 0.0, 1.0])), angle
-    symmetric = 0.5 * (turn + turn.T)
-    outer = (symmetric - np.cos(angle) * np.eye(3)) / (1.0 - np.cos(angle))
-    column = outer[:, int(np.argmax(np.diag(outer)))]
-    axis = column / np.linalg.norm(column)
-    return (axis if axis @ skew >= 0.0 else -axis), angle
+    # Whose windows show poses need no scipy
+    from scipy.spatial.transform import Rotation
+
+    vector: Floats = Rotation.from_matrix(turn).as_rotvec()
+    return vector
 
 
 def _polar(matrix: Matrix) -> tuple[Matrix, Matrix]:

@@ -184,7 +184,7 @@ def find_ways(names: Iterable[TransformName], source: str, target: str) -> Ways:
     if target not in on_way:
         known, near = ", ".join(map(str, names)) or "none", _list_frames(on_way - {source})
         raise TransformError(
-            f"No transform leads from {source} to {target}. Known transforms: {known}. {source} is connected to {near}, {target} to "
+            f"Nothing says where {source} lies in {target}. Known transforms: {known}. {source} is connected to {near}, {target} to "
             f"{_list_frames(_reached(leaving, {target}) - {target})}."
         )
     # A frame that a single other frame cuts off from both ends is on no way between them

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -99,12 +98,10 @@ def why_not_rigid(matrix: Matrix) -> str | None:
     problem = why_not_affine(matrix)
     if problem:
         return problem
-    x, y, z = matrix[:3, :3].T.tolist()
-    lengths, angles = (_dot(x, x), _dot(y, y), _dot(z, z)), (_dot(x, y), _dot(y, z), _dot(z, x))
-    if max(abs(length - 1.0) for length in lengths) > RIGIDITY_TOLERANCE or max(map(abs, angles)) > RIGIDITY_TOLERANCE:
+    turn = matrix[:3, :3]
+    if np.abs(turn.T @ turn - np.eye(3)).max() > RIGIDITY_TOLERANCE:
         return "not rigid (scaled or sheared)"
-    across = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
-    if _dot(across, z) < 0:
+    if np.linalg.det(turn) < 0:
         return "not rigid (mirrored)"
     return None
 
@@ -122,20 +119,16 @@ def are_rigid(matrices: Matrix) -> bool:
     )
 
 
-def _dot(a: Sequence[float], b: Sequence[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
 def why_not_an_image_pose(image_to_reference: Matrix) -> str | None:
     """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
     problem = why_not_affine(image_to_reference)
     if problem:
         return problem
-    x, y = image_to_reference[:3, :2].T.tolist()
-    along_x, along_y = math.hypot(*x), math.hypot(*y)
+    x, y = image_to_reference[:3, :2].T
+    along_x, along_y = pixel_spacing(image_to_reference)
     if min(along_x, along_y) <= 0.0 or max(along_x, along_y) > 1e4 * min(along_x, along_y):
         return "singular (a pixel has no size)"
-    if abs(_dot(x, y)) > SHEAR_TOLERANCE * along_x * along_y:
+    if abs(x @ y) > SHEAR_TOLERANCE * along_x * along_y:
         return "sheared (image axes are not at right angles)"
     return None
 
@@ -153,6 +146,12 @@ def invert(matrix: Matrix) -> Matrix:
 def transform_points(a_to_b: Matrix, points_a: ArrayLike) -> Floats:
     """Points (..., 3) of frame a in frame b."""
     return np.asarray(points_a, dtype=np.float64) @ a_to_b[:3, :3].T + a_to_b[:3, 3]
+
+
+def unit_vectors(vectors: Floats) -> Floats:
+    """Vectors (..., n) of length 1; those of length 0 stay."""
+    unit: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
+    return unit
 
 
 def whole_shift(one: Matrix, other: Matrix) -> Integers | None:

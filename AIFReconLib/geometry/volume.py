@@ -16,6 +16,7 @@ from types import EllipsisType
 from typing import Any, Protocol, TypeVar, overload
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, DTypeLike
 
 from ..arrays import Array, Floats, Integers, Mask, Matrix, Numbers, NumberType
@@ -158,7 +159,7 @@ AnyVolume = TypeVar("AnyVolume", bound="Volume")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Volume(Described):
+class Volume(Described, NDArrayOperatorsMixin):
     """Values on a voxel grid: for numpy an array, which knows where its voxels lie.
 
     Raises
@@ -271,23 +272,9 @@ class Volume(Described):
             to_whole[2 - axis, 2 - axis], to_whole[2 - axis, 3] = chosen.step, chosen.start
         return replace(self, array=self.array[tuple(slices)], ijk_to_reference=self.ijk_to_reference @ to_whole, fields={})
 
-    def __lt__(self, other: Any) -> Any:
-        return self.array < np.asarray(other)
-
-    def __le__(self, other: Any) -> Any:
-        return self.array <= np.asarray(other)
-
-    def __gt__(self, other: Any) -> Any:
-        return self.array > np.asarray(other)
-
-    def __ge__(self, other: Any) -> Any:
-        return self.array >= np.asarray(other)
-
-    def __eq__(self, other: Any) -> Any:
-        return self.array == np.asarray(other) if isinstance(other, Volume | np.ndarray | np.generic | int | float) else NotImplemented
-
-    def __ne__(self, other: Any) -> Any:
-        return self.array != np.asarray(other) if isinstance(other, Volume | np.ndarray | np.generic | int | float) else NotImplemented
+    def __array_ufunc__(self, function: np.ufunc, method: str, *inputs: Any, **named: Any) -> Any:
+        """Arithmetic and comparisons are numpy's, of every voxel."""
+        return getattr(function, method)(*(each.array if isinstance(each, Volume) else each for each in inputs), **named)
 
     __hash__ = object.__hash__
 
@@ -371,3 +358,11 @@ def as_volume(values: Volume | ArrayLike, ijk_to_reference: ArrayLike | None, na
     if ijk_to_reference is not None:
         return Volume(np.asarray(values), as_matrix(ijk_to_reference, "ijk_to_reference"))
     raise not_of_kind(name, values, (Volume,), "Give ijk_to_reference, a (4, 4) matrix in mm, with an array, or Volume.from_sitk(image).")
+
+
+def nearest(volume: Volume, ijk: Floats, outside: float = 0) -> Numbers:
+    """Values of the nearest voxels to points (n, 3) given as (i, j, k); `outside` beyond the volume."""
+    numbers = np.floor(ijk + 0.5).astype(np.int64)
+    known = ((numbers >= 0) & (numbers < volume.grid.size)).all(axis=1)
+    numbers[~known] = 0
+    return np.where(known, volume.array[numbers[:, 2], numbers[:, 1], numbers[:, 0]], outside)

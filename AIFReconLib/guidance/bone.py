@@ -14,8 +14,9 @@ from ..bone.map import BoneMap
 from ..errors import GeometryError
 from ..evaluation.surface import BoneSurface, bone_surface, centers_of_mass, interspinous_border
 from ..evaluation.visibility import GRAZING_DEG, LIFT, BoneRays
+from ..geometry.box import in_cubes
 from ..geometry.labels import Labels
-from ..geometry.transforms import affine, as_matrix, image_plane_axes, transform_points
+from ..geometry.transforms import affine, as_matrix, image_plane_axes, transform_points, unit_vectors
 from ..geometry.volume import Volume
 
 PITCH = 1.0
@@ -206,12 +207,12 @@ def bone_of_echoes(known: BoneMap, image_to_reference: Matrix) -> GuidedBone:
     kji = np.argwhere(shown & sides[0] & sides[1])
     place, spacing = known.probability.ijk_to_reference, known.probability.grid.spacing
     out = -np.stack([slope[tuple(kji.T)] for slope in known.slopes], axis=1) @ (place[:3, :3] / spacing).T
-    seen = _in_cubes(transform_points(place, kji[:, ::-1].astype(np.float64)), _unit(out))
+    seen = _in_cubes(transform_points(place, kji[:, ::-1].astype(np.float64)), unit_vectors(out))
     points, normals = (np.concatenate(both) for both in zip(seen, _beyond(*seen), strict=True))
     # Along the axes, which is quick to tell and never more than the distance: all that rays want to know
     away = spacing.min() * scipy.ndimage.distance_transform_cdt(~inside, "chessboard")
     distance = Volume(away.astype(np.float32), place)
-    looks = _unit(_unit(image_to_reference[:, :3, 1]).mean(axis=0))
+    looks = unit_vectors(unit_vectors(image_to_reference[:, :3, 1]).mean(axis=0))
     patient = affine(_axes(np.stack([right := image_plane_axes(image_to_reference[0])[0], looks, np.cross(right, looks)], axis=1), looks))
     is_seen = np.arange(len(points)) < len(seen[0])
     # A plane meets so many cubes for each mm^2
@@ -235,30 +236,22 @@ def _beyond(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
             there = points + step * way - step**2 / (2.0 * BEND) * normals
             goes_on &= known.query(there)[0] > NEAR * step
             found.append(there[goes_on])
-            facing.append(_unit(normals + step / BEND * way)[goes_on])
+            facing.append(unit_vectors(normals + step / BEND * way)[goes_on])
     return _in_cubes(np.concatenate(found), np.concatenate(facing))
 
 
 def axes_across(normals: Floats) -> tuple[Floats, Floats]:
     """Unit vectors (n, 3) at right angles to normals (n, 3) and to each other: first cross second is the normal."""
     some = np.where(np.abs(normals[:, :1]) < 0.8, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
-    first = _unit(np.cross(some, normals))
+    first = unit_vectors(np.cross(some, normals))
     return first, np.cross(normals, first)
 
 
 def _in_cubes(points: Floats, normals: Floats) -> tuple[Floats, Floats]:
     """The mean of the points (n, 3) in each cube of `APART`, and of their normals (n, 3); not where these face all sorts of ways."""
-    cubes, of = np.unique(np.floor(points / APART), axis=0, return_inverse=True)
-    count = np.bincount(of.reshape(-1), minlength=len(cubes))[:, None]
-    means = [np.stack([np.bincount(of.reshape(-1), each, len(cubes)) for each in values.T], axis=1) / count for values in (points, normals)]
+    means = in_cubes(points, APART, normals)
     agree = np.linalg.norm(means[1], axis=1) > AGREE
-    return means[0][agree], _unit(means[1][agree])
-
-
-def _unit(vectors: Floats) -> Floats:
-    """Vectors (..., 3) of length 1."""
-    unit: Floats = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-9)
-    return unit
+    return means[0][agree], unit_vectors(means[1][agree])
 
 
 def _axes(rotation: Floats, anterior: Floats | None) -> Floats:

@@ -19,7 +19,7 @@ from ..sweep.poses import sweep_poses, time_order
 from .bone import GuidedBone
 from .bone_coverage import CoverageAccumulator
 from .candidates import DRAWS
-from .coverage import Coverage, coverage, covered, followed
+from .coverage import Coverage, back_of_labels, coverage, covered, followed, share_of
 from .mesh import ColoredBone
 from .next_move import Move, NextMove, directions
 from .passes import labels_under
@@ -67,9 +67,9 @@ class Guidance:
         found, advice = self.coverage, self.advice
         return replace(
             seen,
-            all=found.all,
+            all=share_of(found.met, found.met.bone.posterior) if found.by_label else found.all,
             interspinous=found.interspinous,
-            by_label=found.by_label,
+            by_label=back_of_labels(found.met),
             patient_to_reference=found.met.bone.patient_to_reference,
             is_advised=advice is not None,
             move=None if advice is None else advice.seen,

@@ -44,8 +44,8 @@ PATIENT = (
 IMAGE = (
     (TO_RIGHT, "to the right of the image"),
     (TO_LEFT, "to the left of the image"),
-    (UP, "into the image"),
-    (DOWN, "out of the image"),
+    (UP, "away from you, as you see the image"),
+    (DOWN, "toward you, as you see the image"),
 )
 """The ways of x and z up and down, of the patient and of an image that is looked at on a screen: an arrow, and words."""
 

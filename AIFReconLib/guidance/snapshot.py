@@ -71,9 +71,9 @@ class GuidanceSnapshot:
     surface: int | None = None  #: The number of the mesh that the levels are of; None: no surface is known
     mesh: BoneMesh | None = None  #: In the labels' own coordinates; None where who asked has it
     levels: Bytes | None = None  #: (n,). Of the corners of the mesh; see `AIFReconLib.guidance.mesh`.
-    all: Share | None = None  #: None: nothing was met yet
+    all: Share | None = None  #: Of a CT what faces the back, as by label; None: nothing was met yet
     interspinous: Share | None = None
-    by_label: dict[str, Share] = field(default_factory=dict)  #: By the name of the label, or its number where it has none
+    by_label: dict[str, Share] = field(default_factory=dict)  #: Of what faces the back, by the name of the label, or its number
     patient_to_reference: Matrix | None = None  #: (4, 4); see `GuidedBone`. None as `all`.
     is_advised: bool = False  #: Whether candidate passes were looked at
     move: AdvisedMove | None = None  #: None with `is_advised`: no further move would add much

@@ -122,8 +122,6 @@ def _box_sum_of(weights: Floats) -> Callable[[Floats], Floats]:
 
 def _kernel_sum(array: Floats, kernel: Floats) -> Floats:
     """The sum over the cube around each voxel, with the weights of an odd-sized `kernel`; nothing lies outside the volume."""
-    shape = [scipy.fft.next_fast_len(n + k - 1, real=True) for n, k in zip(array.shape, kernel.shape, strict=True)]
-    # A correlation: the kernel the other way round
-    product = scipy.fft.rfftn(array, shape) * scipy.fft.rfftn(kernel[::-1, ::-1, ::-1], shape)
-    inner = tuple(slice(k // 2, k // 2 + n) for n, k in zip(array.shape, kernel.shape, strict=True))
-    return np.asarray(scipy.fft.irfftn(product, shape), dtype=np.float64)[inner]
+    # A correlation: the kernel the other way round. "same" would be as large as the larger of both
+    whole = scipy.signal.fftconvolve(array, kernel[::-1, ::-1, ::-1])
+    return np.asarray(whole)[tuple(slice(k // 2, k // 2 + n) for n, k in zip(array.shape, kernel.shape, strict=True))]

@@ -12,7 +12,7 @@ from itertools import chain, combinations
 
 import numpy as np
 
-from ..arrays import Floats, Mask, Numbers
+from ..arrays import Mask, Numbers
 from ..errors import BeamGeometryError
 from ..remedies import NAME_THE_PROBE
 from .beams import LINEAR, SECTOR, ProbeGeometry
@@ -21,17 +21,13 @@ from .images import ImageStack
 from .masks import closed, large_areas, largest_area, opened
 from .outline import BORDER_PX, MOST_LOPSIDED_DEG, STEP_PX, SectorFit, fit_sector, has_ragged_narrow_side
 from .rectangle import (
-    SMOOTH_LOWER,
-    SMOOTH_UPPER,
+    SMOOTH_ON_BLACK,
     Box,
-    Sides,
     fit_rectangle,
     has_bent_ends,
     has_level_end,
-    is_bent,
     is_cut_off,
     overlap,
-    straight_sides,
     without_trace,
 )
 from .region import ClipRectangle, Fan, ImageRegion
@@ -64,15 +60,6 @@ NARROWEST = 0.45
 
 MOST_STILL = 0.02
 """Part of what was found that may stand still, and of what changes that may lie elsewhere, before other evidence is asked."""
-
-VERTICAL_SLOPE = 0.03
-"""Sides that lean less than this (columns per row) are those of a linear probe."""
-
-FULL_BOX, FILLED, EXPLAINED_BOX, EXPLAINED_SECTOR = 0.97, 0.7, 0.9, 0.95
-"""Parts of a box that are lit where it is a rectangle at once, and of what was fitted at least; of what is lit that must lie in it."""
-
-MIDDLE, DIRECTIONS = 0.25, 64
-"""Part of a sector's angles that is its middle; directions in which the outer radius of a sector is looked for."""
 
 
 class _SidesCutOff(BeamGeometryError):
@@ -161,19 +148,21 @@ def _differ(one: DetectedImaging, other: DetectedImaging, shape: tuple[int, ...]
 def _by_black_surround(brightest: Numbers, spacing: tuple[float, float]) -> DetectedImaging:
     """What stands on black, where nothing else does."""
     lit = _lit_area(brightest)
-    rows = np.flatnonzero(lit.any(axis=1))
-    columns = np.flatnonzero(lit.any(axis=0))
-    box = lit[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    sides = straight_sides(box)
-    upright = sides is not None and max(abs(sides[0][1]), abs(sides[1][1])) < VERTICAL_SLOPE
-    if box.mean() > FULL_BOX or upright:
-        return _rectangle(brightest, lit, box, sides if upright else None, (int(columns[0]), int(rows[0])))
-    if sides is None:
-        faded = fit_sector(lit, spacing)
-        if faded is None:
-            raise _unrecognized("its outline is neither a rectangle nor a sector")
-        return _as_imaging(faded, faded, lit.shape, spacing, "")
-    return _sector(lit, sides, (int(columns[0]), int(rows[0])), spacing)
+    box = fit_rectangle(lit, on_black=True)
+    if box is not None:
+        if has_bent_ends(lit, (*box[:2], 0, len(lit)), SMOOTH_ON_BLACK, only_down=False):
+            raise _SidesCutOff(
+                "The probe cannot be told from the images: its sides are upright and its upper or lower edge is bent, as of a sector whose "
+                "sides were cut off.",
+                NAME_THE_PROBE,
+            )
+        return _upright(box, brightest)
+    found = fit_sector(lit, spacing, may_lean=True)
+    if found is not None:
+        return _as_imaging(found, found, lit.shape, spacing, "")
+    if lit[:, :BORDER_PX].any() and lit[:, -BORDER_PX:].any():
+        raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
+    raise _unrecognized("its outline is neither a rectangle nor a sector")
 
 
 def _lit_area(brightest: Numbers) -> Mask:
@@ -299,67 +288,11 @@ def _as_imaging(
     # At a higher level less of the far field changes
     fan = Fan(fit.apex_px, fit.angles_deg, (min(one.radii[0], other.radii[0]), max(one.radii[1], other.radii[1])), spacing)
     dark = "" if fit.dark_side is None else f"; its {fit.dark_side} side is dark and taken to be as wide as the other"
-    words = f"{_sector_words(fit.apex_px, fit.angles_deg)}{how}{dark}"
+    words = (
+        f"a sector probe, apex at column {fit.apex_px[0]:.1f}, row {fit.apex_px[1]:.1f}, "
+        f"{fit.angles_deg[0]:.1f} to {fit.angles_deg[1]:.1f} degrees{how}{dark}"
+    )
     return DetectedImaging(ProbeGeometry(SECTOR, fit.apex_px), ImageRegion(clip, fan), words)
-
-
-def _sector_words(apex: tuple[float, float], angles: tuple[float, float]) -> str:
-    return f"a sector probe, apex at column {apex[0]:.1f}, row {apex[1]:.1f}, {angles[0]:.1f} to {angles[1]:.1f} degrees"
-
-
-def _rectangle(brightest: Numbers, lit: Mask, box: Mask, sides: Sides | None, corner: tuple[int, int]) -> DetectedImaging:
-    height, width = box.shape
-    left, right = 0, width - 1
-    if sides is not None:
-        # The sides rather than the box: text that touches the image widens the box
-        ends = [[offset + slope * row for row in (0, height - 1)] for offset, slope in sides]
-        left, right = max(round(min(ends[0])), left), min(round(max(ends[1])), right)
-    within = box[:, left : right + 1]
-    if right <= left or within.mean() < FILLED or within.sum() < EXPLAINED_BOX * box.sum():
-        raise _unrecognized("its outline is neither a rectangle nor a sector")
-    if is_bent(within.argmax(axis=0), SMOOTH_UPPER, only_down=False) or is_bent(-within[::-1].argmax(axis=0), SMOOTH_LOWER):
-        raise _SidesCutOff(
-            "The probe cannot be told from the images: its sides are upright and its upper or lower edge is bent, as of a sector whose "
-            "sides were cut off.",
-            NAME_THE_PROBE,
-        )
-    left, right, top, bottom = left + corner[0], right + corner[0], corner[1], corner[1] + height - 1
-    if left < BORDER_PX and right >= lit.shape[1] - BORDER_PX:
-        raise _unrecognized("they are lit from side to side, with no black surround that would show an outline")
-    return _upright((left, right, top, bottom), brightest)
-
-
-def _sector(lit: Mask, sides: Sides, corner: tuple[int, int], spacing: tuple[float, float]) -> DetectedImaging:
-    (left_offset, left_slope), (right_offset, right_slope) = sides
-    # The outermost lit pixels lie inside the side, by half a pixel on average
-    left_offset, right_offset = left_offset - 0.5, right_offset + 0.5
-    if left_slope >= -VERTICAL_SLOPE or right_slope <= VERTICAL_SLOPE:
-        raise _unrecognized("its sides do not spread downward")
-    row = (left_offset - right_offset) / (right_slope - left_slope)
-    apex = (left_offset + left_slope * row + corner[0], row + corner[1])
-    aspect = spacing[0] / spacing[1]
-    angles = (math.degrees(math.atan(left_slope * aspect)), math.degrees(math.atan(right_slope * aspect)))
-    y, x = np.nonzero(lit)
-    radius = np.hypot((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1])
-    angle = np.degrees(np.arctan2((x - apex[0]) * spacing[0], (y - apex[1]) * spacing[1]))
-    middle = radius[np.abs(angle - np.mean(angles)) < MIDDLE * (angles[1] - angles[0])]
-    if not middle.size:
-        raise _unrecognized("its sides do not enclose it")
-    first, last = float(middle.min()), _outer_radius(radius, (angle - angles[0]) / (angles[1] - angles[0]))
-    fan = Fan(apex, angles, (max(first - 0.5 * spacing[1], 0.0), last), spacing)
-    inside = fan.mask(lit.shape[1], lit.shape[0])
-    if (lit & inside).sum() < EXPLAINED_SECTOR * lit.sum() or (lit & inside).sum() < FILLED * inside.sum():
-        raise _unrecognized("its outline is not that of a sector")
-    return DetectedImaging(ProbeGeometry(SECTOR, apex), ImageRegion(fan=fan), _sector_words(apex, angles))
-
-
-def _outer_radius(radius: Floats, across: Floats) -> float:
-    """The radius that a sector reaches in some directions at least; `across` of each pixel is 0 at its left side, 1 at its right."""
-    farthest = np.zeros(DIRECTIONS)
-    within = (across >= 0) & (across < 1)
-    np.maximum.at(farthest, (across[within] * DIRECTIONS).astype(int), radius[within])
-    # Not quite the largest: a ruler that touches the sector sticks out in one direction or two
-    return float(np.sort(farthest)[-4])
 
 
 def _unrecognized(why: str) -> BeamGeometryError:

@@ -9,8 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
+import scipy
 
 from ..arrays import Floats, Integers, Mask, Reals
 from .region import Fan
@@ -35,6 +37,9 @@ MOST_OUTSIDE = 0.02
 
 SPECKS = 0.003
 """Part of the area that may lie beyond a side that is seen."""
+
+NEARER = 0.001
+"""Part of the area that may lie nearer than the near end."""
 
 LARGEST_APEX_ERROR, LARGEST_ONE_SIDED = 1.0, 0.7
 """mm. Estimated error of the apex, on the large side, beyond which a fit is refused, and one of which only one side is seen."""
@@ -71,22 +76,12 @@ class SectorFit:
     apex_error: float  #: mm, estimated
 
 
-@dataclass(frozen=True)
-class _Outline:
-    """The ends of an area in each row and column, (n, 2) float64 (x, y) in steps of rows: what is square in mm is square here."""
-
-    left: Floats
-    right: Floats
-    top: Floats
-    bottom: Floats
-
-    @property
-    def parts(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """All four, in the order of LEFT, RIGHT, NEAR and FAR."""
-        return self.left, self.right, self.top, self.bottom
+Outline = tuple[Floats, Floats, Floats, Floats]
+"""The ends of an area in each row and column, left, right, top and bottom, (n, 2) each, (x, y) in steps of rows: what is square in mm is
+square here."""
 
 
-def outline_of(area: Mask, aspect: float) -> _Outline:
+def outline_of(area: Mask, aspect: float) -> Outline:
     """The outline of an area without what the image's border cuts off; `aspect` is the pixels' width over their height."""
     rows, columns = area.shape
     row, column = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.any(axis=0))
@@ -97,7 +92,7 @@ def outline_of(area: Mask, aspect: float) -> _Outline:
         return np.stack([x * aspect, y.astype(np.float64)], axis=1)[kept]
 
     # The outermost pixels lie inside, by half a pixel on the average
-    return _Outline(
+    return (
         points(left - 0.5, row, left >= BORDER_PX),
         points(right + 0.5, row, right < columns - BORDER_PX),
         points(column, top - 0.5, top >= BORDER_PX),
@@ -137,11 +132,14 @@ def most_at(values: Floats, tolerance: float) -> tuple[float, int]:
     return float(np.median(ordered[first : first + counts[first]])), int(counts[first])
 
 
-def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
-    """The sector that an area (rows, columns) is part of; None where that cannot be told. `spacing` is (x, y) in mm."""
+def fit_sector(area: Mask, spacing: tuple[float, float], may_lean: bool = False) -> SectorFit | None:
+    """The sector that an area (rows, columns) is part of; None where that cannot be told. `spacing` is (x, y) in mm.
+
+    Where it `may_lean`, each of its sides is believed as it is; else one leans as much as the other.
+    """
     aspect = spacing[0] / spacing[1]
     outline = outline_of(area, aspect)
-    if sum(map(len, outline.parts)) < 100:
+    if sum(map(len, outline)) < 100:
         return None
     # One pixel in four is enough
     rows, columns = 2 * np.array(np.nonzero(area[::2, ::2]))
@@ -153,8 +151,9 @@ def fit_sector(area: Mask, spacing: tuple[float, float]) -> SectorFit | None:
             free = _fitted(outline, start)
             if free is None:
                 continue
-            seen, apex = _sides_seen(free, outline, pixels), free.apex
-        fit = _fitted(outline, apex, seen) if any(seen) else None
+            seen, apex = _sides_seen(free, outline, pixels, may_lean), free.apex
+        leans = may_lean and mirrored is None and all(seen)
+        fit = _fitted(outline, apex, None if leans else seen) if any(seen) else None
         # That a side mirrors the other is only taken where its ringing shows: the sector may have been steered
         if fit is None or (mirrored is not None and not all(fit.used[:NEAR])):
             continue
@@ -174,27 +173,27 @@ def has_ragged_narrow_side(area: Mask, fan: Fan) -> bool:
     return _is_ragged(outline_of(area, aspect), apex, angles)
 
 
-def _is_ragged(outline: _Outline, apex: Floats, angles: list[float]) -> bool:
+def _is_ragged(outline: Outline, apex: Floats, angles: list[float]) -> bool:
     narrow = RIGHT if angles[LEFT] + angles[RIGHT] < 0 else LEFT
-    spreads = [_spread(_off(outline.parts[side], side, apex, angles[side])) for side in (narrow, 1 - narrow)]
+    spreads = [_spread(_off(outline[side], side, apex, angles[side])) for side in (narrow, 1 - narrow)]
     return spreads[0] >= MORE_RAGGED * spreads[1]
 
 
-def _starts(outline: _Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
+def _starts(outline: Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
     """Where the apex may be, and which sides are seen then, or None where that is not known.
 
     It may be where two straight sides meet, where one meets the outermost line that leans as much to the other side, or where arcs about
     a point of one fit best.
     """
     steep = math.tan(math.radians(UPRIGHT_DEG))
-    lines = [straightest(outline.left, -1), straightest(outline.right, 1)]
+    lines = [straightest(outline[LEFT], -1), straightest(outline[RIGHT], 1)]
     if lines[0] is not None and lines[1] is not None and lines[1][1] - lines[0][1] > 2 * steep:
         y = (lines[0][0] - lines[1][0]) / (lines[1][1] - lines[0][1])
         yield np.array([lines[0][0] + lines[0][1] * y, y]), None
     alike = None not in lines and abs(sum(math.atan(line[1]) for line in lines if line)) < math.radians(MOST_LOPSIDED_DEG)
-    top = float(min(outline.left[:, 1].min(initial=np.inf), outline.right[:, 1].min(initial=np.inf)))
+    top = float(min(outline[LEFT][:, 1].min(initial=np.inf), outline[RIGHT][:, 1].min(initial=np.inf)))
     for side, sign in ((LEFT, -1), (RIGHT, 1)):
-        line, others = lines[side], outline.parts[1 - side]
+        line, others = lines[side], outline[1 - side]
         if line is None or sign * line[1] < steep:
             continue
         offset, slope, _ = line
@@ -205,7 +204,7 @@ def _starts(outline: _Outline) -> Iterator[tuple[Floats, list[bool] | None]]:
             yield np.array([offset + slope * y, y]), [side == LEFT, side == RIGHT]
         rows = top + 10 - np.geomspace(1, 4000, 120)
         apexes = np.stack([offset + slope * rows, rows], axis=1)
-        seen = [_most_together(np.linalg.norm(points - apexes[:, None], axis=-1), 3.0) for points in (outline.top, outline.bottom)]
+        seen = [_most_together(np.linalg.norm(points - apexes[:, None], axis=-1), 3.0) for points in (outline[NEAR], outline[FAR])]
         yield apexes[int(np.argmax(np.add(*seen)))], None
 
 
@@ -227,46 +226,45 @@ class _Fit:
     error: float  #: Of the apex, estimated
 
 
-def _fitted(outline: _Outline, apex: Floats, seen: list[bool] | None = None) -> _Fit | None:
+def _fitted(outline: Outline, apex: Floats, seen: list[bool] | None = None) -> _Fit | None:
     """What fits best about an apex near this one; None where too little fits.
 
     Where it is told which sides are `seen`, one leans as much as the other, and of one that is not only what the ringing shows counts.
     """
-    parts = outline.parts
     dark = None if seen is None or all(seen) else seen.index(False)
     for tolerance in TOLERANCES_PX:
-        values = [_crowded(points, part, apex, tolerance) for part, points in enumerate(parts)]
+        values = [_crowded(points, part, apex, tolerance) for part, points in enumerate(outline)]
         if seen is not None:
             half = (values[RIGHT] - values[LEFT]) / 2 if dark is None else abs(values[1 - dark])
             values[LEFT], values[RIGHT] = -half, half
-        near = [points[np.abs(_off(points, part, apex, values[part])) <= tolerance] for part, points in enumerate(parts)]
+        near = [points[np.abs(_off(points, part, apex, values[part])) <= tolerance] for part, points in enumerate(outline)]
         used = _enough(outline, near, values, apex)
         if dark is not None:
-            used[dark] = ringing_shows(_off(parts[dark], dark, apex, values[dark]) * (1, -1)[dark], tolerance)
-        flat = _flat_top(outline.top, near[NEAR])
+            used[dark] = ringing_shows(_off(outline[dark], dark, apex, values[dark]) * (1, -1)[dark], tolerance)
+        flat = _flat_top(outline[NEAR], near[NEAR])
         if flat is not None:
             used[NEAR] = False
         if sum(used) < 2 or not any(used[:NEAR]):
             return None
-        equations = []
+        # A ragged part tells less; of a dark side only what rings belongs to it
+        errors = {}
         for part in (part for part in range(4) if used[part]):
-            # A ragged part tells less; of a dark side only what rings belongs to it
-            spread = _typical(_off(near[part] if part == dark else parts[part], part, apex, values[part]))
-            error = math.sqrt(3 * CRISP_PX2 + RAGGED_LENGTH * (spread - CRISP_PX2))
-            equations.append(_equations(near[part], part, apex, values[part]) / error)
-        matrix, rest = np.hsplit(np.concatenate(equations), [6])
-        if seen is not None:
-            matrix[:, 2 + LEFT] -= matrix[:, 2 + RIGHT]
-            matrix[:, 2 + RIGHT] = 0.0
+            spread = _typical(_off(near[part] if part == dark else outline[part], part, apex, values[part]))
+            errors[part] = math.sqrt(3 * CRISP_PX2 + RAGGED_LENGTH * (spread - CRISP_PX2))
+
+        def off(told: Floats, near: list[Floats] = near, errors: dict[int, float] = errors) -> Floats:
+            sides = (told[2], told[3]) if seen is None else (told[2], -told[2])
+            each = (*sides, told[4], told[5])
+            return np.concatenate([_off(near[part], part, told[:2], each[part]) / error for part, error in errors.items()])
+
         # What nothing tells keeps its value
-        scale = np.maximum(np.linalg.norm(matrix, axis=0), 1e-9)
-        step = np.linalg.lstsq(matrix / scale, -rest[:, 0], rcond=None)[0] / scale
-        if seen is not None:
-            step[2 + RIGHT] = -step[2 + LEFT]
-        if not np.isfinite(step).all() or np.hypot(*step[:2]) > FARTHEST_STEP:
+        found = cast("Any", scipy.optimize.least_squares)(off, [*apex, *values], method="lm")
+        if np.hypot(*(found.x[:2] - apex)) > FARTHEST_STEP:
             return None
-        covariance = np.linalg.pinv((matrix / scale).T @ (matrix / scale)) / np.outer(scale, scale)
-        apex, values = apex + step[:2], list(values + step[2:])
+        covariance = np.linalg.pinv(found.jac.T @ found.jac, hermitian=True)
+        apex, values = found.x[:2], found.x[2:].tolist()
+        if seen is not None:
+            values[RIGHT] = -values[LEFT]
     return _Fit(apex, values, used, flat, math.sqrt(covariance[0, 0] + covariance[1, 1]))
 
 
@@ -279,19 +277,6 @@ def _crowded(points: Floats, part: int, apex: Floats, tolerance: float) -> float
     return most_at(np.arctan2(x, y), tolerance / max(float(np.median(radius)), 1.0))[0]
 
 
-def _equations(points: Floats, part: int, apex: Floats, value: float) -> Floats:
-    """How `_off` of each point changes with the apex' x and y and the four values, and what it is, (n, 7)."""
-    x, y = (points - apex).T
-    radius = np.hypot(x, y)
-    equations = np.zeros((len(points), 7))
-    if part < NEAR:
-        equations[:, 0], equations[:, 1], equations[:, 2 + part] = -math.cos(value), math.sin(value), -radius
-    else:
-        equations[:, 0], equations[:, 1], equations[:, 2 + part] = -x / radius, -y / radius, -1.0
-    equations[:, 6] = _off(points, part, apex, value)
-    return equations
-
-
 def _off(points: Floats, part: int, apex: Floats, value: float) -> Floats:
     """How far points lie from a ray of this angle, to its right, or outside an arc of this radius."""
     x, y = (points - apex).T
@@ -300,13 +285,13 @@ def _off(points: Floats, part: int, apex: Floats, value: float) -> Floats:
     return off
 
 
-def _enough(outline: _Outline, near: list[Floats], values: list[float], apex: Floats) -> list[bool]:
+def _enough(outline: Outline, near: list[Floats], values: list[float], apex: Floats) -> list[bool]:
     """Which of left side, right side, near end and far end are seen along enough of their length to count."""
-    width, height = np.ptp(np.concatenate(outline.parts), axis=0)
+    width, height = np.ptp(np.concatenate(outline), axis=0)
     upright = math.radians(UPRIGHT_DEG)
     used = [len(near[side]) >= max(SHORTEST_SIDE * height, 20) and sign * values[side] > upright for side, sign in ((LEFT, -1), (RIGHT, 1))]
     for part, sign in ((NEAR, -1), (FAR, 1)):
-        beyond = sign * _off(outline.parts[part], part, apex, values[part]) > 4.0
+        beyond = sign * _off(outline[part], part, apex, values[part]) > 4.0
         # The near end is as much shorter than the far one as it is nearer
         longest = width * (values[NEAR] / max(values[FAR], 1.0) if part == NEAR else 1.0)
         used.append(len(near[part]) >= max(SHORTEST_ARC * longest, 20) and beyond.sum() <= 0.1 * len(beyond))
@@ -336,18 +321,18 @@ def _margin(radius: Floats) -> Floats:
     return margin
 
 
-def _sides_seen(fit: _Fit, outline: _Outline, pixels: Floats) -> list[bool]:
+def _sides_seen(fit: _Fit, outline: Outline, pixels: Floats, may_lean: bool) -> list[bool]:
     """Whether left and right side are seen, as nothing lies beyond them; the edge of a shadow is none."""
     seen = [fit.used[side] and _beyond(fit, pixels, side) < SPECKS for side in (LEFT, RIGHT)]
     angles = fit.values[:NEAR]
-    if all(seen) and abs(sum(angles)) > math.radians(MOST_LOPSIDED_DEG):
+    if all(seen) and not may_lean and abs(sum(angles)) > math.radians(MOST_LOPSIDED_DEG):
         if not _is_ragged(outline, fit.apex, angles):
             return [False, False]  # a sector that was steered
         seen[RIGHT if sum(angles) < 0 else LEFT] = False
     return seen
 
 
-def _checked(fit: _Fit, seen: list[bool], outline: _Outline, pixels: Floats, spacing: tuple[float, float]) -> SectorFit | None:
+def _checked(fit: _Fit, seen: list[bool], outline: Outline, pixels: Floats, spacing: tuple[float, float]) -> SectorFit | None:
     """The fit, in pixels of the image, if it explains the area and is sure enough."""
     x, y = (pixels - fit.apex).T
     angle, radius = np.arctan2(x, y), np.hypot(x, y)
@@ -355,9 +340,12 @@ def _checked(fit: _Fit, seen: list[bool], outline: _Outline, pixels: Floats, spa
     if y.min() < -2 or max(_beyond(fit, pixels, side) for side in (LEFT, RIGHT)) > SPECKS:
         return None
     if not fit.used[NEAR]:
-        first = max(fit.flat - fit.apex[1], 0.0) if fit.flat is not None else float(np.quantile(radius, 0.001))
+        # Specks lie nearer; what is left out with them is made good, as a sector's area grows with the square of its radius
+        nearest, farthest = np.quantile(radius, (NEARER, 1 - NEARER))
+        innermost = math.sqrt(max(nearest**2 - NEARER * farthest**2, 0.0))
+        first = max(fit.flat - fit.apex[1], 0.0) if fit.flat is not None else innermost
     # What rings ends above, where a dark side begins
-    cut_off = np.count_nonzero(outline.bottom[:, 1] > pixels[:, 1].mean()) < CUT_OFF * np.ptp(pixels[:, 0])
+    cut_off = np.count_nonzero(outline[FAR][:, 1] > pixels[:, 1].mean()) < CUT_OFF * np.ptp(pixels[:, 0])
     if not fit.used[FAR]:
         # Far beams may fade to black one by one, where the other three parts tell the sector
         faded = cut_off or all(fit.used[:FAR])

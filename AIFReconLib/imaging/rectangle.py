@@ -10,9 +10,12 @@ from ..arrays import Integers, Mask
 from .outline import (
     BORDER_PX,
     CUT_OFF,
+    FAR,
     FEWEST_RINGING,
+    LEFT,
     MOST_OUTSIDE,
     NEAR,
+    RIGHT,
     STEP_PX,
     UPRIGHT_DEG,
     most_at,
@@ -24,15 +27,6 @@ from .outline import (
 Box = tuple[int, int, int, int]
 """First and last column, first and last row."""
 
-Sides = tuple[tuple[float, float], tuple[float, float]]
-"""Left and right side of a lit area, each as (column at row 0, columns per row)."""
-
-LINE_TOLERANCE_PX, ON_LINE, FEWEST_POINTS, MOST_ROUNDS = 2.0, 0.75, 10, 5
-"""How far a side may be from its straight line, the part of it that must be on it, its points, and rounds in which those are chosen."""
-
-WIDEST_AT_TOP = 0.2
-"""Part of the height in which the widest row is the top of upright sides."""
-
 TALLEST_TRACE = 0.1
 """Part of an image's height up to which a band from border to border is no ultrasound."""
 
@@ -42,8 +36,11 @@ EDGE_PARTS, FEWEST_PARTS = 16, 5
 SMALLEST_BEND_PX, SMOOTH_PX = 1.2, 0.4
 """How far the middle of an edge must be from its ends to be bent, and how near the edge to its arc, or that as a part of its depth:"""
 
-SMOOTH_UPPER, SMOOTH_NEAR, SMOOTH_LOWER = 0.5, 0.1, 0.08
+SMOOTH_ON_BLACK, SMOOTH_NEAR, SMOOTH_LOWER = 0.5, 0.1, 0.08
 """An upper edge on black, one of what changes, which may be ragged where the near field is dark, and a lower edge."""
+
+SMALLEST, SMALLEST_ON_BLACK = 40, 10
+"""Rows and columns of a rectangle at least."""
 
 FEWEST_ROWS, CRISP, LEVEL = 5, 0.5, 0.8
 """Rows that a column of a rectangle has at least; part of a side that must lie on one line; part of an end that is surely no arc."""
@@ -69,30 +66,31 @@ def is_bent(edge: Integers, smooth: float, only_down: bool = True) -> bool:
     return False
 
 
-def fit_rectangle(area: Mask, has_level_face: bool = False) -> Box | None:
+def fit_rectangle(area: Mask, has_level_face: bool = False, on_black: bool = False) -> Box | None:
     """First and last column, first and last row of the upright rectangle that an area is part of; None where that cannot be told.
 
     Two sides that are straight along most of their length and stand upright tell it, or one and a level end.
-    That it `has_level_face` may be asked for: of what lies apart, such a face belongs to it.
+    That it `has_level_face` may be asked for: of what lies apart, such a face belongs to it. What stands `on_black` may be small, or cut
+    off by two borders, but both of its sides must be seen.
     """
     outline = outline_of(area, 1.0)
     rows, columns = np.flatnonzero(area.any(axis=1)), np.flatnonzero(area.sum(axis=0) >= FEWEST_ROWS)
-    if not columns.size or min(rows.size, columns.size) < 40:
+    if not columns.size or min(rows.size, columns.size) < (SMALLEST_ON_BLACK if on_black else SMALLEST):
         return None
     bounds, parts = [float(columns[0]), float(columns[-1]), float(rows[0]), float(rows[-1])], []
-    ends = ((outline.left, 0, rows), (outline.right, 0, rows), (outline.top, 1, columns), (outline.bottom, 1, columns))
-    for number, (points, axis, all_) in enumerate(ends):
+    for number, (points, axis, all_) in enumerate(zip(outline, (0, 0, 1, 1), (rows, rows, columns, columns), strict=True)):
         place, count = most_at(points[:, axis], 1.5)
         parts.append(count / all_.size)
-        if parts[-1] >= CRISP:
+        # On black all that is lit belongs to it, however ragged its ends are
+        if parts[-1] >= CRISP and not (on_black and number >= NEAR):
             bounds[number] = place + (0.5 if number % 2 == 0 else -0.5)
-    lines = [straightest(outline.left, -1), straightest(outline.right, 1)]
+    lines = [straightest(outline[LEFT], -1), straightest(outline[RIGHT], 1)]
     lean = [None if line is None or line[2] < CRISP * rows.size else abs(math.degrees(math.atan(line[1]))) for line in lines]
     # Of a dark side only what rings along a level face is seen, without a gap
     level = parts[NEAR] * columns.size >= LEVEL * np.ptp(columns)
     if has_level_face and not level:
         return None
-    for side, points in enumerate((outline.left, outline.right)):
+    for side, points in enumerate(outline[:NEAR]):
         inward = np.abs(points[:, 0] - columns[-side]) - 0.5
         rings = level and parts[side] < LEVEL and ringing_shows(inward[: 2 * FEWEST_RINGING], 1.5) and ringing_shows(inward, 1.5)
         if rings and not (parts[side] >= CRISP and abs(bounds[side] - columns[-side]) < STEP_PX):
@@ -103,30 +101,31 @@ def fit_rectangle(area: Mask, has_level_face: bool = False) -> Box | None:
         return None
     left, right, top, bottom = (round(bound) for bound in bounds)
     within = area[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
-    # What two borders cut off may be a picture of anything
     cut_off = left < BORDER_PX, right >= area.shape[1] - BORDER_PX, top < BORDER_PX
-    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or sum(cut_off) > 1:
+    # What two borders cut off may be a picture of anything; on black no side is dark
+    told = all(side or beyond for side, beyond in zip(upright, cut_off, strict=False)) if on_black else sum(cut_off) <= 1
+    if within.sum() < (1 - MOST_OUTSIDE) * area.sum() or not told:
         return None
     return left, right, top, bottom
 
 
-def has_bent_ends(area: Mask, box: Box) -> bool:
+def has_bent_ends(area: Mask, box: Box, smooth_near: float = SMOOTH_NEAR, only_down: bool = True) -> bool:
     """Whether the near or the far end of an area in a rectangle is an arc, as of a sector whose sides were covered."""
     left, right, top, bottom = (max(bound, 0) for bound in box)
     shown = area[top : bottom + 1, left : right + 1]
     shown = shown[:, shown.any(axis=0)]
-    return is_bent(shown.argmax(axis=0), SMOOTH_NEAR) or is_bent(-shown[::-1].argmax(axis=0), SMOOTH_LOWER)
+    return is_bent(shown.argmax(axis=0), smooth_near, only_down) or is_bent(-shown[::-1].argmax(axis=0), SMOOTH_LOWER)
 
 
 def is_cut_off(area: Mask) -> bool:
     """Whether the image's border cuts an area off below."""
-    return bool(len(outline_of(area, 1.0).bottom) < CUT_OFF * np.count_nonzero(area.any(axis=0)))
+    return bool(len(outline_of(area, 1.0)[FAR]) < CUT_OFF * np.count_nonzero(area.any(axis=0)))
 
 
 def has_level_end(area: Mask) -> bool:
     """Whether an area ends downward along one row nearly everywhere, as no arc does; upward, where the image's border cuts it off."""
     outline = outline_of(area, 1.0)
-    end = outline.top if is_cut_off(area) else outline.bottom
+    end = outline[NEAR] if is_cut_off(area) else outline[FAR]
     return bool(most_at(end[:, 1], 1.5)[1] >= LEVEL * np.count_nonzero(area.any(axis=0)))
 
 
@@ -144,42 +143,3 @@ def without_trace(area: Mask) -> Mask:
     across = area[last::-1, :BORDER_PX].any(axis=1) & area[last::-1, -BORDER_PX:].any(axis=1)
     height = int(across.argmin())
     return area if height > TALLEST_TRACE * len(area) else np.where(np.arange(len(area))[:, None] > last - height, False, area)
-
-
-def straight_sides(box: Mask) -> Sides | None:
-    """Left and right side of a lit box as (column at row 0, columns per row); None where they are not straight."""
-    height, width = box.shape
-    left = box.argmax(axis=1)
-    right = width - 1 - box[:, ::-1].argmax(axis=1)
-    row = np.arange(height)
-    sides = []
-    for edge, outermost in ((left, left.min()), (right, right.max())):
-        # Below its widest row a sector is bounded by its arc, not by its side
-        widest = int(np.flatnonzero(np.abs(edge - outermost) <= 1)[0])
-        last = height if widest < WIDEST_AT_TOP * height else widest + 1
-        line = _robust_line(row[:last], edge[:last])
-        if line is None:
-            return None
-        sides.append(line)
-    return sides[0], sides[1]
-
-
-def _robust_line(rows: Integers, columns: Integers) -> tuple[float, float] | None:
-    """Column at row 0 and columns per row of the line that most points are on; None when fewer than `ON_LINE` are."""
-    if rows.size < FEWEST_POINTS:
-        return None
-    y, x = rows.astype(np.float64), columns.astype(np.float64)
-    step = max(y.size // 3, 1)
-    slope = float(np.median((x[step:] - x[:-step]) / (y[step:] - y[:-step])))
-    offset = float(np.median(x - slope * y))
-    before: Mask | None = None
-    for _ in range(MOST_ROUNDS):
-        near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
-        if near.sum() < FEWEST_POINTS:
-            return None
-        if before is not None and np.array_equal(near, before):
-            break
-        before = near
-        slope, offset = (float(v) for v in np.polyfit(y[near], x[near], 1))
-    near = np.abs(x - offset - slope * y) <= LINE_TOLERANCE_PX
-    return (offset, slope) if near.mean() >= ON_LINE else None

@@ -45,22 +45,8 @@ def raised_bands(shown: Volume, plain: Volume) -> Bytes:
         raise GeometryError("Input plain must lie on the voxels of the reconstruction; got another grid. Reconstruct both anew.")
     bands = np.empty(shown.array.shape, dtype=np.uint8)
     bright = BRIGHT * float(shown.array.max(initial=0))
-    eight_bit = shown.array.dtype == plain.array.dtype == np.uint8
-    levels = np.arange(256, dtype=np.uint8)
-    known = _bands(*np.meshgrid(levels, levels, indexing="ij"), bright).reshape(-1) if eight_bit else None
     for first in range(0, len(bands), PLANES_AT_ONCE):
         some = slice(first, first + PLANES_AT_ONCE)
-        if known is None:
-            bands[some] = _bands(shown.array[some], plain.array[some], bright)
-        else:
-            # Of 8 bits there are few pairs: looking up is faster
-            pairs = shown.array[some].astype(np.intp) * 256
-            pairs += plain.array[some].astype(np.intp)
-            np.take(known, pairs, out=bands[some])
-    return bands
-
-
-def _bands(shown: Numbers, plain: Numbers, bright: float) -> Bytes:
-    bands: Bytes = np.digitize(raised_share(shown, plain), BANDS).astype(np.uint8)
-    bands[shown < bright] = 0
+        bands[some] = np.digitize(raised_share(shown.array[some], plain.array[some]), BANDS)
+        bands[some][shown.array[some] < bright] = 0
     return bands

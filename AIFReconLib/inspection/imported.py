@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import AIFReconError, BeamGeometryError, SettingsError
-from ..geometry.mechanism import Mechanism
 from ..geometry.transform_graph import TransformName
 from ..geometry.transforms import pixel_spacing
 from ..imaging.recognized import recognized
 from ..io.foreign.images import timed
 from ..io.foreign.importing import IMAGE_FRAME, REFERENCE_FRAME, import_sequence
-from ..io.foreign.mechanisms import read_joint_poses, read_mechanism
 from ..io.foreign.openers import open_images
 from ..io.foreign.options import ImportOptions
 from ..io.foreign.poses.files import read_poses, read_times
@@ -32,12 +30,11 @@ from .tracking_report import tracking_report
 
 @dataclass(frozen=True, eq=False)
 class Imported:
-    """A sequence of images and poses, how they were understood, what the poses are, and what moved the probe, if that was described."""
+    """A sequence of images and poses, how they were understood, and what the poses are."""
 
     sequence: TrackedSequence
     understood: tuple[str, ...]
     transform: TransformName
-    mechanism: Mechanism | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +53,7 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
     and `questions_of` has the options that answer.
     """
     name = options.poses_of
-    mechanism = read_mechanism(options.mechanism) if options.mechanism else None
-    table = read_joint_poses(poses, mechanism, options) if mechanism else read_poses(poses, options)
+    table = read_poses(poses, options)
     patient = read_poses(poses, replace(options, tool=options.reference_tool)) if options.reference_tool else None
     opened = open_images(images)
     if options.times:
@@ -69,7 +65,7 @@ def import_files(images: Sequence[str | Path], poses: str | Path, options: Impor
         understood = (*understood, f"time offset: {options.time_offset:.3f} s, found in the images and applied")
     if not (options.sure or patient):
         _check_direction(sequence, name)
-    return Imported(sequence, understood, name, mechanism)
+    return Imported(sequence, understood, name)
 
 
 def _reference(sequence: TrackedSequence, name: TransformName) -> str:
@@ -116,7 +112,7 @@ def _check_direction(sequence: TrackedSequence, name: TransformName) -> None:
 
 def check_import(imported: Imported, name: str) -> ImportCheck:
     """Facts of the sweep, and its drawing, called `name`, where the images can be placed."""
-    sequence, transform, mechanism = imported.sequence, imported.transform, imported.mechanism
+    sequence, transform = imported.sequence, imported.transform
     reference = _reference(sequence, transform)
     try:
         poses = sweep_poses(sequence, reference=reference)
@@ -129,8 +125,7 @@ def check_import(imported: Imported, name: str) -> ImportCheck:
         region, probe = seen.region, f"recognized in the images, blue in the drawing: {seen.description}"
     except BeamGeometryError as error:
         region, probe = None, message_of(error)
-    axes = mechanism.lines() if mechanism and reference == transform.target else []
-    drawing = draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, axes, region)
+    drawing = draw_sweep(poses.image_to_reference[poses.usable], sequence.frame_size, name, reference, region)
     rows = [f"{what}: {value}" for what, value in tracking_report(sequence, poses).rows()]
     if np.isfinite(sequence.timestamps).all():
         offset = estimate_time_offset(sequence, poses).to_text()

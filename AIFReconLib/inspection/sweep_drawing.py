@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.sax.saxutils import escape
 
@@ -20,7 +20,7 @@ PANEL = 420.0
 
 MARGIN = 48.0
 _AXES = "xyz"
-_COLUMN_COLOR, _ROW_COLOR, _AXIS_COLOR, _SHOWN_COLOR = "#c0392b", "#1e8449", "#6c3483", "#2471a3"
+_COLUMN_COLOR, _ROW_COLOR, _SHOWN_COLOR = "#c0392b", "#1e8449", "#2471a3"
 DOT = 3.0
 """Points. Radius of the end of an axis."""
 
@@ -34,7 +34,6 @@ class _Stroke:
     width: float = 1.0
     closed: bool = False
     tinted: bool = False
-    dashed: bool = False
     dotted: bool = False
 
 
@@ -71,9 +70,8 @@ class Drawing:
 def _svg_of(stroke: _Stroke) -> str:
     points = " ".join(f"{x:.1f},{y:.1f}" for x, y in stroke.points)
     fill = f'fill="{stroke.color}" fill-opacity="0.2"' if stroke.tinted else 'fill="none"'
-    dashes = ' stroke-dasharray="6 4"' if stroke.dashed else ""
     end = f'<circle cx="{stroke.points[-1, 0]:.1f}" cy="{stroke.points[-1, 1]:.1f}" r="{DOT:g}" fill="{stroke.color}"/>'
-    look = f'{fill} stroke="{stroke.color}" stroke-width="{stroke.width:g}"{dashes}'
+    look = f'{fill} stroke="{stroke.color}" stroke-width="{stroke.width:g}"'
     line = f'<poly{"gon" if stroke.closed else "line"} points="{points}" {look}/>'
     return line + (end if stroke.dotted else "")
 
@@ -83,7 +81,6 @@ def draw_sweep(
     frame_size: tuple[int, int],
     title: str = "",
     reference: str = "Reference",
-    lines: Sequence[tuple[str, Floats, Floats]] = (),
     region: ImageRegion | None = None,
 ) -> Drawing:
     """The drawing of a sweep.
@@ -98,8 +95,6 @@ def draw_sweep(
     frame_size : (columns, rows)
     reference : str
         What the frame of the axes is called.
-    lines : sequence of (name, point, direction)
-        Axes of the mechanism that moved the probe, in Reference, mm: drawn in violet and dashed, each through its point.
     region : ImageRegion or None
         The part of the image that is ultrasound, drawn in blue.
     """
@@ -109,8 +104,7 @@ def draw_sweep(
     corners = np.array([(0, 0, 0, 1), (columns - 1, 0, 0, 1), (columns - 1, rows - 1, 0, 1), (0, rows - 1, 0, 1)], dtype=np.float64)
     outlines = np.einsum("nij,kj->nki", poses[chosen, :3], corners)
     area = np.empty((0, 3)) if region is None else _placed(extreme_pixels(region.mask(columns, rows)), poses[chosen[0]])
-    shown = np.concatenate([outlines.reshape(-1, 3), *(point[None] for _, point, _ in lines)])
-    low, high = shown.min(axis=0), shown.max(axis=0)
+    low, high = outlines.min(axis=(0, 1)), outlines.max(axis=(0, 1))
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
     drawn: list[_Stroke | _Words] = [_Words(MARGIN, 20, title, size=14)]
@@ -125,9 +119,6 @@ def draw_sweep(
         drawn += _panel(on_page(outlines), corner, axes, scale, reference)
         if len(area):
             drawn.append(_Stroke(on_page(area), _SHOWN_COLOR, closed=True, tinted=True))
-        for name, point, direction in lines:
-            ends = on_page(np.array([point - extent / 6 * direction, point + extent / 6 * direction]))
-            drawn += _axis(ends, name, _AXIS_COLOR, dashed=True)
     return Drawing(
         len(VIEWS) * (PANEL + 2 * MARGIN),
         PANEL + 2 * MARGIN + 24,
@@ -136,9 +127,9 @@ def draw_sweep(
     )
 
 
-def _axis(ends: Floats, name: str, color: str, dashed: bool = False) -> Iterator[_Stroke | _Words]:
+def _axis(ends: Floats, name: str, color: str) -> Iterator[_Stroke | _Words]:
     """A line from one end to the other, which has a dot and a name."""
-    yield _Stroke(ends, color, width=2.0, dashed=dashed, dotted=True)
+    yield _Stroke(ends, color, width=2.0, dotted=True)
     yield _Words(float(ends[1, 0]) + 5, float(ends[1, 1]) - 4, name, color)
 
 

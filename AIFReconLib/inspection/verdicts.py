@@ -94,10 +94,10 @@ def tracking_verdict(report: TrackingReport) -> Verdict:
     return Verdict(Level.GOOD, found)
 
 
-def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None = None) -> Verdict:
+def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None = None, guessed: str = "") -> Verdict:
     """Whether the bone of the CT lies on the bone that the sweep shows, by the rule that registrations are accepted by.
 
-    `names` are those of the labels.
+    `names` are those of the labels. What the sweep does not tell and was `guessed`, in words, makes it a caution.
     """
     if agreement.echoes + agreement.elsewhere < FEWEST:
         return unknown("the sweep shows too little bone to compare with the CT")
@@ -105,6 +105,10 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
     if not agreement.echoes:
         return Verdict(Level.POOR, "no bone of the CT is near the bone of the sweep", place)
     found = f"{agreement.share:.0%} of the echoes lie on its bone, {agreement.median_distance:.1f} mm off in the median"
+    if agreement.enough and guessed:
+        return Verdict(
+            Level.LOOK, f"CT agrees: {found}; but the sweep does not tell {guessed}", "Place it there by landmarks, or scan more."
+        )
     if agreement.enough:
         return Verdict(Level.GOOD, f"CT agrees: {found}")
     if agreement.share >= ENOUGH and agreement.median_distance <= LARGEST_MEDIAN:
@@ -117,10 +121,11 @@ def registration_verdict(agreement: Agreement, names: Mapping[int, str] | None =
                 "level off."
             ),
         )
-    return Verdict(Level.POOR, f"CT does not agree: {found}", place)
+    only = "only " if agreement.share < ENOUGH else ""
+    return Verdict(Level.POOR, f"CT does not lie on the bone of the sweep: {only}{found}", place)
 
 
-def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move: str = "") -> Verdict:
+def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float]) -> Verdict:
     """How much of the vertebrae that were scanned is expected to show.
 
     Parameters
@@ -129,8 +134,6 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
         By the name of a vertebra, the share of what can be reached that is expected to show, 0 to 1; NaN: nothing can be reached.
     met : mapping of str to float
         By the same names, the share that any beam met.
-    move : str
-        Where to move the probe next, if that is known.
     """
     scanned = {name: share for name, share in shown.items() if met[name] >= SCANNED and share == share}
     if not scanned:
@@ -141,8 +144,7 @@ def coverage_verdict(shown: Mapping[str, float], met: Mapping[str, float], move:
     if least >= COVERED:
         return Verdict(Level.GOOD, found)
     name = min(scanned, key=scanned.__getitem__)
-    again = move or f"Scan {name} again, from other angles."
-    return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, again)
+    return Verdict(Level.LOOK if least >= BARELY_COVERED else Level.POOR, found, f"Scan {name} again, from other angles.")
 
 
 def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:

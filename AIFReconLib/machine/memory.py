@@ -30,9 +30,9 @@ def available_memory() -> int | None:
 
     Notes
     -----
-    The least of the system's free memory, the control group's limit (containers) and the process's own address-space limit.
+    The lesser of the system's free memory and the control group's limit (containers).
     """
-    limits = [n for n in (_system_free(), _cgroup_free(), _address_space_free()) if n is not None]
+    limits = [n for n in (_system_free(), _cgroup_free()) if n is not None]
     return max(min(limits), 0) if limits else None
 
 
@@ -65,14 +65,10 @@ def require_memory(
         return
     usable = most * bytes_per_voxel if available is None else min(SAFETY * available, most * bytes_per_voxel)
     fits = _spacing_that_fits(size, spacing, usable / bytes_per_voxel)
-    fitting = _gigabytes(usable)
+    box, pitch = " x ".join(map(str, size)), " x ".join(f"{s:.3g}" for s in spacing)
+    can_be = f"at most {_gigabytes(usable)}" if available is None else _gigabytes(usable)
     raise InsufficientMemoryError(
-        "A volume of {size} voxels ({spacing} mm) needs {needed} of memory, and {usable} can be used.".format(
-            size=" x ".join(str(n) for n in size),
-            spacing=" x ".join(f"{s:.3g}" for s in spacing),
-            needed=_gigabytes(needed),
-            usable=f"at most {fitting}" if available is None else fitting,
-        ),
+        f"A volume of {box} voxels ({pitch} mm) needs {_gigabytes(needed)} of memory, and {can_be} can be used.",
         "No spacing would fit: free some memory, or choose a smaller box." if fits is None else "A spacing of {fits:g} mm would fit.",
         fits=fits,
     )
@@ -143,19 +139,6 @@ def _cgroup_free() -> int | None:
         statistics = dict(line.split() for line in (CONTROL_GROUP / "memory.stat").read_text("utf-8").splitlines())
         return int(limit) - int((CONTROL_GROUP / "memory.current").read_text("utf-8")) + int(statistics.get("inactive_file", 0))
     except (OSError, ValueError):
-        return None
-
-
-def _address_space_free() -> int | None:
-    try:
-        import resource
-
-        limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-        if limit == resource.RLIM_INFINITY:
-            return None
-        used = int(Path("/proc/self/statm").read_text("utf-8").split()[0]) * resource.getpagesize()
-        return limit - used
-    except (ImportError, OSError, ValueError):
         return None
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from contextlib import suppress
+from functools import partial
 from typing import Any, TypeVar
 
 from numba import __version__ as VERSION
@@ -31,12 +31,12 @@ def compiled(function: Kernel) -> Kernel:
     Notes
     -----
     numba keeps it beside the source, else in the user's cache folder (or where NUMBA_CACHE_DIR says). Where neither can be written to
-    it is compiled anew in every process. Kept code that is damaged, and a disk that is full, cost time and nothing else. A kernel calls
-    only `called` and `inlined` functions of its own file, because the kept code is told to be out of date by that file alone.
+    it is compiled anew in every process. A kernel calls only `called` and `inlined` functions of its own file, because the kept code is
+    told to be out of date by that file alone.
     """
     try:
         dispatcher = njit(cache=True, **_OPTIONS)(function)
-        dispatcher._cache = _DispensableCache(dispatcher._cache)
+        dispatcher._cache.save_overload = partial(_saved, dispatcher._cache.save_overload)
     except RuntimeError as error:
         logger.info("%s is compiled anew in every process: its code cannot be kept (%s)", function.__name__, error)
         dispatcher = njit(**_OPTIONS)(function)
@@ -68,27 +68,9 @@ def called(function: Kernel) -> Kernel:
     return kernel
 
 
-class _DispensableCache:
-    """numba's cache of a kernel, whose failures do not matter: what cannot be loaded is compiled, what cannot be saved is not."""
-
-    # numba's own types, which no version of it promises
-    def __init__(self, cache: Any):
-        self._cache = cache
-
-    def load_overload(self, *arguments: Any) -> Any:
-        try:
-            return self._cache.load_overload(*arguments)
-        except Exception:  # a damaged file fails in whatever way it likes
-            logger.info("Kept code cannot be loaded and is compiled anew", exc_info=True)
-            with suppress(Exception):
-                self._cache.flush()
-            return None
-
-    def save_overload(self, *arguments: Any) -> None:
-        try:
-            self._cache.save_overload(*arguments)
-        except Exception:
-            logger.info("Compiled code cannot be kept", exc_info=True)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._cache, name)
+def _saved(save: Callable[..., None], *arguments: Any) -> None:
+    """Keep code, as numba does; a disk that is full costs time and nothing else."""
+    try:
+        save(*arguments)
+    except OSError:
+        logger.info("Compiled code cannot be kept", exc_info=True)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import queue
-import threading
+from collections import deque
 from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from itertools import islice
 from typing import TypeVar
-
-from .threads import start
 
 Item = TypeVar("Item")
 
@@ -20,49 +19,23 @@ AHEAD = 8
 def read_ahead(items: Iterable[Item], ahead: int = AHEAD) -> Iterator[Iterator[Item]]:
     """The same items in the same order, produced on a thread of their own while the caller works on earlier ones.
 
-    An error of the producer is raised where the item would have come. However the block is left, the thread has ended afterwards: it
-    is told to stop, and does so when the item that it is at is done. Where the system allows no more threads, nothing is read ahead.
+    An error of the producer is raised where the item would have come. However the block is left, the thread has ended afterwards:
+    it does so when the item that it is at is done.
     """
-    waiting: queue.Queue[tuple[Item] | BaseException | None] = queue.Queue(maxsize=max(ahead, 1))
-    stopped = threading.Event()
+    iterator = iter(items)
 
-    # An item in a tuple of its own, the error that ended them, or None for their end
-    def offer(result: tuple[Item] | BaseException | None) -> bool:
-        while not stopped.is_set():
-            try:
-                waiting.put(result, timeout=0.1)
-                return True
-            except queue.Full:
-                continue
-        return False
+    def following() -> list[Item]:
+        return list(islice(iterator, 1))
 
-    def produce() -> None:
+    with ThreadPoolExecutor(1, "reading ahead") as reader:
+        waiting = deque(reader.submit(following) for _ in range(ahead))
+
+        def take() -> Iterator[Item]:
+            while read := waiting.popleft().result():
+                waiting.append(reader.submit(following))
+                yield from read
+
         try:
-            for item in items:
-                if not offer((item,)):
-                    return
-            offer(None)
-        except BaseException as error:
-            offer(error)
-
-    def take() -> Iterator[Item]:
-        while True:
-            result = waiting.get()
-            if result is None:
-                return
-            if isinstance(result, BaseException):
-                raise result
-            yield result[0]
-
-    reader = threading.Thread(target=produce, name="reading ahead", daemon=True)
-    if not start(reader):
-        yield iter(items)
-        return
-    try:
-        yield take()
-    finally:
-        stopped.set()
-        # A producer that waits for room is let go at once
-        while not waiting.empty():
-            waiting.get_nowait()
-        reader.join()
+            yield take()
+        finally:
+            reader.shutdown(cancel_futures=True)

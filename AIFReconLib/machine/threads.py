@@ -23,7 +23,7 @@ def in_parts(
     """Call `work` with 0 to `parts` - 1, each once, on up to `threads` threads of which the caller's is one.
 
     Each thread takes the next part when it is done with one, so that parts may differ in size. All threads have ended when this
-    returns or raises; the first error stops the rest, and is raised here. Where the system allows fewer threads, it is done on fewer.
+    returns or raises; the first error stops the rest, and is raised here.
     `progress` hears of `step` on the caller's thread before every part of its own, and may cancel the rest. Where a part takes long,
     `work` yields between its steps: there it may be stopped too.
     """
@@ -42,22 +42,13 @@ def in_parts(
             errors.append(error)
 
     helpers = [threading.Thread(target=take_turns, daemon=True) for _ in range(min(threads, parts) - 1)]
-    started = list(itertools.takewhile(start, helpers))
+    for helper in helpers:
+        helper.start()
     take_turns(progress)
-    for helper in started:
+    for helper in helpers:
         helper.join()
     if errors:
         raise errors[0]
-
-
-def start(thread: threading.Thread) -> bool:
-    """Start the thread; False where the system allows no more threads."""
-    try:
-        thread.start()
-    except RuntimeError as error:
-        logger.warning("The system allows no more threads (%s): %s does without", error, thread.name)
-        return False
-    return True
 
 
 def checked_threads(threads: int | None) -> int:

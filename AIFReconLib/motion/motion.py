@@ -29,7 +29,7 @@ from ..sweep.frames import FrameRecord, TrackedSequence
 from ..sweep.multi_sweep import joined, sweeps_of
 from ..sweep.poses import chain_ends, poses_of_each
 from .passes import Passes, passes_of
-from .solve import FINE, MOST_ECHOES, BoneInPlace, MotionCurve, onto_bone, planes_of, solved
+from .solve import BOTH, CALIBRATION_ALONE, FINE, MOST_ECHOES, BoneInPlace, MotionCurve, onto_bone, planes_of, solved
 
 MOST_FRAMES = 600
 """Frames of all sweeps together whose echoes are looked at."""
@@ -43,6 +43,10 @@ FAR, SEEN_TWICE, SHARE = 6.0, 0.2, 0.03
 
 GAIN, LEAST = 0.85, 0.5
 """Part of their distance that echoes may keep which had no say, and mm (root mean square) that a motion must have, to be applied."""
+
+SIMPLER = 1.25
+"""Times farther off each other that a calibration may lay the passes than a motion does, and explain them all the same: it has six
+numbers for all frames. Where the calibration is wrong that is 0.9 to 1.15, where the patient breathes 2 mm from 2.1 on."""
 
 CLOSE, CLOSE_TO_BONE, LAID_ON_BONE = 1.1, 0.5, 0.7
 """mm that the worst pass may lie off the others afterwards, and off the CT's bone: 0.4 to 0.6 and 0.2 to 0.3 where a motion is right, and
@@ -78,7 +82,7 @@ class PatientMotion:
     """How a patient moved against the reference during a scan, as its bone echoes tell."""
 
     curve: MotionCurve
-    before: float  #: mm. How far the worst pass lies off the others, by frames that had no say; see `apart`.
+    before: float  #: mm. How far the worst pass lies off the others, see `apart`; by frames that had no say where it is applied.
     after: float  #: mm. The same with the motion taken out.
     applied: bool  #: Whether it is to be taken out
     loose: tuple[str, ...] = ()  #: Directions that the echoes do not hold, left at rest
@@ -89,7 +93,7 @@ class PatientMotion:
         """(frames, 3), mm. How far the patient was from the middle of the scan at each frame; NaN for frames without a pass."""
         curve, frames = self.curve, np.flatnonzero(self.curve.passes.numbers >= 0)
         shifts = np.full((len(curve.knots), 3), np.nan)
-        matrices = curve.matrices[frames]
+        matrices = curve.motions[frames]
         # A turn of a pass and shifts along it may stand for each other: what they do to the bone in the image tells
         places = curve.places[frames]
         at = np.einsum("nij,nj->ni", matrices[:, :3, :3], places) + matrices[:, :3, 3] - places
@@ -98,8 +102,13 @@ class PatientMotion:
 
     @property
     def size(self) -> float:
-        """mm, root mean square over the frames."""
-        return float(np.sqrt(np.nanmean((self.shifts**2).sum(axis=1))))
+        """mm, root mean square over the frames; or how far the calibration is off, if that is more."""
+        return max(float(np.sqrt(np.nanmean((self.shifts**2).sum(axis=1)))), self.curve.calibration_off)
+
+    @property
+    def is_calibration(self) -> bool:
+        """Whether a calibration that is off explains all of it."""
+        return bool(self.applied and not self.curve.shifts.any())
 
     @cached_property
     def breath(self) -> tuple[float, float] | None:
@@ -134,6 +143,8 @@ class PatientMotion:
             apart = f"Passes show the bone {self.before:.1f} mm apart"
             return (f"WARNING: {apart}, and no motion of the patient explains it. {self.unexplained}",)
         lines = [self.moved]
+        if self.is_calibration:
+            lines = [f"WARNING: {self.moved} Calibrate anew."]
         if self.loose:
             lines.append(f"Along {listed(self.loose)} of Reference the echoes do not hold it; there nothing is moved.")
         return (*lines, f"Mended: echoes lie {self.after:.1f} mm apart, before {self.before:.1f}.")
@@ -151,6 +162,8 @@ class PatientMotion:
     @property
     def moved(self) -> str:
         """How, in a sentence."""
+        if self.is_calibration:
+            return f"The patient lay still, but the calibration is {self.curve.calibration_off:.1f} mm off."
         if self.breath is not None:
             return f"The patient breathed: {self.breath[0]:.1f} mm, every {self.breath[1]:.1f} s."
         off = self.off
@@ -169,24 +182,31 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
     tried: Mask = np.isin(echoes.frames, np.unique(echoes.frames)[::2])
     rest, asked = MotionCurve.none(passes, echoes), echoes[~tried]
     before = apart(asked, rest, bone)
-    still = PatientMotion(rest, before, before, False, echoes=echoes)
+    # Half of the frames of a sparse sweep lie farther off each other than they do with the frames between
+    contradiction = apart(echoes, rest, bone)
+    still = PatientMotion(rest, contradiction, contradiction, False, echoes=echoes)
     if not moves(asked, passes, bone):
         return still
-    half, information = solved(echoes[tried], rest, bone, progress=part(progress, 0.0, 0.5))
+    alone, _ = solved(echoes[tried], rest, bone, free=CALIBRATION_ALONE, progress=part(progress, 0.0, 0.2))
+    half, information = solved(echoes[tried], rest, bone, progress=part(progress, 0.2, 0.5))
     if (loose := _loose(half, information)).any():
         held, _ = solved(echoes[tried], rest, bone, loose, progress=part(progress, 0.5, 0.7))
         if bone is None and apart(asked, held) > HINDERS * apart(asked, half):
             loose[:] = 0.0
         else:
             half = held
-    half = _in_the_middle(half, echoes, bone)
+    is_simple = apart(asked, alone, bone) <= SIMPLER * apart(asked, half, bone)
+    half = alone if is_simple else _in_the_middle(half, echoes, bone)
     after = apart(asked, half, bone)
     borne_out = after <= min(GAIN * before, CLOSE if bone is None else np.inf) and (
         bone is None or off_the_bone(asked, half, bone) <= min(GAIN * off_the_bone(asked, rest, bone), CLOSE_TO_BONE)
     )
     if not borne_out or PatientMotion(half, before, after, False).size < LEAST:
         return still if bone is None else _by_echoes_first(echoes, passes, bone, part(progress, 0.6, 1.0))
-    curve, _ = solved(echoes, half, bone, loose, FINE, part(progress, 0.7, 1.0))
+    free = CALIBRATION_ALONE if is_simple else BOTH
+    curve, _ = solved(echoes, half, bone, loose, FINE, free, part(progress, 0.7, 1.0))
+    if is_simple:
+        return PatientMotion(curve, before, after, True, echoes=curve.moved(echoes))
     curve = _in_the_middle(curve, echoes, bone)
     names = tuple(name for name, free in zip(AXES, np.median(loose, axis=0).diagonal(), strict=True) if free > HALF)
     return PatientMotion(curve, before, after, True, names, curve.moved(echoes))
@@ -241,7 +261,7 @@ def _in_the_middle(curve: MotionCurve, echoes: SweepEchoes, bone: BoneInPlace | 
 def _loose(curve: MotionCurve, information: Matrix) -> Matrix:
     """Onto the directions along which the echoes of each pass do not hold it, (passes, 3, 3)."""
     count, begin = len(curve.shifts), 3 * len(curve.turns)
-    blocks = information[begin:, begin:].reshape(count, 3, count, 3).transpose(0, 2, 1, 3)
+    blocks = information[begin:-6, begin:-6].reshape(count, 3, count, 3).transpose(0, 2, 1, 3)
     loose = np.zeros((len(curve.turns), 3, 3))
     for number in range(len(curve.turns)):
         mine = curve.owners == number

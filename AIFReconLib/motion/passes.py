@@ -30,6 +30,7 @@ class Passes:
 
     numbers: Integers  #: (frames,). -1 for frames that cannot be placed.
     times: Floats  #: (frames,), s on one clock that goes on from sweep to sweep
+    image_to_reference: Matrix  #: (frames, 4, 4), mm, as recorded; NaN where nothing places a frame
 
     def __len__(self) -> int:
         return int(self.numbers.max(initial=-1)) + 1
@@ -50,7 +51,7 @@ def passes_of(sweeps: list[TrackedSequence], poses: list[SweepPoses]) -> Passes:
         numbers.append(number)
         times.append(before + stamps)
         before += float(stamps.max(initial=0.0)) + 2 * LONGEST_GAP
-    return Passes(np.concatenate(numbers), np.concatenate(times))
+    return Passes(np.concatenate(numbers), np.concatenate(times), np.concatenate([each.image_to_reference for each in poses]))
 
 
 def parted(stamps: Floats, matrices: Matrix) -> Integers:
@@ -65,6 +66,8 @@ def parted(stamps: Floats, matrices: Matrix) -> Integers:
         if begin and length >= FEWEST:
             number, length = number + 1, 0
         numbers[n], length = number, length + 1
+    if length < FEWEST and number:
+        numbers[-length:] -= 1
     return numbers
 
 

@@ -1,8 +1,13 @@
-"""The motion with which the echoes of all passes lie on one surface, and on a CT's bone where there is one: Gauss and Newton's steps."""
+"""The motion and the calibration with which the echoes of all passes lie on one surface, and on a CT's bone where there is one.
+
+Gauss and Newton's steps. A calibration that is wrong moves all frames alike, seen from the probe; a patient who moves does not. So both are
+looked for together, and each takes what it explains with less.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -10,7 +15,7 @@ import scipy
 from ..arrays import Floats, Integers, Matrix
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import image_plane_axes, invert, transform_points
 from ..progress import Progress, report
 from .passes import Passes
 
@@ -19,6 +24,12 @@ KNOT, MOST_KNOTS = 0.5, 400
 
 SIZE, TURN_DEG = 4.0, 2.0
 """What is expected of a motion, standard deviations: mm at a knot, degrees of a pass."""
+
+CALIBRATION, CALIBRATION_DEG = 3.0, 2.0
+"""What is expected of a calibration, standard deviations: mm, and degrees about the bone in the image."""
+
+MOTION_ALONE, CALIBRATION_ALONE, BOTH = slice(None, -6), slice(-6, None), slice(None)
+"""The parameters that are looked for."""
 
 HELD = 0.03
 """mm that a shift may have along a direction in which nothing moves."""
@@ -43,7 +54,10 @@ MOST_ECHOES, OF_PAIRS = 3000, 1500
 
 @dataclass(frozen=True, eq=False)
 class MotionCurve:
-    """A rigid motion of Reference for each frame: a turn of each pass, and a shift on a line from knot to knot."""
+    """A rigid motion of Reference for each frame: a turn of each pass, and a shift on a line from knot to knot.
+
+    Before it, what is wrong with the calibration moves the image, the same in all frames.
+    """
 
     passes: Passes
     knots: Integers  #: (frames,). First of the two knots of each frame.
@@ -55,6 +69,9 @@ class MotionCurve:
     lever: float  #: mm by which turns are measured
     shifts: Floats  #: (knots, 3), mm
     turns: Floats  #: (passes, 3, 3)
+    planes: Matrix  #: (frames, 4, 4), mm. Image planes in Reference, about where bone is in the image.
+    calibration: Matrix  #: (4, 4), mm. What moves each image in its plane's axes.
+    image_lever: float  #: mm by which its turn is measured
 
     @classmethod
     def none(cls, passes: Passes, echoes: SweepEchoes) -> MotionCurve:
@@ -82,22 +99,29 @@ class MotionCurve:
         seen, rows = np.unique(echoes.frames, return_inverse=True)
         means = (np.bincount(rows, axis) / np.bincount(rows) for axis in echoes.points.T)
         places = np.stack([np.interp(np.arange(frames), seen, mean) for mean in means], axis=1)
-        return cls(
-            passes,
-            first,
-            shares,
-            np.array(owners),
-            np.array(times),
-            centers,
-            places,
-            lever,
-            np.zeros((len(owners), 3)),
-            turns,
-        )
+        planes, image_lever = _planes_about(echoes, passes)
+        shifts = np.zeros((len(owners), 3))
+        of_frames = passes, first, shares, np.array(owners), np.array(times)
+        return cls(*of_frames, centers, places, lever, shifts, turns, planes, np.eye(4), image_lever)
 
     @property
     def matrices(self) -> Matrix:
         """(frames, 4, 4), mm. What is to be done to the poses of each frame; those without a pass stay."""
+        mine = self.passes.numbers >= 0
+        result = self.motions.copy()
+        if not np.array_equal(self.calibration, np.eye(4)):
+            result[mine] = result[mine] @ self.planes[mine] @ self.calibration @ np.linalg.inv(self.planes[mine])
+        return result
+
+    @property
+    def calibration_off(self) -> float:
+        """mm by which the calibration moves bone in the image, root mean square."""
+        turn = scipy.spatial.transform.Rotation.from_matrix(self.calibration[:3, :3]).magnitude()
+        return float(np.hypot(np.linalg.norm(self.calibration[:3, 3]), turn * self.image_lever))
+
+    @cached_property
+    def motions(self) -> Matrix:
+        """(frames, 4, 4), mm. What of that is the patient's."""
         result = np.tile(np.eye(4), (len(self.knots), 1, 1))
         mine = self.passes.numbers >= 0
         number = self.passes.numbers[mine]
@@ -121,10 +145,27 @@ class MotionCurve:
         return replace(self, turns=turn @ self.turns, shifts=shifts)
 
     def stepped(self, step: Floats) -> MotionCurve:
-        """The motion after a step (parameters,): turns of the passes first, in mm of the lever, then the shifts of the knots."""
-        count = len(self.turns)
-        turned = scipy.spatial.transform.Rotation.from_rotvec(step[: 3 * count].reshape(-1, 3) / self.lever).as_matrix()
-        return replace(self, turns=turned @ self.turns, shifts=self.shifts + step[3 * count :].reshape(-1, 3))
+        """The motion after a step (parameters,): turns of the passes in mm of the lever, shifts of the knots, calibration."""
+        count, rotation = len(self.turns), scipy.spatial.transform.Rotation
+        turned = rotation.from_rotvec(step[: 3 * count].reshape(-1, 3) / self.lever).as_matrix()
+        shifts = self.shifts + step[3 * count : -6].reshape(-1, 3)
+        by = np.eye(4)
+        by[:3, :3], by[:3, 3] = rotation.from_rotvec(step[-6:-3] / self.image_lever).as_matrix(), step[-3:]
+        return replace(self, turns=turned @ self.turns, shifts=shifts, calibration=by @ self.calibration)
+
+
+def _planes_about(echoes: SweepEchoes, passes: Passes) -> tuple[Matrix, float]:
+    """The image planes (frames, 4, 4) of frames with a pass about the middle of their echoes in the image, and how wide these are, mm."""
+    planes = np.tile(np.eye(4), (len(passes.numbers), 1, 1))
+    for number in np.flatnonzero(passes.numbers >= 0):
+        pose = passes.image_to_reference[number]
+        across, along = image_plane_axes(pose)
+        planes[number, :3] = np.stack([across, along, np.cross(across, along), pose[:3, 3]], axis=1)
+    of = planes[echoes.frames]
+    inside = np.einsum("nij,ni->nj", of[:, :3, :3], echoes.points - of[:, :3, 3])
+    middle = inside.mean(axis=0)
+    planes[:, :3, 3] += planes[:, :3, :3] @ middle
+    return planes, max(float(np.sqrt(((inside - middle) ** 2).sum(axis=1).mean())), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,19 +258,21 @@ def solved(
     bone: BoneInPlace | None = None,
     still: Floats | None = None,
     stages: tuple[tuple[bool, float, float, float], ...] = COARSE + FINE,
+    free: slice = BOTH,
     progress: Progress | None = None,
 ) -> tuple[MotionCurve, Matrix]:
     """The motion of these echoes, beginning with another, and what they tell of its parameters (n, n).
 
-    `still` leads onto the directions along which each pass does not move, (passes, 3, 3); the `stages` are those of `COARSE` and `FINE`.
+    `still` leads onto the directions along which each pass does not move, (passes, 3, 3); the `stages` are those of `COARSE` and `FINE`;
+    only the parameters that are `free` change.
     """
     owners = curve.passes.numbers[echoes.frames]
     normals = own_normals(echoes.points, owners) if stages[0][0] else np.zeros_like(echoes.points)
     information = np.zeros(0)
-    for done, (pairwise, reach, scale, step) in enumerate(stages):
+    for done, (pairwise, reach, scale, change) in enumerate(stages):
         report(progress, done / len(stages), "Taking the patient's motion out")
         chosen = np.unique(np.linspace(0, len(echoes) - 1, OF_PAIRS if pairwise else MOST_ECHOES).astype(np.int64))
-        prior = _expected(curve, step, still)
+        prior = _expected(curve, change, still)
         placed = curve.moved(echoes)
         if pairwise:
             turned = np.einsum("nij,nj->ni", curve.turns[owners], normals)
@@ -249,37 +292,41 @@ def solved(
         weights = 1 / (1 + (residual / scale) ** 2) ** 2 / (NOISE**2 * TOGETHER)
         information = np.asarray((jacobian.T @ jacobian.multiply(weights[:, None])).todense())
         slope = jacobian.T @ (weights * residual) + prior @ _vector(curve)
-        curve = curve.stepped(np.asarray(-np.linalg.solve(information + prior, slope), np.float64))
+        step = np.zeros_like(slope)
+        step[free] = -np.linalg.solve((information + prior)[free, free], slope[free])
+        curve = curve.stepped(step)
     return curve, information
 
 
 def onto_bone(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace) -> Matrix:
     """The motion (4, 4) of all echoes together that lays them on a CT's bone."""
-    as_one = Passes(np.minimum(passes.numbers, 0), passes.times)
-    curve, _ = solved(echoes, MotionCurve.none(as_one, echoes), bone, stages=ALL_ON_BONE)
+    as_one = replace(passes, numbers=np.minimum(passes.numbers, 0))
+    curve, _ = solved(echoes, MotionCurve.none(as_one, echoes), bone, stages=ALL_ON_BONE, free=MOTION_ALONE)
     matrix: Matrix = curve.matrices[passes.numbers >= 0].mean(axis=0)
     return matrix
 
 
 def _vector(curve: MotionCurve) -> Floats:
-    turns = scipy.spatial.transform.Rotation.from_matrix(curve.turns).as_rotvec() * curve.lever
-    vector: Floats = np.concatenate([turns.ravel(), curve.shifts.ravel()])
+    rotation = scipy.spatial.transform.Rotation
+    turns = rotation.from_matrix(curve.turns).as_rotvec() * curve.lever
+    turn = rotation.from_matrix(curve.calibration[:3, :3]).as_rotvec() * curve.image_lever
+    vector: Floats = np.concatenate([turns.ravel(), curve.shifts.ravel(), turn, curve.calibration[:3, 3]])
     return vector
 
 
 def _expected(curve: MotionCurve, step: float, still: Floats | None) -> Matrix:
-    """What is known of a motion beforehand, as the inverse of a covariance."""
+    """What is known of a motion and a calibration beforehand, as the inverse of a covariance."""
     passes, knots = len(curve.turns), len(curve.shifts)
-    prior = np.zeros((3 * (passes + knots),) * 2)
     turn = np.radians(TURN_DEG) * curve.lever
     of_knots = np.eye(knots) / (SIZE**2 * np.bincount(curve.owners)[curve.owners])
     follows = np.flatnonzero(curve.owners[1:] == curve.owners[:-1])
     for n in follows:
         of_knots[n : n + 2, n : n + 2] += np.array([[1.0, -1.0], [-1.0, 1.0]]) / step**2
-    prior[: 3 * passes, : 3 * passes] = np.eye(3 * passes) / turn**2
-    prior[3 * passes :, 3 * passes :] = np.kron(of_knots, np.eye(3))
+    of_shifts = np.kron(of_knots, np.eye(3))
     if still is not None:
-        prior[3 * passes :, 3 * passes :] += scipy.linalg.block_diag(*still[curve.owners]) / HELD**2
+        of_shifts += scipy.linalg.block_diag(*still[curve.owners]) / HELD**2
+    of_image = np.repeat([np.radians(CALIBRATION_DEG) * curve.image_lever, CALIBRATION], 3)
+    prior: Matrix = scipy.linalg.block_diag(np.eye(3 * passes) / turn**2, of_shifts, np.diag(1 / of_image**2))
     return prior
 
 
@@ -306,10 +353,13 @@ def _rows(
     passes, share = curve.passes.numbers[frames], curve.shares[frames][:, None]
     knots = curve.knots[frames]
     arms = points[which] - curve.centers[passes]
+    planes = (curve.motions @ curve.planes)[frames]
+    inside, along_image = (np.einsum("nij,ni->nj", planes[:, :3, :3], each) for each in (points[which] - planes[:, :3, 3], along))
     # A turn by w moves what lies at a by w x a, which along n is w . (a x n)
-    values = np.concatenate([np.cross(arms, along) / curve.lever, (1 - share) * along, share * along], axis=1)
-    begin = 3 * len(curve.turns)
-    firsts = np.stack([3 * passes, begin + 3 * knots, begin + 3 * knots + 3], axis=1)
-    columns = (firsts[:, :, None] + np.arange(3)).reshape(len(which), 9)
-    shape = count, begin + 3 * len(curve.shifts)
-    return scipy.sparse.coo_matrix((values.ravel(), (np.repeat(rows, 9), columns.ravel())), shape=shape).tocsr()
+    of_motion = np.cross(arms, along) / curve.lever, (1 - share) * along, share * along
+    values = np.concatenate([*of_motion, np.cross(inside, along_image) / curve.image_lever, along_image], axis=1)
+    begin, end = 3 * len(curve.turns), 3 * (len(curve.turns) + len(curve.shifts))
+    image = np.full(len(which), end)
+    firsts = np.stack([3 * passes, begin + 3 * knots, begin + 3 * knots + 3, image, image + 3], axis=1)
+    columns = (firsts[:, :, None] + np.arange(3)).reshape(len(which), 15)
+    return scipy.sparse.coo_matrix((values.ravel(), (np.repeat(rows, 15), columns.ravel())), shape=(count, end + 6)).tocsr()

@@ -14,6 +14,7 @@ from ..bone.field import BoneField
 from ..compounding.state import Reconstruction
 from ..errors import GeometryError, SettingsError
 from ..evaluation.visibility import SweepBeams
+from ..geometry.box import in_cubes
 from ..geometry.labels import Labels
 from ..geometry.transforms import as_matrix
 from ..geometry.volume import Volume
@@ -23,7 +24,7 @@ from ..recipe.recipe import Recipe
 from ..remedies import PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 from .states import FREE, NOT_SEEN, STATES, states_of
-from .surroundings import PlacedField, ShownVolume, Surroundings, in_cubes
+from .surroundings import PlacedField, ShownVolume, Surroundings
 from .windows import END_PITCH, ENTRY_PITCH, Window, windows_of
 
 MARGIN = 1.0
@@ -164,7 +165,7 @@ def free_paths(
     points = np.asarray(skin, dtype=np.float64) if isinstance(skin, np.ndarray) else SweepBeams.of_sequence(skin, recipe).skin()
     if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
         raise GeometryError(f"Input skin must be points (n, 3) in mm, or a sweep; got shape {points.shape}.")
-    points = in_cubes(points, ENTRY_PITCH)
+    points = in_cubes(points, ENTRY_PITCH)[0]
     away = np.linalg.norm(points - center, axis=1)
     if not within < away.min() < FARTHEST:
         raise GeometryError(

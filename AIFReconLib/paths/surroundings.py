@@ -11,6 +11,7 @@ from ..arrays import Floats, Integers, Mask, Matrix, Singles
 from ..bone.field import FARTHEST_KNOWN, BoneField
 from ..errors import GeometryError
 from ..evaluation.lines import UNDER_SKIN
+from ..geometry.box import in_cubes
 from ..geometry.transforms import invert, transform_points
 from ..geometry.volume import Volume
 from ..machine.threads import in_parts, usable_cores
@@ -151,14 +152,7 @@ class Surroundings:
             line, place = np.nonzero(self.profile(begin, begin + way)[1] < ONE_LOOK)
             along = _places(begin, begin + way)[line, place]
             found.append(begin[line] + along[:, None] * way[line])
-        return in_cubes(np.concatenate(found), pitch)
-
-
-def in_cubes(points: Floats, pitch: float) -> Floats:
-    """The mean of the points (n, 3) in each cube of `pitch` mm, (m, 3)."""
-    _, cube = np.unique(np.floor(points / pitch), axis=0, return_inverse=True)
-    count = np.bincount(cube.reshape(-1))
-    return np.stack([np.bincount(cube.reshape(-1), axis) / count for axis in points.T], axis=1)
+        return in_cubes(np.concatenate(found), pitch)[0]
 
 
 def _places(entries: Floats, ends: Floats) -> Floats:

@@ -163,7 +163,7 @@ def made_in_header(fields: Mapping[str, str]) -> dict[str, object]:
     method, settings = fields.get(METHOD), _said(fields, SETTINGS)
     if not method:
         return {}
-    names = [each["name"] for each in _inputs(fields) if not each.get(_SHOWN)]
+    names = [each["name"] for each in inputs_in(fields) if not each.get(_SHOWN)]
     known = settings if isinstance(settings, dict) else {}
     found, simulated = fields.get(FOUND, "").split(), SIMULATED in fields
     return {**known, "method": method, "frames": fields.get(FRAMES, ""), "inputs": names, "found": found, "simulated": simulated}
@@ -178,7 +178,7 @@ def _said(fields: Mapping[str, str], key: str) -> object:
 
 def weighted_by(volume: Volume, paths: Iterable[Path]) -> bool:
     """Whether one of these files said where bone is to the method that made a volume, by what its header says."""
-    before, method = _inputs(volume.fields), volume.fields.get(METHOD, "")
+    before, method = inputs_in(volume.fields), volume.fields.get(METHOD, "")
     if settings_of(volume).get("bone_sigma_mm") == AUTOMATIC:  # its own echoes said it
         return False
     return (method in BONE_METHODS or is_own_method(method)) and any(_named(path) in before for path in paths)
@@ -197,7 +197,7 @@ def unlike_inputs(headers: Mapping[str, Mapping[str, str]], given: Iterable[Path
         Labels, CT, their place and recordings; None for what is not given.
     """
     files = [_named(path) for path in given if path is not None]
-    inputs = {name: _inputs(fields) for name, fields in headers.items()}
+    inputs = {name: inputs_in(fields) for name, fields in headers.items()}
     known = {each["name"]: ("is given", each.get("bytes")) for each in files if not _is_place(each)}
     others: dict[tuple[str, str], list[str]] = defaultdict(list)
     for name, found in inputs.items():
@@ -224,7 +224,7 @@ def _is_place(entry: Mapping[str, object]) -> bool:
     return str(entry["name"]).endswith(PLACES)
 
 
-def _inputs(fields: Mapping[str, str]) -> list[Mapping[str, object]]:
+def inputs_in(fields: Mapping[str, str]) -> list[Mapping[str, object]]:
     """The files that a header names."""
     found = _said(fields, INPUTS)
     return [each for each in found if isinstance(each, dict) and "name" in each] if isinstance(found, list) else []

@@ -12,7 +12,7 @@ from ..io.disk.atomic import check_writable, write_text
 from ..io.disk.tables import JSON, TOML, parse_table, read_table
 from ..io.metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, read_metafile
 from ..recipe.recipe import Recipe
-from .record import INPUTS, SETTINGS, VERSION
+from .record import SETTINGS, VERSION, inputs_in
 from .settings_schema import KeptSettings, understood
 
 VOLUME_SUFFIXES = (*NRRD_SUFFIXES, *METAIMAGE_SUFFIXES)
@@ -42,7 +42,7 @@ def read_settings(path: str | Path) -> KeptSettings:
                 f"{path}: this volume does not say how it was made. Give one that AIFRecon wrote, or a settings file (.json, .toml)."
             )
         table = {WRITTEN_BY: header.get(VERSION, ""), **_named(path, parse_table(path, header[SETTINGS], JSON, FileFormatError, _MEND))}
-        inputs = _inputs(header.get(INPUTS, ""))
+        inputs = tuple(inputs_in(header))
     elif suffix in (JSON, TOML):
         table = _named(path, read_table(path, FileFormatError, _MEND))
     else:
@@ -103,12 +103,3 @@ def _named(path: Path, table: object) -> dict[str, object]:
     if not isinstance(table, dict):
         raise FileFormatError(f'{path}: settings are names and values, as {{"alpha": 0.1}}. Correct the file.')
     return table
-
-
-def _inputs(text: str) -> tuple[Mapping[str, object], ...]:
-    """The inputs in a header; none where they cannot be understood, for no voxel depends on them."""
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError):
-        return ()
-    return tuple(each for each in found if isinstance(each, dict) and isinstance(each.get("name"), str)) if isinstance(found, list) else ()

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
 from ..effective_settings import asked_imaging, imaging_fields
 from ..errors import AIFReconError, FileFormatError, SettingsError
 from ..imaging.region import ImageRegion
@@ -53,7 +51,7 @@ def understood(path: Path, table: dict[str, Any], version: str, inputs: tuple[Ma
     """
     for name in table:
         if name not in KEPT:
-            raise _unknown(path, name, version)
+            raise _unknown(path, name)
     if OF_FAN & set(table) or "clip_px" in table:
         nothing = imaging_fields(ImageRegion())
         table = {"clip_px": nothing["clip_px"], **table} if OF_FAN & set(table) else {**nothing, **table}
@@ -69,19 +67,8 @@ def understood(path: Path, table: dict[str, Any], version: str, inputs: tuple[Ma
     return KeptSettings(path, {name: getattr(recipe, name) for name in table}, version, inputs)
 
 
-def _unknown(path: Path, name: str, version: str) -> FileFormatError:
-    if _is_newer(version):
-        return FileFormatError(
-            f"{path}: version {version} wrote it, and this is {__version__}, which does not know {name}. Update AIFRecon, or remove "
-            "that setting."
-        )
+def _unknown(path: Path, name: str) -> FileFormatError:
     near = difflib.get_close_matches(name, KEPT, n=1)
     if near:
         return FileFormatError(f"{path}: there is no setting {name}, perhaps {near[0]} is meant. Correct it.")
     return FileFormatError(f"{path}: there is no setting {name}. Remove it; files and what is printed are given on the command line.")
-
-
-def _is_newer(version: str) -> bool:
-    """Whether a version comes after this one; one that is no version does not."""
-    theirs, ours = (text.partition("+")[0].split(".") for text in (version, __version__))
-    return all(re.fullmatch("[0-9]{1,9}", part) for part in theirs) and [int(part) for part in theirs] > [int(part) for part in ours]

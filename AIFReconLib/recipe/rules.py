@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import field
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, TypedDict, cast
+from typing import Any, NamedTuple, TypedDict, cast
 
 import numpy as np
 
@@ -63,14 +65,33 @@ _PLAIN: dict[str, Any] = {
 }
 
 
-def setting(default: Any, help: str, kind: str = NUMBER, **more: Any) -> Any:
-    """A dataclass field that carries its `Rule`, of which `more` are the keys that are not plain. One whose default is None may be None."""
+def setting(default: Any, help: str = "", kind: str = NUMBER, **more: Any) -> Any:
+    """A dataclass field that carries its `Rule`, of which `more` are the keys that are not plain. One whose default is None may be None.
+    Without a help the docstring of its class explains it.
+    """
     if unknown := set(more) - {*_PLAIN, "kept"}:
         raise TypeError(f"A setting has no {', '.join(unknown)}.")
     kind = WORD if more.get("choices") else kind
     rule = {**_PLAIN, "kept": kind != FILE, **more, "help": help, "kind": kind, "default": default}
     # Arrays, which may stand for a file, have no order and no hash
     return field(default=default, metadata=rule, compare=kind != FILE)
+
+
+class Explained(NamedTuple):
+    """What the docstring of a class says: its summary, of each parameter what it takes and what it means, and examples."""
+
+    summary: str
+    parameters: dict[str, tuple[str, str]]
+    examples: str
+
+
+def explained(group: type) -> Explained:
+    """What a class says of itself."""
+    summary, _, rest = inspect.cleandoc(group.__dict__.get("__doc__") or "").partition("\n\n")
+    parameters = rest.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
+    entries = re.findall(r"^(\w+)(?: : (.*))?\n((?: {4}.*(?:\n|$))+)", parameters, re.MULTILINE)
+    meanings = {name: (takes, " ".join(meaning.split())) for name, takes, meaning in entries}
+    return Explained(" ".join(summary.split()), meanings, rest.partition("Examples\n--------\n")[2])
 
 
 def rule_of(metadata: Mapping[str, object]) -> Rule:

@@ -13,6 +13,7 @@ from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
 from ..geometry.transforms import invert, transform_points
 from .refine import MOST_ECHOES, SCALES, _Cost, refine, robust_cost, vector_motion
+from .search import motion_between
 
 LOSS = 0.02
 """A motion is held once it costs this much more: two echoes in a hundred."""
@@ -128,7 +129,5 @@ def restart_spread(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Fl
         move, axis = (vector / np.linalg.norm(vector) for vector in rng.standard_normal((2, 3)))
         vector = np.concatenate([RESTART_MM * move, math.radians(RESTART_DEG) * axis])
         again = refine(chosen, bone, vector_motion(vector, center) @ labels_to_reference, (4.0, 2.0, 1.0))
-        motion = again @ np.linalg.inv(labels_to_reference)
-        moved = chosen.points @ motion[:3, :3].T + motion[:3, 3] - chosen.points
-        spread = max(spread, float(np.linalg.norm(moved, axis=1).mean()))
+        spread = max(spread, motion_between(labels_to_reference, again, chosen.points))
     return spread

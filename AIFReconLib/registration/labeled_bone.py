@@ -197,8 +197,8 @@ class LabeledBone(Described):
             return [*lines, "Bone is taken from the sweep's own echoes, as the CT does not lie on them."]
         width = self.settings(method)["bone_sigma_mm"]
         if comparison is None or comparison.agreement is None:
-            return [*lines, f"Tolerance around the CT's bone: {width:g} mm, as CT and sweep were not compared."]
-        width_line = f"Tolerance around the CT's bone: {width:g} mm, by how far the echoes lie from it."
+            return [*lines, f"Bone is believed up to {width:g} mm beside the CT's, as CT and sweep were not compared."]
+        width_line = f"Bone is believed up to {width:g} mm beside the CT's: so far the echoes lie off it."
         belief = self.settings(method).get("bone_belief", 1.0)
         if belief == 1.0:
             return [*lines, width_line]

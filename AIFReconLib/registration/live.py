@@ -11,8 +11,8 @@ from ..bone.echoes.finder import BoneEchoFinder
 from ..bone.echoes.found import FEWEST, SweepEchoes
 from ..bone.echoes.search import echoes_of
 from ..bone.field import BoneField
+from ..bone.scan_line_reader import ForEachKind
 from ..effective_settings import Imaging
-from ..geometry.transforms import pixel_spacing
 from ..sweep.frames import TrackedFrame
 from .agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 from .comparison import EchoFit, agreement_of, judged
@@ -30,9 +30,8 @@ class LiveAgreement:
     """
 
     def __init__(self, bone: BoneField, labels_to_reference: Floats, imaging: Imaging):
-        self._bone, self._place, self._imaging = bone, np.asarray(labels_to_reference, dtype=np.float64), imaging
-        self._finder: BoneEchoFinder | None = None
-        self._size: tuple[int, int] | None = None
+        self._bone, self._place = bone, np.asarray(labels_to_reference, dtype=np.float64)
+        self._finders = ForEachKind(BoneEchoFinder, imaging)
         self._recent: deque[tuple[float, SweepEchoes, EchoFit, Integers]] = deque()
         self._has_agreed = self._has_fallen = False
 
@@ -46,10 +45,7 @@ class LiveAgreement:
         """Take a frame and return its echoes; one without image or pose is passed over."""
         if frame.image is None or frame.image_to_reference is None:
             return SweepEchoes.joined(())
-        size = frame.image.shape[1], frame.image.shape[0]
-        if self._finder is None or size != self._size:
-            self._finder, self._size = BoneEchoFinder(size, pixel_spacing(frame.image_to_reference), self._imaging), size
-        echoes = echoes_of(frame, self._finder)
+        echoes = echoes_of(frame, self._finders.of(frame))
         self._recent.append((frame.timestamp, echoes, *judged(echoes, self._bone, self._place)))
         while self._recent[-1][0] - self._recent[0][0] > SECONDS or self._recent[-1][0] < self._recent[0][0]:
             self._recent.popleft()

@@ -56,6 +56,34 @@ def welsch(count: int) -> Callable[[Floats], Floats]:
     return loss
 
 
+def minimized(judged: Callable[[Floats], tuple[Floats, Floats]], size: int, echoes: int, tolerance: float = 1e-5, most: int = 30) -> Floats:
+    """The vector near 0, of this size, with the least robust sum of what is `judged` of it: residuals, and their slopes.
+
+    The first residuals are those of so many `echoes`; see `welsch`.
+    """
+    last: list[tuple[Floats, tuple[Floats, Floats]]] = []
+
+    def once(vector: Floats) -> tuple[Floats, Floats]:
+        """Residuals and slopes are asked for apart, of one vector."""
+        if not last or not np.array_equal(vector, last[0][0]):
+            last[:] = [(vector.copy(), judged(vector))]
+        return last[0][1]
+
+    # Typed in another way from one release of the stubs to the next
+    solution = cast("Any", scipy.optimize.least_squares)(
+        lambda vector: once(vector)[0],
+        np.zeros(size),
+        jac=lambda vector: once(vector)[1],
+        loss=welsch(echoes),
+        xtol=1e-4,
+        ftol=tolerance,
+        gtol=1e-6,
+        max_nfev=most,
+    )
+    found: Floats = solution.x
+    return found
+
+
 class _Cost:
     """Distances of echoes to bone, and their slopes, as functions of a motion of the labels in Reference."""
 
@@ -63,15 +91,9 @@ class _Cost:
         self._echoes, self._bone, self._start = echoes, bone, start
         self.center = echoes.points.mean(axis=0)
         self.lever = max(math.sqrt(((echoes.points - self.center) ** 2).sum(axis=1).mean()), 1.0)
-        self._known: tuple[Floats, tuple[Floats, Floats]] | None = None
 
     def __call__(self, vector: Floats) -> tuple[Floats, Floats]:
         """(n,) distances in mm, `FAR` where sound would leave bone, and (n, 6) slopes."""
-        if self._known is None or not np.array_equal(vector, self._known[0]):
-            self._known = vector.copy(), self._compute(vector)
-        return self._known[1]
-
-    def _compute(self, vector: Floats) -> tuple[Floats, Floats]:
         # Moving the labels by M is moving the echoes by its inverse
         turn = scipy.spatial.transform.Rotation.from_rotvec(vector[3:] / self.lever).as_matrix()
         still = (self._echoes.points - vector[:3] - self.center) @ turn
@@ -118,26 +140,24 @@ def refine(
     for scale in scales:
         cost = _Cost(chosen, bone, place)
 
-        def residuals(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
-            return cost(free @ vector)[0] / scale
+        def judged(vector: Floats, scale: float = scale, cost: _Cost = cost) -> tuple[Floats, Floats]:
+            distances, slopes = cost(free @ vector)
+            return distances / scale, slopes @ free / scale
 
-        def slopes_of(vector: Floats, scale: float = scale, cost: _Cost = cost) -> Floats:
-            return cost(free @ vector)[1] @ free / scale
-
-        # Typed in another way from one release of the stubs to the next
-        solution = cast("Any", scipy.optimize.least_squares)(
-            residuals,
-            np.zeros(free.shape[1]),
-            jac=slopes_of,
-            loss=welsch(len(chosen)),
-            x_scale=1.0,
-            xtol=1e-4,
-            ftol=1e-5,
-            gtol=1e-6,
-            max_nfev=30,
-        )
-        place = vector_motion(free @ solution.x, cost.center, cost.lever) @ place
+        vector = free @ minimized(judged, free.shape[1], len(chosen))
+        place = vector_motion(vector, cost.center, cost.lever) @ place
     return place
+
+
+def close_at(echoes: SweepEchoes, bone: BoneField, places: Floats, scale: float) -> tuple[Floats, Floats, Floats]:
+    """At many places, (n, 4, 4): how close each echo is to bone, exp(-d^2 / 2 s^2), 0 where sound would leave bone, (n, echoes); its
+    distance, (n, echoes) mm, and how that rises, (n, echoes, 3)."""
+    turns = places[:, :3, :3]
+    points = (echoes.points - places[:, None, :3, 3]) @ turns
+    distances, slopes = bone.sample(points.reshape(-1, 3))
+    distances, slopes = distances.reshape(points.shape[:2]), slopes.reshape(points.shape) @ turns.transpose(0, 2, 1)
+    entering = -(slopes * echoes.beams).sum(axis=2) >= ENTERING * np.linalg.norm(slopes, axis=2)
+    return np.where(entering, np.exp(-0.5 * (distances / scale) ** 2), 0.0), distances, slopes
 
 
 def led(echoes: SweepEchoes, bone: BoneField, starts: Floats) -> Floats:
@@ -152,15 +172,9 @@ def led(echoes: SweepEchoes, bone: BoneField, starts: Floats) -> Floats:
 
     def judged(places: Floats, scale: float) -> tuple[Floats, Floats, Floats]:
         """Cost (n,), its slope (n, 6) and its curvature (n, 6, 6)."""
-        turns = places[:, :3, :3]
-        points = (echoes.points - places[:, None, :3, 3]) @ turns
-        distances, slopes = bone.sample(points.reshape(-1, 3))
-        distances, slopes = distances.reshape(points.shape[:2]), slopes.reshape(points.shape) @ turns.transpose(0, 2, 1)
-        entering = -(slopes * echoes.beams).sum(axis=2) >= ENTERING * np.linalg.norm(slopes, axis=2)
-        squared = (distances / scale) ** 2
-        weights = np.where(entering, np.exp(-0.5 * squared), 0.0)
+        weights, distances, slopes = close_at(echoes, bone, places, scale)
         jacobian = np.concatenate([-slopes, -np.cross(arms, slopes) / lever], axis=2)
-        curved = jacobian * (weights * np.maximum(1 - squared, 0.0))[..., None]
+        curved = jacobian * (weights * np.maximum(1 - (distances / scale) ** 2, 0.0))[..., None]
         return 1 - weights.mean(axis=1), (jacobian * (weights * distances)[..., None]).sum(axis=1), curved.transpose(0, 2, 1) @ jacobian
 
     places = starts.copy()

@@ -11,13 +11,14 @@ from ..arrays import Floats
 from ..bone.echoes.found import SweepEchoes
 from ..bone.echoes.search import sweep_echoes
 from ..bone.field import BoneField
+from ..effective_settings import takes_out_motion
 from ..errors import GeometryError, SettingsError, require_kind
 from ..geometry.transforms import as_matrix, transform_points, why_not_rigid
 from ..geometry.volume import Volume
 from ..message import Judged, Sentence
 from ..motion.motion import PatientMotion, find_motion
 from ..progress import Progress, part, report
-from ..recipe.recipe import AUTOMATIC, Recipe
+from ..recipe.recipe import Recipe
 from ..remedies import START_NEARER
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
@@ -122,7 +123,7 @@ def register(
     bone = BoneField.from_labels(labels)
     sweeps, motion = sweeps_of(sequences, recipe), None
     echoes = sweep_echoes(sweeps, recipe, progress=part(progress, 0.0, 0.4))
-    if recipe is not None and recipe.motion == AUTOMATIC:
+    if takes_out_motion(recipe or Recipe()):
         motion = find_motion(sweeps, None, recipe, part(progress, 0.4, 0.5), echoes)
         echoes = echoes if motion is None or not motion.applied else motion.curve.moved(echoes)
     found = register_echoes(echoes, bone, start, per_segment=per_segment, level=level, progress=part(progress, 0.5, 1.0))

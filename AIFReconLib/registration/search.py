@@ -15,11 +15,11 @@ import scipy
 from ..arrays import Floats
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
-from ..geometry.transforms import invert, transform_points
+from ..geometry.transforms import invert, transform_points, unit_vectors
 from ..progress import Progress, report
 from .agreement import Agreement
-from .comparison import ENTERING, check
-from .refine import MOST_ECHOES, led, refine
+from .comparison import check
+from .refine import MOST_ECHOES, close_at, led, refine
 
 AROUND_MM, AROUND_DEG = 30.0, 25.0
 """How far from a start places are tried when the way down from it leads nowhere good."""
@@ -122,7 +122,7 @@ def search(echoes: SweepEchoes, bone: BoneField, candidates: Floats, progress: P
 def around(start: Floats, center: Floats) -> Floats:
     """Places up to `AROUND_MM` and `AROUND_DEG` from a start, evenly in length and angle, (n, 4, 4); always the same ones."""
     rng, count = np.random.default_rng(0), TRIED_AROUND
-    moves, axes = (_directions(rng, count) for _ in range(2))
+    moves, axes = (unit_vectors(rng.standard_normal((count, 3))) for _ in range(2))
     turns = scipy.spatial.transform.Rotation.from_rotvec(np.deg2rad(AROUND_DEG) * rng.random((count, 1)) * axes).as_matrix()
     return _placed(turns, center + AROUND_MM * rng.random((count, 1)) * moves, start, center)
 
@@ -200,12 +200,6 @@ def _back_of(bone: BoneField) -> Floats:
     return central
 
 
-def _directions(rng: np.random.Generator, count: int) -> Floats:
-    vectors = rng.standard_normal((count, 3))
-    directions: Floats = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    return directions
-
-
 def _placed(turns: Floats, centers: Floats, start: Floats, center: Floats) -> Floats:
     """`start` turned about `center` by each of (n, 3, 3), and moved so that this point comes to each of `centers` (n, 3)."""
     result = np.tile(np.eye(4), (len(turns), 1, 1))
@@ -219,11 +213,5 @@ def _scores(echoes: SweepEchoes, bone: BoneField, candidates: Floats) -> Floats:
     scores = np.empty(len(candidates))
     for first in range(0, len(candidates), 500):
         some = candidates[first : first + 500]
-        turned = np.transpose(some[:, :3, :3], (0, 2, 1))
-        points = (echoes.points[None] - some[:, None, :3, 3]) @ some[:, :3, :3]
-        beams = np.einsum("nij,mj->nmi", turned, echoes.beams)
-        distances, slopes = bone.sample(points.reshape(-1, 3))
-        entering = -(slopes * beams.reshape(-1, 3)).sum(axis=1) >= ENTERING * np.linalg.norm(slopes, axis=1)
-        close = np.where(entering, np.exp(-0.5 * (distances / SCORE_SCALE) ** 2), 0.0)
-        scores[first : first + 500] = 1 - close.reshape(len(some), -1).mean(axis=1)
+        scores[first : first + 500] = 1 - close_at(echoes, bone, some, SCORE_SCALE)[0].mean(axis=1)
     return scores

@@ -14,19 +14,18 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any, cast
 
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Mask
+from ..arrays import Floats, Integers
 from ..bone.echoes.found import SweepEchoes
 from ..bone.field import BoneField
 from ..geometry.transforms import invert, transform_points
-from ..geometry.volume import Volume, VoxelGrid
+from ..geometry.volume import Volume, VoxelGrid, nearest
 from .agreement import Agreement
 from .comparison import EchoFit, agreement_of, fit_echoes
-from .refine import _Cost, vector_motion, welsch
+from .refine import _Cost, minimized, vector_motion
 
 SEGMENT_SCALES = (4.0, 2.0, 1.0)
 """mm. As `SCALES`."""
@@ -97,53 +96,39 @@ def _moved_together(
     springs = [(a, b, *discs(a, b), math.sqrt(0.2 * count / len(arms)) / SPRING) for (a, b), count in zip(pairs, counts)]
     column = {label: slice(6 * n, 6 * n + 6) for n, label in enumerate(numbers)}
 
-    def residuals(vector: Floats) -> Floats:
-        parts = [costs[label](vector[column[label]])[0] / scale for label in costs]
-        for a, b, of_a, of_b, stiffness in springs:
-            apart = transform_points(motion(vector, a), of_a) - transform_points(motion(vector, b), of_b)
-            parts.append(stiffness * apart.ravel())
-        return np.concatenate(parts)
-
     def motion(vector: Floats, label: int) -> Floats:
         return vector_motion(vector[column[label]], pivots[label], DISC_ARM)
 
-    def jacobian(vector: Floats) -> Floats:
-        result = np.zeros((echo_count + 18 * len(springs), len(vector)))
+    def judged(vector: Floats) -> tuple[Floats, Floats]:
+        rows, slopes = [], np.zeros((echo_count + 18 * len(springs), len(vector)))
         row = 0
         for label, cost in costs.items():
-            slopes = cost(vector[column[label]])[1]
-            result[row : row + len(slopes), column[label]] = slopes / scale
-            row += len(slopes)
+            distances, along = cost(vector[column[label]])
+            rows.append(distances / scale)
+            slopes[row : row + len(along), column[label]] = along / scale
+            row += len(along)
         for a, b, of_a, of_b, stiffness in springs:
+            apart = transform_points(motion(vector, a), of_a) - transform_points(motion(vector, b), of_b)
+            rows.append(stiffness * apart.ravel())
             for label, points, sign in ((a, of_a, 1.0), (b, of_b, -1.0)):
                 arm = transform_points(motion(vector, label), points) - pivots[label] - vector[column[label]][:3]
                 block = np.zeros((len(points), 3, 6))
                 block[:, :, :3] = np.eye(3)
                 block[:, :, 3:] = np.cross(np.eye(3)[None], arm[:, None]).transpose(0, 2, 1) / DISC_ARM
-                result[row : row + 3 * len(points), column[label]] = sign * stiffness * block.reshape(-1, 6)
+                slopes[row : row + 3 * len(points), column[label]] = sign * stiffness * block.reshape(-1, 6)
             row += 3 * len(of_a)
-        return result
+        return np.concatenate(rows), slopes
 
-    # Typed in another way from one release of the stubs to the next
-    solution = cast("Any", scipy.optimize.least_squares)(
-        residuals,
-        np.zeros(6 * len(numbers)),
-        jac=jacobian,
-        loss=welsch(echo_count),
-        xtol=1e-4,
-        ftol=1e-4,
-        gtol=1e-6,
-        max_nfev=20,
-    )
-    return {label: motion(solution.x, label) @ places[label] for label in numbers}
+    vector = minimized(judged, 6 * len(numbers), echo_count, 1e-4, 20)
+    return {label: motion(vector, label) @ places[label] for label in numbers}
 
 
 def _agreement(echoes: SweepEchoes, fields: dict[int, BoneField], places: dict[int, Floats]) -> Agreement:
     """As `check`, where every bone has its own place: an echo is judged by the bone nearest to it, and must not lie behind another."""
     fits = [fit_echoes(echoes, fields[label], places[label]) for label in fields]
     distances, reachable = (np.array([getattr(fit, name) for fit in fits]) for name in ("distances", "reachable"))
-    nearest = np.argmin(np.abs(distances), axis=0), np.arange(len(echoes))
-    return agreement_of(EchoFit(distances[nearest], reachable[nearest]), np.array(list(fields))[nearest[0]])
+    mine = np.argmin(np.abs(distances), axis=0), np.arange(len(echoes))
+    return agreement_of(EchoFit(distances[mine], reachable[mine]), np.array(list(fields))[mine[0]])
 
 
 def placed_labels(labels: Volume, places: dict[int, Floats]) -> Volume:
@@ -170,9 +155,7 @@ def placed_labels(labels: Volume, places: dict[int, Floats]) -> Volume:
         last = np.ceil(corners[label].max(axis=0)).astype(int) - low
         k, j, i = np.meshgrid(*[np.arange(a, b + 1) for a, b in zip(first[::-1], last[::-1])], indexing="ij")
         to_labels = labels.grid.reference_to_ijk @ invert(place) @ grid.ijk_to_reference
-        source = np.floor(transform_points(to_labels, np.column_stack([i.ravel(), j.ravel(), k.ravel()])) + 0.5).astype(np.int64)
-        known: Mask = np.all((source >= 0) & (source < np.array(labels.grid.size)), axis=1)
-        si, sj, sk = np.where(known[:, None], source, 0).T
-        mine = (known & (labels.array[sk, sj, si] == label)).reshape(k.shape)
+        source = transform_points(to_labels, np.column_stack([i.ravel(), j.ravel(), k.ravel()]))
+        mine = (nearest(labels, source) == label).reshape(k.shape)
         result[k[mine], j[mine], i[mine]] = label
     return Volume(result, grid.ijk_to_reference)

@@ -156,16 +156,7 @@ class LumbarAnatomy:
         here, usual = TYPICAL[level], type(self)
         width, high = self.facet_width / usual.facet_width, self.arch_height / usual.arch_height
         drop = here.spinous_length * (math.tan(math.radians(self.spinous_slope_deg)) - math.tan(math.radians(usual.spinous_slope_deg)))
-        same = (
-            "body_width",
-            "body_depth",
-            "body_height",
-            "canal_width",
-            "canal_depth",
-            "transverse_width",
-            "pedicle_width",
-            "spinous_length",
-        )
+        same = {size.name for size in fields(VertebraSizes)} & {size.name for size in fields(usual)} - {"facet_angle_deg"}
         changed = {name: getattr(here, name) * getattr(self, name) / getattr(usual, name) for name in same}
         changed |= {"superior_width": here.superior_width * width, "inferior_width": here.inferior_width * width}
         changed |= {"superior_height": here.superior_height * high, "inferior_height": here.inferior_height * high}

@@ -14,18 +14,8 @@ from .soft_tissue import LIGAMENT_HALF_WIDTH, SKIN_THICKNESS, SoftTissue
 CORTICAL_THICKNESS = 1.6
 """mm. Thin elements such as laminae come out mostly cortical, as they are."""
 
-AIR, SKIN, FAT, MUSCLE, LIGAMENT, DISC, SAC, BLOOD, TRABECULAR, CORTICAL = (
-    -1000.0,
-    10.0,
-    -100.0,
-    52.0,
-    40.0,
-    82.0,
-    18.0,
-    42.0,
-    210.0,
-    1050.0,
-)
+AIR, SKIN, FAT, MUSCLE, LIGAMENT = -1000.0, 10.0, -100.0, 52.0, 40.0
+DISC, SAC, BLOOD, TRABECULAR, CORTICAL = 82.0, 18.0, 42.0, 210.0, 1050.0
 """HU, typical at 120 kV."""
 
 

@@ -142,7 +142,13 @@ def contact_pose(
 
 
 def single_angle_sweep(
-    phantom: ScannedBack, frames: int = 60, *, in_plane_tilt_deg: float = 0.0, elevational_tilt_deg: float = 0.0, offset: float = 0.5
+    phantom: ScannedBack,
+    frames: int = 60,
+    *,
+    in_plane_tilt_deg: float = 0.0,
+    elevational_tilt_deg: float = 0.0,
+    offset: float = 0.5,
+    above: float = 0.0,
 ) -> ProbePath:
     """One pass along the spine at fixed tilts.
 
@@ -150,20 +156,24 @@ def single_angle_sweep(
     ----------
     offset : float, 0 to 1
         Where in its part of the way each frame is taken: passes of different offsets interleave.
+    above : float, mm
+        By how much earlier the way begins.
     """
     tilts = {"in_plane_tilt_deg": in_plane_tilt_deg, "elevational_tilt_deg": elevational_tilt_deg}
-    poses = [contact_pose(phantom, 0.0, z, **tilts) for z in _along_the_spine(phantom, (np.arange(frames) + offset) / frames)]
+    poses = [contact_pose(phantom, 0.0, z, **tilts) for z in _along_the_spine(phantom, (np.arange(frames) + offset) / frames, above)]
     return ProbePath(np.array(poses), np.arange(frames) / FRAME_RATE)
 
 
-def _along_the_spine(phantom: ScannedBack, way: Floats) -> Floats:
+def _along_the_spine(phantom: ScannedBack, way: Floats, above: float = 0.0) -> Floats:
     """z of places on the way, 0 to 1, from above the first to below the last spinous process."""
     heights = phantom.spinous_tips()[:, 2]
-    return np.asarray(heights.max() + BEYOND_TIPS - way * (np.ptp(heights) + 2 * BEYOND_TIPS))
+    return np.asarray(heights.max() + BEYOND_TIPS + above - way * (np.ptp(heights) + 2 * BEYOND_TIPS + above))
 
 
-def multi_angle_sweep(phantom: ScannedBack, frames: int = 144) -> ProbePath:
+def multi_angle_sweep(phantom: ScannedBack, frames: int = 144, above: float = 0.0) -> ProbePath:
     """A pass along the spine at every pair of tilts, to and fro, `frames` in all; the passes' planes interleave.
+
+    Its way begins `above` mm earlier than need be for the first spinous process.
 
     Notes
     -----
@@ -177,7 +187,8 @@ def multi_angle_sweep(phantom: ScannedBack, frames: int = 144) -> ProbePath:
     poses, times, start = [], [], 0.0
     for n, ((in_plane, elevational), count) in enumerate(zip(pairs, counts)):
         offset = ((n * 4) % len(pairs) + 0.5) / len(pairs)
-        one = single_angle_sweep(phantom, count, in_plane_tilt_deg=in_plane, elevational_tilt_deg=elevational, offset=offset)
+        tilts = {"in_plane_tilt_deg": in_plane, "elevational_tilt_deg": elevational}
+        one = single_angle_sweep(phantom, count, **tilts, offset=offset, above=above)
         poses.append(one.transducer_to_reference[:: -1 if n % 2 else 1])
         times.append(start + one.timestamps)
         start = times[-1][-1] + 2.0

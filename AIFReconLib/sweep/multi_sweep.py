@@ -13,25 +13,8 @@ from ..arrays import Integers, Numbers
 from ..errors import GeometryError, require_kind
 from ..imaging.images import ImagesOnDemand, ImageStack
 from ..recipe.recipe import ReadingSettings
-from .configuration import PlusConfiguration
 from .frames import TrackedSequence
 from .time_offset import as_asked
-
-OF_THE_VOLUME = (
-    "spacing",
-    "origin",
-    "extent",
-    "method",
-    "interpolation",
-    "uses_importance_mask",
-    "importance_mask",
-    "pixel_rejection",
-    "holes",
-    "skip",
-    "fixed_point",
-    "fits_spacing",
-)
-"""What a configuration says of the volume, of which there is one."""
 
 
 class JoinedImages(ImagesOnDemand):
@@ -102,20 +85,16 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence], asked: Readin
     if len(sweeps) == 1:
         return sweeps[0]
     first, names = sweeps[0], names_of(sweeps)
-    notes = []
     for other, name in zip(sweeps[1:], names[1:], strict=True):
         if (first.frame_size, np.dtype(first.images.dtype)) != (other.frame_size, np.dtype(other.images.dtype)):
             raise GeometryError(
                 f"{names[0]} and {name} cannot enter one volume: images of {_kind(first)} and of {_kind(other)}. Reconstruct them one "
                 "by one."
             )
-        if other.configuration is not first.configuration and _volume_of(other.configuration) != _volume_of(first.configuration):
-            notes.append(f"What the configuration of {name} says of the volume is not used: that of {names[0]} is.")
     return JoinedSequence(
         JoinedImages([sweep.images for sweep in sweeps]),
         [record for sweep in sweeps for record in sweep.records],
         configuration=first.configuration,
-        notes=tuple(notes),
         of=sweeps,
     )
 
@@ -123,10 +102,6 @@ def joined(sequences: TrackedSequence | Iterable[TrackedSequence], asked: Readin
 def _kind(sequence: TrackedSequence) -> str:
     columns, rows = sequence.frame_size
     return f"{columns} x {rows} pixels, {np.dtype(sequence.images.dtype).name}"
-
-
-def _volume_of(configuration: PlusConfiguration) -> list[object]:
-    return [getattr(configuration, name) for name in OF_THE_VOLUME]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Matrix
 from ..errors import GeometryError
 from ..geometry.pose_interpolation import interpolate_pose
-from ..geometry.transform_graph import TransformSample, TransformStatus
+from ..geometry.transform_graph import MISSING, TransformSample, TransformStatus
 from ..geometry.transforms import why_not_affine
 from ..recipe.recipe import LONGEST_GAP
 
@@ -43,6 +43,11 @@ class PoseTrack:
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def samples(self, times: Iterable[float], longest_gap: float = LONGEST_GAP, tolerance: float = SAME_TIME) -> list[TransformSample]:
+        """The poses at these moments, MISSING where there is none; see `at`."""
+        found = (self.at(time, longest_gap, tolerance)[0] for time in times)
+        return [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
 
     def at(self, time: float, longest_gap: float = LONGEST_GAP, tolerance: float = SAME_TIME) -> tuple[Matrix, None] | tuple[None, str]:
         """The pose at one moment, or why there is none.

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -140,9 +139,6 @@ def _decoded(value: Any) -> Any:
         return TransformStatus.parse(value["word"])
     if kind == "Path":
         return Path(value["name"])
-    if kind == "Message":
-        # As sentences were kept before they were plain text
-        return re.sub(r"\{(\w+)[^}]*\}", lambda found: str(_decoded(value["values"].get(found[1], found[0]))), value["template"])
     made = _CLASSES[kind]
     names = {field.name for field in dataclasses.fields(made)}
     return made(**{name: _decoded(item) for name, item in value.items() if name in names})

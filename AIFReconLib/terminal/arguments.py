@@ -7,11 +7,10 @@ import difflib
 import inspect
 import itertools
 import os
-import re
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import NoneType
@@ -21,7 +20,7 @@ from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
 from ..errors import MethodError
 from ..recipe.recipe import AUTOMATIC, RULES, Branch, Recipe
-from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule
+from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule, explained
 from .refusing import RefusingParser, WrongArguments
 from .remedies import in_options
 
@@ -54,6 +53,8 @@ class Options:
         Fields that are spelled in another way.
     FIRST : tuple of str
         Fields that a short help shows beside what must be given; all where there are none.
+    NOTES : str
+        What a help says behind the examples, which are those of the docstring.
 
     Parameters
     ----------
@@ -91,7 +92,7 @@ class Options:
         "output": ("-o", "--output"),
     }
     FIRST: ClassVar[Names] = ()
-    EXAMPLES: ClassVar[str] = ""
+    NOTES: ClassVar[str] = ""
     RULES: ClassVar[Mapping[str, Rule]] = RULES
 
     def __getattr__(self, name: str) -> Any:
@@ -121,10 +122,10 @@ def with_values(asked: Asked, **values: object) -> Asked:
     return other
 
 
-def given_words(asked: Options, names: Iterable[str]) -> list[str]:
-    """Those of these options that were given, as one would type them."""
+def given_words(asked: Options, *groups: type[Options]) -> list[str]:
+    """Those options of groups that were given, as one would type them."""
     words = []
-    for name in names:
+    for name in (each.name for group in groups for each in declared(group) if each.group is not Options):
         value = vars(asked).get(name)
         for each in value if isinstance(value, list) else [] if value is None else [value]:
             several = each if isinstance(each, tuple) else [each]
@@ -133,37 +134,57 @@ def given_words(asked: Options, names: Iterable[str]) -> list[str]:
     return words
 
 
-def explained(group: type[Options]) -> tuple[str, dict[str, tuple[str, str]]]:
-    """The summary of a class, and of each of its parameters what it takes and what it means."""
-    summary, _, rest = inspect.cleandoc(group.__dict__.get("__doc__") or "").partition("\n\n")
-    parameters = rest.partition("Parameters\n----------\n")[2].partition("\n\n")[0]
-    entries = re.findall(r"^(\w+)(?: : (.*))?\n((?: {4}.*(?:\n|$))+)", parameters, re.MULTILINE)
-    return " ".join(summary.split()), {name: (takes, " ".join(meaning.split())) for name, takes, meaning in entries}
-
-
 # ---- words
 
 
-def number(text: str) -> float:
-    """A number of the command line."""
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number such as 0.5, without a unit; got {text!r}") from None
+Read = TypeVar("Read")
 
 
-def _whole_number(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a whole number; got {text!r}") from None
+def reading(read: Callable[[str], Read], words: str) -> Callable[[str], Read]:
+    """What reads a word of the command line and, where it cannot, says what the word must be."""
+
+    def read_word(text: str) -> Read:
+        try:
+            return read(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"must be {words}; got {text!r}") from None
+
+    return read_word
 
 
-def path(text: str) -> Path:
-    """A path of the command line."""
+def _path(text: str) -> Path:
     if not text.strip():
-        raise argparse.ArgumentTypeError(f"must be the name of a file or folder; got {text!r}")
+        raise ValueError
     return Path(text)
+
+
+def pair(text: str) -> tuple[str, str]:
+    """What stands before an equals sign, and behind it; ValueError where one is missing."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (equals and name and value):
+        raise ValueError
+    return name, value
+
+
+def _positive(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < float("inf"):
+        raise ValueError
+    return value
+
+
+def _count(text: str) -> int:
+    if (value := int(text)) < 1:
+        raise ValueError
+    return value
+
+
+A_NUMBER = "a number such as 0.5, without a unit"
+number = reading(float, A_NUMBER)
+_whole_number = reading(int, "a whole number")
+positive = reading(_positive, "a number above 0")
+count = reading(_count, "a whole number of 1 or more")
+path = reading(_path, "the name of a file or folder")
 
 
 def paths(text: str) -> list[Path]:
@@ -171,24 +192,9 @@ def paths(text: str) -> list[Path]:
     return [path(word) for word in text.split(JOIN)]
 
 
-def named_file(text: str) -> tuple[str, Path]:
-    """NAME=FILE."""
-    name, equals, file = (part.strip() for part in text.partition("="))
-    if not (equals and name and file):
-        raise argparse.ArgumentTypeError(f"takes NAME=FILE, as in ImageToReference=Transform.seq.mha, got {text!r}")
-    return name, Path(file)
-
-
 def number_or(word: str) -> Callable[[str], float | str]:
     """What reads a number or this word from the command line."""
-
-    def read(text: str) -> float | str:
-        try:
-            return word if text == word else float(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"must be {word} or a number such as 0.5, without a unit; got {text!r}") from None
-
-    return read
+    return reading(lambda text: word if text == word else float(text), f"{word} or {A_NUMBER}")
 
 
 def one_or_three(text: str) -> float | tuple[float, ...]:
@@ -251,7 +257,7 @@ def declared(options: type[Options]) -> Iterator[_Declared]:
     """All options of a class, those of its settings behind its fields."""
     seen: set[str] = set()
     for group in (each for each in options.__mro__ if issubclass(each, Options)):
-        meanings, hints = explained(group)[1], get_type_hints(group, include_extras=True)
+        meanings, hints = explained(group).parameters, get_type_hints(group, include_extras=True)
         for name in inspect.get_annotations(group):
             if name not in seen and ClassVar not in (hints[name], get_origin(hints[name])):
                 seen.add(name)
@@ -292,10 +298,10 @@ def _declared(
     words: dict[str, Any] = {"help": meaning if "(default: " in meaning else meaning + _told(default)}
     if kind is bool:
         return _Declared(group, name, {**words, "action": "store_true" if default is False else argparse.BooleanOptionalAction})
-    reading = {float: number, int: _whole_number, Path: path, Output: path, str: str}
+    readers = {float: number, int: _whole_number, Path: path, Output: path, str: str}
     functions = [mark for mark in marks if callable(mark)]
     belongs = functions[1] if len(functions) > 1 else None
-    words["type"] = functions[0] if functions else reading[parts[0] if origin else kind]
+    words["type"] = functions[0] if functions else readers[parts[0] if origin else kind]
     words["choices"] = next((mark for mark in marks if isinstance(mark, tuple)), None)
     if origin is list:
         words["action"] = "extend" if belongs else "append"
@@ -332,7 +338,7 @@ class OneLineParser(RefusingParser):
         Options by the words that name them.
     """
 
-    def __init__(self, options: type[Options], prog: str, shown: Sequence[str] | None = None, **_: object):
+    def __init__(self, options: type[Options], prog: str, shown: Sequence[str] | None = None):
         self._options, self.declared = options, {each.name: each for each in declared(options)}
         needed = [name for name in self.declared if _is_needed(options, name)]
         self._needed = sorted(needed, key=lambda name: name not in options.WORDS)
@@ -340,8 +346,8 @@ class OneLineParser(RefusingParser):
         super().__init__(
             prog,
             usage=" ".join([prog, *map(self._in_usage, self._needed), "[options]"]),
-            description=textwrap.fill(explained(options)[0], max(shutil.get_terminal_size().columns - 2, 11)),
-            epilog=options.EXAMPLES or None,
+            description=textwrap.fill(explained(options).summary, max(shutil.get_terminal_size().columns - 2, 11)),
+            epilog=f"examples:\n{examples}{options.NOTES}" if (examples := explained(options).examples) else None,
             formatter_class=argparse.RawDescriptionHelpFormatter,
             add_help=False,
         )
@@ -384,7 +390,7 @@ class OneLineParser(RefusingParser):
         sections: dict[str, Any] = {}
         together: dict[tuple[str, ...], Any] = {}
         for each in self.declared.values():
-            title, _, about = ("options" if each.group is self._options else explained(each.group)[0]).partition(": ")
+            title, _, about = ("options" if each.group is self._options else explained(each.group).summary).partition(": ")
             if title not in sections:
                 sections[title] = self.add_argument_group(title, about or None)
             section = sections[title]

@@ -18,15 +18,13 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from ..machine.processes import start, starter
-from .signals import SIGNALS
+from .signals import INTERRUPTED, SIGNALS
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from subprocess import Popen
 
 BAD_INPUT = 2
-
-INTERRUPTED = "Interrupted. No file is left half-written."
 
 LONGEST_END = 10.0
 """s that a command has to end after it was told to: compiled code hears nothing until it returns."""

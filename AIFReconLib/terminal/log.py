@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 FIRST_WORDS = "AIFRecon log"
 """Of every log. A file that begins otherwise is something else, to which nothing may be appended."""
 
-_NEVER = logging.CRITICAL + 1
-"""A level that no record has."""
-
 
 class _PlainFormatter(logging.Formatter):
     """What a terminal would obey is not in a log either."""
@@ -118,14 +115,10 @@ def _log_file(path: Path) -> logging.Handler:
 
 
 class _LogFile(logging.FileHandler):
-    """A file that is given up, with one line on the terminal, once it can no longer be written."""
+    """A file that lacks what the disk does not take."""
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """Say so, and write nothing more."""
-        if self.level < _NEVER:
-            self.setLevel(_NEVER)
-            reason = getattr(sys.exc_info()[1], "strerror", None) or str(sys.exc_info()[1])
-            show(sys.stderr, f"aifrecon: The log {self.baseFilename} cannot be written any more ({reason}).\n")
+        """Nothing: the work goes on."""
 
     def close(self) -> None:
         """Close the file; what a full disk does not take is lost."""

@@ -3,25 +3,52 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..errors import AIFReconError, OutputError
-from ..io.disk.atomic import check_writable
+from ..errors import AIFReconError, OutputError, SettingsError
+from ..io.disk.atomic import check_writable, write_text
 from ..io.metafile.opening import data_files
 from ..io.plus.configuration import read_plus_configuration
 from ..io.sequence.files import recording_kind
 from ..io.volume.dicom_series import series_files
 from ..io.volume.files import sidecar_of
+from ..io.volume.surfaces import check_surface_path
 from .arguments import Options, declared
 from .console import real_path
+from .remedies import in_options
 
 LONGEST_NAME = 4096
 """Characters of a path, at most."""
 
 TEXTS = (".csv", ".html", ".htm", ".json", ".txt", ".xml")
 """Kinds of files that only such a file may make way for."""
+
+
+def check_picture(path: Path) -> None:
+    """Return if a picture can be drawn to `path`."""
+    from ..evaluation.figures import require_matplotlib
+
+    if path.suffix.lower() != ".png":
+        raise SettingsError(f"{path}: a preview is a PNG picture. Choose a name that ends with .png.")
+    require_matplotlib()
+
+
+CHECKS = {".png": check_picture, ".vtp": check_surface_path}
+"""By how a command's help has the name of a file end: what returns if it can be written."""
+
+
+def tell(first: str, lines: Iterable[object] = (), written: Iterable[Path | None] = ()) -> None:
+    """Print what was found, a line each, and the files that were written."""
+    print("\n  ".join([in_options(first), *map(in_options, lines), *(f"wrote {path}" for path in written if path)]))
+
+
+def write_json(path: Path | None, facts: object) -> None:
+    """Write a report, where one is asked for."""
+    if path is not None:
+        write_text(path, json.dumps(facts, indent=2) + "\n")
 
 
 def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
@@ -51,6 +78,8 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
     for each in options:
         for path in _paths(getattr(asked, each.name)):
             wanted = Path(each.words.get("metavar", "")).suffix
+            if wanted in CHECKS:
+                CHECKS[wanted](path)
             if wanted in TEXTS and path.exists() and path.suffix.lower() not in TEXTS:
                 raise OutputError(f"{path} is a file of another kind, and would be overwritten. Choose a name that ends with {wanted}.")
     for path in written:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,6 +11,7 @@ from typing import Any, ClassVar
 from .. import __version__
 from ..compounding.needs import needs_bone
 from ..compounding.state import Reconstruction
+from ..effective_settings import takes_out_motion
 from ..errors import SettingsError
 from ..geometry.labels import Labels
 from ..geometry.transform_graph import capital
@@ -23,10 +23,10 @@ from ..progress import Progress
 from ..provenance.record import other_inputs, settings_of, signed
 from ..provenance.settings_files import read_settings
 from ..provenance.settings_schema import KeptSettings
-from ..recipe.recipe import AUTOMATIC, BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
+from ..recipe.recipe import BoneSettings, ImagingSettings, MethodSettings, OutputSettings, VolumeSettings
 from ..sweep.poses import ends_of
 from ..workflows.job import BoneSource
-from .arguments import Options, Output, Rivals, Settings
+from .arguments import Options, Output, Rivals, Settings, reading
 from .labels_options import PlacedLabelsOptions, labels_from, labels_inputs, names_labels, place_from
 from .remedies import as_option
 from .sequence_options import ImageOptions
@@ -132,31 +132,29 @@ class ReconstructionOptions(_BoneOptions, _AllImageOptions, _VolumeOptions, _Tun
     """All that a reconstruction can be asked for, beside what says how a sweep is tracked."""
 
 
+_BOX = ("grid_size", "grid_to_reference")
+_INSTEAD = {
+    "image_to_reference": ("reference",),
+    **dict.fromkeys(("spacing", "grid_like"), _BOX),
+    "bone_sigma_voxels": ("bone_sigma_mm",),
+    **dict.fromkeys(("bone_labels", "bone_probability", "bone_frames", "bone_model"), ("bone_from_sweep",)),
+    "apex_px": ("probe", "fan_apex_px"),
+    **dict.fromkeys(("fan_angles_deg", "fan_radius_px"), ("fan_pixel_size", "fan_detection")),
+}
+"""Kept settings that do not go with an option that is given."""
+
+
 def _beside_given(given: _KeptOptions, kept: dict[str, Any]) -> dict[str, Any]:
     """Kept settings without those that do not go with the given ones."""
-    names: list[str] = []
-    if given.image_to_reference and given.reference is None:
-        # What is given names both ends
-        names.append("reference")
-    if given.spacing or getattr(given, "grid_like", None) or _is_in_another_frame(given, kept):
-        names += ["grid_size", "grid_to_reference"]
-    if given.bone_sigma_voxels is not None:
-        names.append("bone_sigma_mm")
-    if any(getattr(given, name, None) for name in ("bone_labels", "bone_probability", "bone_frames", "bone_model")):
-        names.append("bone_from_sweep")
-    if given.probe == LINEAR:
-        names.append("apex_px")
-    if given.apex_px:
-        names.append("probe")
-    if given.fan_angles_deg or given.fan_radius_px:
-        names += ["fan_pixel_size", "fan_detection", *(["fan_apex_px"] if given.apex_px else [])]
-    return {name: value for name, value in kept.items() if name not in names}
-
-
-def _is_in_another_frame(given: _KeptOptions, kept: Mapping[str, object]) -> bool:
-    """Whether the options ask for a frame of reference that the kept box need not be in."""
+    names = {name for option, instead in _INSTEAD.items() if getattr(given, option, None) for name in instead}
     asked = _target(given.reference, given.image_to_reference)
-    return asked is not None and asked != _target(kept.get("reference"), kept.get("image_to_reference"))
+    if asked is not None and asked != _target(kept.get("reference"), kept.get("image_to_reference")):
+        names.update(_BOX)
+    if given.probe == LINEAR:
+        names.add("apex_px")
+    if not (given.fan_angles_deg or given.fan_radius_px):
+        names.discard("fan_apex_px")
+    return {name: value for name, value in kept.items() if name not in names}
 
 
 def _target(reference: object, image_to_reference: object) -> str | None:
@@ -181,7 +179,7 @@ def with_provenance(
     stream : mapping or None
         See `signed`.
     """
-    unused = () if needs_bone(result.method, asked.recipe) or asked.recipe.motion == AUTOMATIC else bone_inputs(asked)
+    unused = () if needs_bone(result.method, asked.recipe) or takes_out_motion(asked.recipe) else bone_inputs(asked)
     files, kept = [path for path in inputs if path is not None and path not in unused], asked.kept
     notes = [] if kept is None else list(other_inputs(kept.path.name, kept.inputs, files))
     if kept is not None and kept.version not in ("", __version__):
@@ -191,17 +189,16 @@ def with_provenance(
     return replace(signed(result, settings_of(result.intensity), files, stream, shown), messages=(*result.messages, *notes))
 
 
-def gigabytes(text: str) -> int:
+def _bytes(text: str) -> int:
     """GB, or the unit that is named, as bytes."""
-    number, unit = re.fullmatch(r"\s*(.*?)\s*([kmgt]?i?b|[mgt])?\s*", text, re.IGNORECASE | re.DOTALL).groups()  # type: ignore[union-attr]
-    try:
-        size = float(number) * UNITS[(unit or "GB").upper().removesuffix("B")]
-    except (ValueError, KeyError):
-        size = 0.0
+    found = re.fullmatch(r"\s*(.*?)\s*([kmgt]?i?b|[mgt])?\s*", text, re.IGNORECASE | re.DOTALL)
+    size = float(found[1]) * UNITS.get((found[2] or "GB").upper().removesuffix("B"), 0.0) if found else 0.0
     if not 0 < size < float("inf"):
-        raise argparse.ArgumentTypeError(f"must be a positive size such as 1.5GB, got {text!r}")
+        raise ValueError
     return int(size)
 
+
+gigabytes = reading(_bytes, "a positive size such as 1.5GB")
 
 UNITS = {"M": 1e6, "G": 1e9, "T": 1e12, "MI": 2.0**20, "GI": 2.0**30, "TI": 2.0**40}
 """Bytes of each, without the B."""

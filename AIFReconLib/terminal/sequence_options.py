@@ -14,7 +14,7 @@ from ..recipe.recipe import AUTOMATIC
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import ends_of, sweep_poses
 from ..sweep.time_offset import with_time_offset
-from .arguments import Names, Options, Settings, named_file, number_or
+from .arguments import Names, Options, Settings, number_or, pair, path, reading
 from .labels_options import PlacedLabelsOptions
 
 OF_A_RECORDING = ("orientation", "time_offset", "longest_gap")
@@ -39,6 +39,11 @@ class TrackingOptions(_ConfigurationOptions):
     SETTINGS: ClassVar[Settings] = ("image_to_reference", "reference")
 
 
+def _named_file(text: str) -> tuple[str, Path]:
+    name, file = pair(text)
+    return name, path(file)
+
+
 class RecordingOptions(_ConfigurationOptions):
     """recording: what the file does not say, or says wrongly
 
@@ -51,7 +56,7 @@ class RecordingOptions(_ConfigurationOptions):
         images come late; positive: poses do) [s] (default: 0); auto: find it in the sweep and apply it
     """
 
-    transform_sequence: Annotated[list[tuple[str, Path]], named_file] = []
+    transform_sequence: Annotated[list[tuple[str, Path]], reading(_named_file, "NAME=FILE, as in ImageToReference=Transform.seq.mha")] = []
     time_offset: Annotated[float | str, number_or(AUTOMATIC)] | None = None
 
     SETTINGS: ClassVar[Settings] = ("orientation", "longest_gap")
@@ -95,9 +100,6 @@ def configured(asked: _ConfigurationOptions, paths: Sequence[Path]) -> list[tupl
         raise SettingsError(
             f"--transform-sequence belongs to one sequence, and {len(paths)} are given. Make one file of each pair with aifrecon convert."
         )
-    names = [name for name, _ in getattr(asked, "transform_sequence", [])]
-    if twice := [name for name in names if names.count(name) > 1]:
-        raise SettingsError(f"Input --transform-sequence must name each transform once; {twice[0]} is given twice.")
     return list(zip(paths, configs * len(paths) if len(configs) == 1 else configs, strict=True))
 
 

@@ -13,6 +13,8 @@ SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGBREA
 """Sent by `kill`, `timeout`, service managers and a system that shuts down; by a terminal that is closed; by Ctrl-Break."""
 
 
+INTERRUPTED = "Interrupted. No file is left half-written."
+
 TWICE = 1.0
 """s within which a signal counts once: Ctrl-C comes from the terminal, and from the guard at the door."""
 

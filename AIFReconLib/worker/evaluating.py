@@ -8,6 +8,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,7 +24,7 @@ from ..io.disk.workspace import workspace
 from ..message import Sentence, message_of
 from ..progress import Progress, part, report
 from ..recipe.recipe import AUTOMATIC, Recipe
-from ..remedies import ADD_TIME_OFFSET, PLACE_THE_CT
+from ..remedies import PLACE_THE_CT
 from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
@@ -83,10 +84,11 @@ def calibration_of_sweep(
 
 def motion_of_sweep(job: ReconstructionJob, progress: Progress | None = None) -> Verdict:
     """Whether the patient moved in the sweep of a job, by its CT where it has one."""
+    from ..effective_settings import takes_out_motion
     from ..workflows.reconstruct import without_motion
 
     looking = replace(job, recipe=replace(job.recipe, motion=AUTOMATIC))
-    return motion_verdict(without_motion(looking, progress)[1], job.recipe.motion == AUTOMATIC)
+    return motion_verdict(without_motion(looking, progress)[1], takes_out_motion(job.recipe))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,23 +103,14 @@ def calibrated_by(
     sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
 ) -> _Calibrated:
     """What a sweep, or several as one, says of its calibration; the arguments are those of `calibrate`, the CT lies on the sweep."""
-    from ..calibration.calibration import calibrate
+    from ..calibration.calibration import calibrate, findings
 
     found = calibrate(sequence, labels, labels_to_reference, recipe=recipe, progress=progress)
     if found.reason is not None:
         return _Calibrated((Sentence(f"The calibration was not changed. {found.reason}", message_of(found.reason)),), None)
-    if found.changed <= found.uncertainty:
-        agrees = f"The calibration agrees with this sweep within {found.uncertainty:.1f} mm: nothing was changed."
-        return _Calibrated((agrees, *_more(found)), None)
-    lines = (
-        f"Calibrated: image points are placed within {found.uncertainty:.1f} mm of the CT's bone in the median; "
-        f"the change is {found.changed:.1f} mm.",
-        f"{found.after.share:.0%} of the echoes agree with the CT's bone, {found.after.median_distance:.2f} mm off in the median; "
-        f"before it was {found.before.share:.0%} and {found.before.median_distance:.2f} mm.",
-        *_belongs(found, labels_to_reference),
-        *_more(found),
-    )
-    return _Calibrated(lines, found.image_correction)
+    if not found.needed:
+        return _Calibrated(tuple(findings(found)), None)
+    return _Calibrated((*findings(found), *_belongs(found, labels_to_reference)), found.image_correction)
 
 
 def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
@@ -125,18 +118,6 @@ def _belongs(found: Calibration, labels_to_reference: Matrix) -> list[str]:
     points = np.column_stack([found.echoes_on_bone[1], np.ones(len(found.echoes))])
     apart = float(np.median(np.linalg.norm((points @ (found.labels_to_reference - labels_to_reference).T)[:, :3], axis=1)))
     return [Sentence(f"With it the CT belongs {apart:.1f} mm from where it lies.", PLACE_THE_CT)] if apart > FAR else []
-
-
-def _more(found: Calibration) -> list[str]:
-    """The delay, which is part of no calibration, and what the sweep does not tell."""
-    from ..calibration.check import SURE
-
-    lines: list[str] = []
-    delay = float(found.values[-1])
-    if found.held[-1] and abs(delay) > SURE * found.deviation[-1]:
-        words = f"Images and poses are {1000 * abs(delay):.0f} ms out of step, which a calibration cannot mend."
-        lines.append(Sentence(words, ADD_TIME_OFFSET, offset=f"{delay:.3f}"))
-    return [*lines, found.advice] if found.advice else lines
 
 
 def guidance_in_sweep(
@@ -147,13 +128,15 @@ def guidance_in_sweep(
     grid: VoxelGrid | None = None,
     unseen: Floats | None = None,
     progress: Progress | None = None,
-) -> tuple[GuidanceSnapshot, dict[str, Share]]:
-    """What `guidance_of_sweep` tells, and as `met_of_sweep`; nothing of that where there is a problem."""
-    from ..guidance.coverage import back_of_labels
+) -> GuidanceSnapshot:
+    """What is shown of what `guidance_of_sweep` tells."""
     from ..guidance.guidance import guidance_of_sweep
 
-    found = guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress)
-    return found.seen(), {} if found.coverage is None else back_of_labels(found.coverage.met)
+    return guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress).seen()
+
+
+WHOLE_BODY = 12.0
+"""mm by which a sweep begins earlier, so that it sees the first vertebra to its upper end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,11 +156,12 @@ def simulated_patient(
     from ..io.plus.configuration import read_plus_configuration
     from ..simulation.anatomy import LumbarAnatomy
     from ..simulation.phased_array import PhasedArray
-    from ..simulation.scan import plus_configuration_xml
+    from ..simulation.scan import multi_angle_sweep, plus_configuration_xml
     from ..workflows.simulate import simulated
 
     anatomy = LumbarAnatomy.from_seed(seed, vertebrae=vertebrae)
-    phantom, sweep = simulated(seed, frames=frames, anatomy=anatomy, spacing=spacing, progress=progress)
+    way = partial(multi_angle_sweep, above=WHOLE_BODY)
+    phantom, sweep = simulated(seed, way, frames, anatomy=anatomy, spacing=spacing, progress=progress)
     with workspace(Path(tempfile.gettempdir())) as folder:
         path = folder / "PlusDeviceSet.xml"
         path.write_text(plus_configuration_xml(PhasedArray()), encoding="utf-8")

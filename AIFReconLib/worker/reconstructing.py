@@ -116,7 +116,7 @@ def compared_methods(
         recipe = replace(job.recipe, method=method)
         decided = planned(replace(job, recipe=recipe, beside=FOR_VIEWS), part(share, 0.0, 0.1))
         # Looked for once for all methods
-        job = replace(job, bone=decided.source)
+        job = replace(job, bone=decided.source, sequence=decided.sequence)
         results[method] = execute(decided, FOR_VIEWS, progress=part(share, 0.1, 1.0)).result
     metrics: dict[str, BoneMetrics] = {}
     if labels is not None:

@@ -31,12 +31,9 @@ PREDICTIONS = "predictions"
 
 SUFFIXES = {
     ".xml": CONFIGURATION,
-    ".seg.nrrd": SEGMENTATION,
-    ".seg.nhdr": SEGMENTATION,
-    ".nii": VOLUME,
-    ".nii.gz": VOLUME,
-    ".tfm": TRANSFORM,
-    ".h5": TRANSFORM,
+    **dict.fromkeys((".seg.nrrd", ".seg.nhdr"), SEGMENTATION),
+    **dict.fromkeys((".nii", ".nii.gz"), VOLUME),
+    **dict.fromkeys((".tfm", ".h5"), TRANSFORM),
 }
 """What names tell; others are looked into."""
 

@@ -75,7 +75,7 @@ class Scan(LiveScan):
             while not self.session.prepare(LOOK_EVERY):
                 report(progress, 0.7, "Preparing the scan")
             if recorder is not None and recorder.frames:
-                self.session.take_up(unfinished_frames(recorder.path, configuration, job.spans))
+                self.session.earlier = unfinished_frames(recorder.path, configuration, job.spans)
                 self._spans = list(job.spans)
                 if self._spans[-1][1] is not None:
                     self.session.pause()
@@ -104,7 +104,7 @@ class Scan(LiveScan):
             self._snapshots.request()
         state = None if self._agreement is None else self._agreement.state
         agreement = None if state is None or state.agreement is None else state.agreement
-        problems = [] if state is None else [state.problem]
+        problems = [] if self._agreement is None else [self._agreement.problem]
         problems += [None if self._snapshots.error is None else message_of(self._snapshots.error), *self._recording_problems()]
         latest = session.latest
         guidance = None if self._guidance is None else self._guidance.state

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..bone.echoes.surface import LEAST_A_FRAME
@@ -11,7 +13,7 @@ from ..bone.map import BoneMap
 from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import BoneEstimator, EchoEstimator
 from ..compounding.state import Reconstruction
-from ..effective_settings import Imaging
+from ..effective_settings import Imaging, takes_out_motion
 from ..geometry.volume import Volume, VoxelGrid
 from ..live.pairing.placement import UNCONFIRMED
 from ..live.session.bone_watch import BoneWatch, predictions_beside
@@ -57,10 +59,13 @@ class LiveScan:
             self.growing = GrowingBone(least_a_frame=LEAST_A_FRAME if by_echoes else 0.0, made=made)
         # Refused before the scan, not in it
         self._model = None if job.bone.model is None else OnnxModel(job.bone.model)
+        bone = self.growing or self.bone_map(progress)
+        asked = replace(job.recipe, method=job.recipe.method_for(bone is not None))
+        self._takes_out_motion = takes_out_motion(asked)
         self.session = LiveSession(
             source,
-            job.recipe,
-            self.growing or self.bone_map(progress),
+            replace(job.recipe, motion=AUTOMATIC) if self._takes_out_motion else job.recipe,
+            bone,
             job.grid,
             configuration=job.configuration,
             synchronizer=job.synchronizer,
@@ -77,7 +82,7 @@ class LiveScan:
             beside = None if recorder is None or by_echoes else predictions_beside(recorder.path)
             estimator = None if self._job.bone.device else self._estimator
             self.bone_watch = BoneWatch(self.session, self.growing, estimator, beside)
-        if self._job.recipe.motion == AUTOMATIC:
+        if self._takes_out_motion:
             self.motion_watch = MotionWatch(self.session, self._bone_in_place, self.growing)
             self.session.at_end = self._lay_last
         return self

@@ -18,7 +18,7 @@ from ..bone.network.model import OnnxModel
 from ..bone.predicted_bone import bone_from_frames
 from ..bone.recorded_predictions import RecordedPredictions
 from ..calibration.check import known_without_ct
-from ..compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, left_beside, memory_to_use
+from ..compounding.finishing.parts import Costs, Planes, cut_into_parts, frames_of, memory_to_use
 from ..compounding.finishing.results import Results, bytes_of_results
 from ..compounding.frame_placement import ImageKind, require_kinds
 from ..compounding.methods.average import AVERAGE
@@ -41,6 +41,7 @@ from ..effective_settings import (
     reconstructor_parts,
     resolve_imaging,
     resolve_settings,
+    takes_out_motion,
 )
 from ..errors import GeometryError, NoUsableFramesError
 from ..geometry.transforms import pixel_spacing
@@ -58,7 +59,7 @@ from ..progress import Progress, part, report
 from ..provenance.record import input_files, with_origin
 from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
-from ..sweep.frames import TrackedFrame, TrackedSequence
+from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import joined, shares
 from ..sweep.poses import (
     SweepPoses,
@@ -202,7 +203,7 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
     require_map_as_asked(asked, bone)
     if bone is not None and "bone_from_sweep" in bone.made:
         messages = known_without_ct(sequence, asked, None if motion is None else motion.echoes)
-    if motion is not None and not motion.applied and not any(line.startswith("WARNING") for line in messages):
+    if motion is not None and not motion.applied and asked.motion and not any(line.startswith("WARNING") for line in messages):
         messages = (*messages, *motion.lines)
     if motion is None and asked.motion == AUTOMATIC:
         messages = (*messages, f"{CANNOT_TELL[:1].upper()}{CANNOT_TELL[1:]}.")
@@ -212,13 +213,10 @@ def planned(job: ReconstructionJob, progress: Progress | None = None) -> Reconst
 
 
 def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> tuple[ReconstructionJob, PatientMotion | None]:
-    """The job with the motion of the patient taken out of its sweep, where that is asked for and there is any; and that motion.
-
-    Not where nothing is asked: a wrong calibration may look like a motion.
-    """
+    """The job with the motion of the patient taken out of its sweep, where that is to be done and there is any; and that motion."""
     recipe, source, sequence = job.recipe, job.bone, job.sequence
     has_labels = isinstance(source, Volume | LabeledBone) or (isinstance(source, BoneSource) and source.labels is not None)
-    if recipe.motion != AUTOMATIC:
+    if not takes_out_motion(recipe):
         return job, None
     labeled = found_bone(job) if has_labels else None
     bone = known = None
@@ -364,11 +362,10 @@ def execute(
     sequence, imaging, settings = decided.sequence, decided.imaging, decided.settings
     costs, memory = decided.costs(beside), memory_to_use(memory)
     cut = cut_into_parts(decided.grid, costs, memory)
-    left = left_beside(decided.grid, costs, cut, memory)
     if len(cut) > 1:
         logger.info("%s: %s voxels are worked in %d parts", sequence.name, decided.grid.size, len(cut))
     report(progress, 0.02, "Preparing the volume")
-    reconstructor, results, counts, notes = _worked(decided, beside, cut, left, part(progress, 0.02, 0.95))
+    reconstructor, results, counts, notes = _worked(decided, beside, cut, part(progress, 0.02, 0.95))
     if not counts.inserted:
         what = f"{sequence.name}: no frame falls into the volume ({describe_skipped(counts.skipped)})."
         box = "Check its box ({grid_like}, or the configuration's OutputOrigin and OutputExtent) and {reference}."
@@ -379,15 +376,8 @@ def execute(
             sequence.images[int(last)]
     result = reconstructor.made(results, counts, notes, part(progress, 0.95, 1.0))
     report(progress, 1.0, "Reconstructed")
-    size, inserted = result.grid.size, result.frames_inserted
-    logger.info(
-        "%s: %d of %d frames by %s into %s voxels",
-        sequence.name,
-        inserted,
-        len(sequence),
-        settings.method,
-        size,
-    )
+    told = sequence.name, result.frames_inserted, len(sequence), settings.method, result.grid.size
+    logger.info("%s: %d of %d frames by %s into %s voxels", *told)
     gray_notes = imaging.gray_levels.notes if settings.gray_levels else ()
     warnings = dict.fromkeys(warning for each in sequence.sweeps for warning in each.configuration.warnings)
     inputs = input_files(sequence)
@@ -413,38 +403,23 @@ def tracking_of(job: ReconstructionJob, result: Reconstruction) -> dict[str, Tra
 def plain_mean(job: ReconstructionJob, result: Reconstruction, progress: Progress | None = None) -> Volume:
     """The plain mean of the echoes on the voxels of a result, with the same holes filled, of the sweep as it lies."""
     limit = result.hole_limit or job.recipe.hole_limit
-    plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit, motion=None)
+    plain = replace(job.recipe, method=AVERAGE.name, best_cosine=False, hole_limit=limit, motion="off")
     measured = ReconstructionJob(job.sequence, plain, None, result.grid, beside=())
     return reconstruct_job(measured, progress).result.intensity
 
 
-def _keeping(frames: Iterable[TrackedFrame], kept: dict[int, TrackedFrame]) -> Iterable[TrackedFrame]:
-    """The same frames, each kept by its number."""
-    for frame in frames:
-        kept[frame.number] = frame
-        yield frame
-
-
 def _worked(
-    decided: ReconstructionPlan,
-    beside: Collection[str],
-    cut: list[Planes],
-    left: float,
-    progress: Progress | None,
+    decided: ReconstructionPlan, beside: Collection[str], cut: list[Planes], progress: Progress | None
 ) -> tuple[Reconstructor, Results, FrameCounts, tuple[str, ...]]:
     """Insert the frames into one part of the volume after the other; into each but the first those that reach it.
 
-    Frames are read once where their images fit into the `left` bytes of the memory, else again for every part
-    that they reach. Returns the first part's reconstructor, the results without their holes filled, what
-    became of the frames, and what is to be said.
+    Frames are read again for every part that they reach. Returns the first part's reconstructor, the results without
+    their holes filled, what became of the frames, and what is to be said.
     """
     sequence, parts, imaging, order = decided.sequence, decided.parts, decided.imaging, decided.order
     workers: list[Reconstructor] = []
     results, counts = None, FrameCounts()
-    kept: dict[int, TrackedFrame] = {}
     still = still_images_of(sequence, decided.poses, order)
-    columns, rows = sequence.frame_size
-    keeps = len(cut) > 1 and len(decided.chosen) * columns * rows * sequence.images.dtype.itemsize <= left
     for number, planes in enumerate(cut):
         step = part(progress, number / len(cut), (number + 1) / len(cut))
         placing = 0.15 if needs_bone(decided.method, decided.settings) else 0.0
@@ -466,14 +441,9 @@ def _worked(
             reconstructor.lay_out_as(workers[0])
         reaching = frames_of(planes, counts.reached)
         numbers = order if results is None else [n for n in order if n in reaching]
-        tell = part(step, placing, 1.0)
-        if kept:
-            reconstructor.insert((kept[n] for n in numbers), tell, len(numbers))
-        else:
-            # Which stand still is told by all of them, not by those that reach another part
-            with read_ahead(tracked_frames(sequence, decided.poses, numbers, still if results is None else None)) as read:
-                frames = _keeping(read, kept) if keeps else read
-                reconstructor.insert(frames, tell, len(numbers))
+        # Which stand still is told by all of them, not by those that reach another part
+        with read_ahead(tracked_frames(sequence, decided.poses, numbers, still if results is None else None)) as frames:
+            reconstructor.insert(frames, part(step, placing, 1.0), len(numbers))
         if results is None:
             counts = reconstructor.counts
         else:

@@ -13,7 +13,7 @@ from ..arrays import Floats, Matrix
 from ..errors import AIFReconError, FileFormatError, OutputError, SettingsError
 from ..geometry.transforms import invert, pixel_spacing
 from ..guidance.plan import passes_of
-from ..io.disk.atomic import write_text
+from ..io.disk.atomic import output_errors, write_text
 from ..io.disk.tables import read_table
 from ..io.sequence.writer import write_sequence
 from ..io.transform.files import write_transform
@@ -87,7 +87,7 @@ def planned_path(path: Path) -> ProbePath:
 
 def simulated(
     seed: int,
-    path: str | ProbePath = "multi-angle",
+    path: str | ProbePath | Callable[[LumbarPhantom, int], ProbePath] = "multi-angle",
     frames: int = 144,
     *,
     anatomy: LumbarAnatomy | None = None,
@@ -100,7 +100,8 @@ def simulated(
     place = random_rigid(25.0, 8.0, np.random.default_rng([seed, 7]))
     anatomy = anatomy or LumbarAnatomy.from_seed(seed)
     phantom = make_lumbar_phantom(anatomy, spacing=spacing, ct_to_reference=place, progress=part(progress, 0.0, 0.4))
-    way = PATHS[path](phantom, frames) if isinstance(path, str) else path
+    path = PATHS[path] if isinstance(path, str) else path
+    way = path if isinstance(path, ProbePath) else path(phantom, frames)
     drawn = part(progress, 0.4, 1.0)
     sweep = simulate_sweep(phantom, PhasedArray(), way, errors=errors, effects=effects, seed=seed, progress=drawn)
     return phantom, sweep
@@ -148,10 +149,8 @@ def write_simulated_patient(
     if frames < 2 or seed < 0:
         raise SettingsError("A simulation takes at least 2 frames and a seed of 0 or more.")
     check_simulated_folder(folder, FILES)
-    try:
+    with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot be made ({error.strerror}). Choose another folder.") from None
     sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
     files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     # First, because by it a folder is known as one of simulated files

@@ -72,8 +72,16 @@ class AIFReconBedsideTest(unittest.TestCase):
         self.assertPicture()
         self.assertEqual(self.clicks, 1)
         self.assertEqual(self.levels()[1], "good")
-        self.assertIn("not all lights are green", self.ui.statusLabel.text)
         self.assertFalse(self.ui.sampleButton.isVisibleTo(self.widget.parent))
+
+    def test_a_thin_scan_of_the_sample_says_that_it_is_thin(self):
+        from AIFReconScene.volumes import phantomSample
+
+        self.parameters.spacing = 2.0
+        with unittest.mock.patch.object(phantomSample, "FEW_FRAMES", FRAMES):
+            self.click(self.ui.thinSampleButton)
+        self.assertPicture()
+        self.assertIn("not all lights are green", self.ui.statusLabel.text)
 
     def test_a_recording_with_its_ct_is_open_placed_and_reconstructed_in_three_clicks(self):
         from AIFReconLib import write_sequence

@@ -138,7 +138,7 @@ class AIFReconGuidanceTest(unittest.TestCase):
         from AIFReconScene.inputs.boneNodes import labelsFromNode
         from AIFReconScene.sweep.sequenceReader import sequenceFromBrowser
 
-        from AIFReconLib.guidance.coverage import coverage
+        from AIFReconLib.guidance.coverage import coverage, share_of
 
         self.setToldBox()
         labels = labelsFromNode(self.nodes.segmentation, world=False)
@@ -147,7 +147,8 @@ class AIFReconGuidanceTest(unittest.TestCase):
         reachable = levels > 0
         self.assertAlmostEqual((levels[reachable] > 1).mean(), found.all.met, delta=0.06)
         self.assertAlmostEqual((levels[reachable] == 4).mean(), found.all.below_45_deg, delta=0.06)
-        self.assertIn(f"{found.all.met:.0%}", self.ui.guidanceTableLabel.text)
+        # The table tells what the light does: of the bone that faces the back
+        self.assertIn(f"{share_of(found.met, found.met.bone.posterior).met:.0%}", self.ui.guidanceTableLabel.text)
         # In the panel, for in the view it would cover the ghost
         self.assertIn("squarely, below 45", self.ui.guidanceColorsLabel.text.replace("&nbsp;", " "))
 

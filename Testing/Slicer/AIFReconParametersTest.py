@@ -37,7 +37,7 @@ class AIFReconParametersTest(unittest.TestCase):
 
         from AIFReconLib.recipe.recipe import DEFAULT_SPACING, ReconstructionSettings
 
-        self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING))
+        self.assertEqual(settingsFrom(self.parameters), ReconstructionSettings(spacing=DEFAULT_SPACING, motion="auto"))
 
     def test_ranges_are_the_library_s(self):
         from AIFReconScene.inputs.parameters import PARAMETERS, SettingChoice, camelCase, rangeOf, settingsFrom
@@ -84,6 +84,11 @@ class AIFReconParametersTest(unittest.TestCase):
     def test_what_is_chosen_by_itself_is_chosen_at_once(self):
         from AIFReconScene.inputs import readiness
 
+        # As Sequences and Segment Editor leave them
+        for className in ("vtkMRMLSequenceBrowserNode", "vtkMRMLSegmentationNode"):
+            slicer.mrmlScene.AddNewNodeByClass(className)
+        readiness.chooseDefaults(self.parameters)
+        self.assertEqual((self.parameters.sweep, self.parameters.bone), (None, None))
         tinyScene.addSweep()
         tinyScene.addCT()
         changes, node = [], self.parameters.parameterNode

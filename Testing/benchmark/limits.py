@@ -88,12 +88,11 @@ def measure(repeats: int) -> list[dict[str, Any]]:
             sweep = turned(fan_sweep(FRAMES, COLUMNS, ROWS), turn)
             grid, bone = around(sweep, spacing)
             voxels, pixels = in_order(sweep, grid)
-            packed, (value, weight, hits) = np.zeros(grid.voxels, np.uint32), np.zeros((3, grid.voxels), np.float32)
+            value, weight, hits = np.zeros((3, grid.voxels), np.float32)
             counts, latest = hits.view(np.uint32), np.zeros(grid.voxels, np.uint8)
             images, room = np.stack([frame.placed()[0] for frame in sweep]), np.empty((FRAMES, ROWS, COLUMNS), np.uint8)
             works: dict[str, Callable[[], object]] = {
                 "copy": partial(np.copyto, room, images),
-                "packed": partial(loops.add_packed, voxels, pixels, packed),
                 "hit": partial(loops.hit, voxels, pixels, latest, counts),
                 "weighed": partial(loops.add_weighed, voxels, pixels, value, weight, counts),
             }
@@ -107,7 +106,7 @@ def measure(repeats: int) -> list[dict[str, Any]]:
             where = f"turned {turn:g} degrees" if turn else "along the grid"
             found.append({"sweep": where, "spacing_mm": spacing, "what": "copy of the images", "ns": ns["copy"], "limit_ns": None})
             for method in METHODS:
-                limit = {"average": "packed", "latest": "hit"}.get(method, "weighed")
+                limit = "hit" if method in ("average", "latest") else "weighed"
                 found.append({"sweep": where, "spacing_mm": spacing, "what": method, "ns": ns[method], "limit_ns": ns[limit]})
     return found
 

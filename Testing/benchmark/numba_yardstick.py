@@ -15,7 +15,6 @@ from numba import njit
 from AIFReconLib.bone.map import BoneMap
 from AIFReconLib.compounding.evidence import ScanLines
 from AIFReconLib.compounding.layout import PixelLayout
-from AIFReconLib.compounding.state import HIT
 from AIFReconLib.geometry.transforms import image_plane_axes, pixel_spacing
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.beams import ProbeGeometry
@@ -28,15 +27,8 @@ ONE, ZERO, THREE = np.float32(1), np.float32(0), np.float32(3)
 
 
 @njit(nogil=True, cache=True)
-def add_packed(voxels, pixels, packed):
-    """What an average cannot do without: add pixels (n,) and a hit each to `packed` (voxels,) uint32, where `voxels` (n,) says."""
-    for n in range(voxels.size):
-        packed[voxels[n]] += np.uint32(HIT) + np.uint32(pixels[n])
-
-
-@njit(nogil=True, cache=True)
 def hit(voxels, pixels, value, hits):
-    """What the last pixel cannot do without."""
+    """What the last pixel of a voxel cannot do without, nor an average: write pixels (n,), and count a hit, where `voxels` (n,) says."""
     for n in range(voxels.size):
         value[voxels[n]] = pixels[n]
         hits[voxels[n]] += np.uint32(1)
@@ -160,8 +152,8 @@ def yardsticks(sweep: list[TrackedFrame], grid: VoxelGrid, bone: BoneMap, probe:
     alpha, beta, maximum = np.float32(defaults.alpha), np.float32(defaults.beta), np.float32(np.iinfo(str(image.dtype)).max)
     floor, gain = np.float32(defaults.weight_floor), np.float32(defaults.bone_gain)
     layout = PixelLayout.build((columns, rows), spacing, ImageRegion(), probe)
-    judged = ScanLines(layout, probe).evidence(layout.values(image), GrayLevels.as_recorded(float(maximum)))
-    reach, onset = judged.reach.reshape(rows, columns), judged.onset.reshape(rows, columns)
+    reach, onset = ScanLines(layout, probe).evidence(layout.values(image), GrayLevels.as_recorded(float(maximum)))
+    reach, onset = reach.reshape(rows, columns), onset.reshape(rows, columns)
     known = placed.probability, placed.directions_reference
 
     def each(put: Callable[..., None], *arguments: object) -> Callable[[], None]:

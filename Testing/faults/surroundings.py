@@ -49,7 +49,7 @@ class Surrounding:
 
 
 LIMITS = {
-    "MiB of address space": (resource.RLIMIT_AS, 2**20, (50, 200, 400, 600, 799, 800, 850, 900, 1000, 1200, 1600, 2400)),
+    "MiB of address space": (resource.RLIMIT_AS, 2**20, (800, 850, 900, 1000, 1200, 1600, 2400)),
     "open files": (resource.RLIMIT_NOFILE, 1, (6, 8, 10, 12, 16, 24)),
     "bytes of a file": (resource.RLIMIT_FSIZE, 1, (0, 100, 1000, 10_000)),
 }

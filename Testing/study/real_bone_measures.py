@@ -8,10 +8,10 @@ import numpy as np
 from scipy import ndimage
 
 from AIFReconLib.evaluation.metrics import evaluate
-from AIFReconLib.evaluation.surface import BoneSurface, nearest
+from AIFReconLib.evaluation.surface import BoneSurface
 from AIFReconLib.evaluation.visibility import BoneTruth
 from AIFReconLib.geometry.transforms import transform_points
-from AIFReconLib.geometry.volume import Volume
+from AIFReconLib.geometry.volume import Volume, nearest
 
 THRESHOLDS = tuple(range(80, 251, 10))
 """Gray levels above which a voxel is bright, for the curve of precision against what is shown."""

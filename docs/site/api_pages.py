@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -37,10 +38,8 @@ def docstring(path: Path) -> str:
 
 def public_names(library: Path) -> dict[str, str]:
     """What AIFReconLib hands out, and the module that each name lies in."""
-    for node in ast.parse((library / "__init__.py").read_text("utf-8")).body:
-        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "_PUBLIC":
-            return dict(sorted(ast.literal_eval(node.value).items(), key=lambda pair: pair[0].lower()))
-    raise LookupError("there is no _PUBLIC in AIFReconLib/__init__.py")
+    names = re.findall(r"from \.(\S+) import (\w+)", (library / "__init__.pyi").read_text("utf-8"))
+    return {name: file for file, name in sorted(names, key=lambda pair: pair[1].lower())}
 
 
 def modules_of(library: Path, room: str) -> list[Path]:

@@ -9,6 +9,7 @@ from AIFReconScene.display.ghostProbe import GhostProbe
 from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneNodes import boneNames, inNames
 from AIFReconScene.panelWords import inPanelWords
+from AIFReconScene.transforms import placeOf
 from slicer.i18n import tr as _
 
 from .layout import say
@@ -30,8 +31,8 @@ class GuidancePanel(PanelPart):
         self._isTurned = False
         self._showing = every(SHOWN_EVERY, self._showScan)
         ui.guidanceTableLabel.toolTip = _(
-            "Shares of the bone that some beam from the back could reach, its sides too; the light “Coverage” counts only what faces the "
-            "back. The next move leads to where most bone is to be gained, which need not be the vertebra of the lowest share."
+            "Shares of the bone that faces the back, as the light “Coverage” tells them. The next move leads to where most bone is to be "
+            "gained, which need not be the vertebra of the lowest share."
         )
         ui.guidanceCheckBox.connect("clicked(bool)", self.onBox)
         ui.liveGuidanceCheckBox.connect("clicked(bool)", self.onLiveBox)
@@ -103,7 +104,8 @@ class GuidancePanel(PanelPart):
     def _subject(self, parameters, ofScan: bool) -> tuple:
         """What is shown is about: it is forgotten when another is chosen."""
         chosen = (parameters.bone, *(() if ofScan else (parameters.sweep, *parameters.otherSweeps)))
-        return (ofScan, tuple(parameters.boneSegments), *(node.GetID() if node is not None else "" for node in chosen))
+        place = () if ofScan or parameters.bone is None else tuple(placeOf(parameters.bone).ravel().round(6))
+        return (ofScan, place, tuple(parameters.boneSegments), *(node.GetID() if node is not None else "" for node in chosen))
 
     def _isOld(self, parameters) -> bool:
         """Whether what is shown is of something else than what is chosen now; a scan follows its bone by itself."""

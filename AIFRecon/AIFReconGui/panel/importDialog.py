@@ -207,7 +207,6 @@ def _drawSweep(drawing, label) -> None:
 def _paint(stroke, painter) -> None:
     pen, tint = qt.QPen(qt.QColor(stroke.color)), qt.QColor(stroke.color)
     pen.setWidthF(stroke.width)
-    pen.setStyle(qt.Qt.DashLine if stroke.dashed else qt.Qt.SolidLine)
     tint.setAlphaF(0.2 if stroke.tinted else 0.0)
     first, *others = ([float(each) for each in point] for point in stroke.points)
     line = qt.QPainterPath()

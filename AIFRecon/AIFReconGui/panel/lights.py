@@ -33,7 +33,10 @@ class Lights(Follower):
         shown = self._verdicts.of(self._parameterNode)
         for name, verdict in shown.items():
             known = name not in self._verdicts.sought
-            self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), verdict.advice if known else "")
+            # One advice at a time: guidance goes step by step
+            isGuided = name == "coverage" and verdict.advice and self._parameterNode.guidance
+            advice = _("Guidance below leads there.") if isGuided else verdict.advice
+            self._show(name, verdict.level.value, verdict.finding if known else _("being worked out ..."), advice if known else "")
         ui, hasSweep, hasBone = self._ui, self._parameterNode.sweep is not None, self._parameterNode.bone is not None
         for name in NAMES:
             # An empty scene's panel is seen whole on a small screen; without a CT nothing is told of one
@@ -44,7 +47,7 @@ class Lights(Follower):
         isWrong, isPlaced = shown["calibration"].level.value == "look", shown["registration"].level.value == "good"
         ui.placeButton.visible = ui.registrationMoreButton.checked or (ui.placeButton.enabled and not isPlaced)
         ui.takeOutMotionCheckBox.visible = (
-            ui.motionMoreButton.checked or shown["motion"].level.value == "look" or ui.takeOutMotionCheckBox.checked
+            ui.motionMoreButton.checked or shown["motion"].level.value == "look" or not ui.takeOutMotionCheckBox.checked
         )
         ui.calibrateButton.visible = ui.calibrationMoreButton.checked or (ui.calibrateButton.enabled and isWrong)
 

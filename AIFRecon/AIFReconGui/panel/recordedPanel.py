@@ -9,7 +9,9 @@ from AIFReconScene.inputs import readiness
 from AIFReconScene.inputs.boneSource import describeBone, hasBone, lacksBoneOfCT
 from AIFReconScene.inputs.boxes import clipAsRecognized
 from AIFReconScene.inputs.parameters import ProbeShape, Region, SigmaUnit, fileFrom
+from AIFReconScene.registration.sweepVerdicts import isOfNow
 from AIFReconScene.sceneNodes import addedTogether
+from AIFReconScene.volumes.phantomSample import beginPhantom
 from slicer.i18n import tr as _
 
 from AIFReconLib.message import shorten
@@ -40,7 +42,7 @@ class RecordedPanel(PanelPart):
         super().__init__(ui, work, refresh)
         self._logic = logic
         self._report, self._about = "", ()
-        self._wasComplete = False
+        self._wasComplete, self._begun = False, None
         ui.summaryLabel.visible = False
         self.lights = Lights(ui, logic.verdicts)
         self.importer = ImportDialog(work, refresh, logic.takeImported)
@@ -63,6 +65,7 @@ class RecordedPanel(PanelPart):
             (ui.openButton, self.onOpen),
             (ui.importButton, lambda pressed: self.importer.show()),
             (ui.sampleButton, self.onSample),
+            (ui.thinSampleButton, self.onThinSample),
             (ui.boneFromCTButton, self.onBoneFromCT),
             (ui.loadButton, self.onLoad),
             (ui.recognizeButton, self.onRecognize),
@@ -129,9 +132,13 @@ class RecordedPanel(PanelPart):
         return paths
 
     def onSample(self) -> None:
-        """Make the simulated patient and reconstruct it."""
-        thin = _("The sweep of the sample is fast and thin on purpose: not all lights are green.")
-        self._reconstruct(self._sample, thin, failure=_("The sample patient could not be made."))
+        """Reconstruct the simulated patient."""
+        self._reconstruct(self._sample, failure=_("The sample patient could not be made."))
+
+    def onThinSample(self) -> None:
+        """The same of a scan that shows the lights at work."""
+        thin = _("This scan is fast and thin on purpose: not all lights are green.")
+        self._reconstruct(self._thinSample, thin, failure=_("The sample patient could not be made."))
 
     def onBoneFromCT(self) -> None:
         """Find the bone in the CT."""
@@ -194,11 +201,15 @@ class RecordedPanel(PanelPart):
             self._run(_("Reconstruction"), failure, told)
             self.lights.lookBeside()
 
-    def _sample(self, parameters, progress) -> str:
+    def _thinSample(self, parameters, progress) -> str:
+        return self._sample(parameters, progress, isThin=True)
+
+    def _sample(self, parameters, progress, isThin: bool = False) -> str:
         from ..sampleData import addPhantom
 
+        begun, self._begun = None if isThin else self._begun, None
         with addedTogether():
-            addPhantom(part(progress, 0.0, 0.6))
+            addPhantom(part(progress, 0.0, 0.6), isThin, begun)
             readiness.chooseDefaults(parameters)
             return self._logic.apply(parameters, part(progress, 0.6, 1.0))
 
@@ -222,7 +233,17 @@ class RecordedPanel(PanelPart):
             fold.collapsed = complete
         names = ", ".join(node.GetName() for node in (parameters.sweep, parameters.ctVolume or parameters.bone) if node is not None)
         fold.text = _("Sweep and CT: {names}").format(names=shorten(names, LONGEST_NAMES)) if names else _("Sweep and CT")
-        ui.sampleButton.visible = parameters.sweep is None and fileFrom(parameters.recordingPath) is None and not fold.collapsed
+        isOffered = parameters.sweep is None and fileFrom(parameters.recordingPath) is None and not fold.collapsed
+        ui.sampleButton.visible = ui.thinSampleButton.visible = isOffered
+        self._prepareSample(isOffered)
+
+    def _prepareSample(self, isOffered: bool) -> None:
+        """Have the sample made beside the windows while it is offered: it is there when it is asked for."""
+        if isOffered and self._begun is None and not slicer.app.testingEnabled():
+            self._begun = beginPhantom()
+        elif not isOffered and self._begun is not None:
+            self._begun.cancel()
+            self._begun = None
 
 
 def _chosen(parameters) -> tuple:
@@ -262,6 +283,8 @@ def _enableButtons(ui, logic, parameters, waits: str, report: str) -> None:
     enable(ui.recognizeButton, waits or noImages, _("Set the rectangle of ultrasound that is recognized"))
     enable(ui.compareButton, waits or cannotCompare, _("Reconstruct with each method and show them side by side"))
     missing = readiness.withoutRepeating(cannot, ui.sweepStatusLabel.text)
+    if not isOfNow(parameters):
+        report = _("The picture is of another sweep, CT or place of the CT: press “Reconstruct” again.")
     text = "\n".join(line for line in (report, missing) if line)
     ui.statusLabel.visible = bool(text)
     say(ui.statusLabel, text)

@@ -149,13 +149,14 @@ class RegistrationPanel(PanelPart):
             return self._words(refused, verdict=False)
         moved = "" if found.moved is None else _("Moved by {mm:.1f} mm.").format(mm=found.moved)
         names = self._names()
-        self._moveTo(parameters, found.placed)
+        uncertain = "; ".join(found.uncertain)
+        self._moveTo(parameters, found.placed, uncertain if found.moved is None else "")
         if found.apart is not None:
             parameters.bone, parameters.boneSegments = bentBone(bone, found.apart, names), []
             self._unbent = bone, parameters.bone
             self._show(parameters, self._registration.check(parameters, echoes=echoes))
         self._offer([])
-        loose = _("This sweep does not tell exactly: {motions}.").format(motions="; ".join(found.uncertain)) if found.uncertain else ""
+        loose = _("This sweep does not tell exactly: {motions}.").format(motions=uncertain) if uncertain else ""
         message = self._words(moved, loose)
         if not scan:
             return message
@@ -163,10 +164,10 @@ class RegistrationPanel(PanelPart):
         followed = self._live.followBone(lambda share, message: progress(0.7 + 0.3 * share, message) or True)
         return "\n".join(line for line in (message, followed) if line)
 
-    def _moveTo(self, parameters, placed) -> None:
+    def _moveTo(self, parameters, placed, guessed: str = "") -> None:
         with slicer.util.RenderBlocker():
             self._moves.do(placing(parameters.bone, parameters.ctVolume, parameters.sweep, placed.labels_to_reference))
-            self._show(parameters, placed)
+            self._show(parameters, placed, guessed)
 
     # ---- what is shown
 
@@ -175,10 +176,10 @@ class RegistrationPanel(PanelPart):
         chosen = (parameters.sweep if not self._live.isRunning else None, parameters.bone)
         return (*(node.GetID() if node is not None else "" for node in chosen), tuple(parameters.boneSegments))
 
-    def _show(self, parameters, placed) -> None:
+    def _show(self, parameters, placed, guessed: str = "") -> None:
         self._placed, self._about, self._task, self._knownAt = placed, self._subject(parameters), None, None
         if parameters.sweep is not None:
-            self._logic.verdicts.takeAgreement(parameters, placed.agreement)
+            self._logic.verdicts.takeAgreement(parameters, placed.agreement, guessed)
         self._gauge(placed.agreement, self._names())
         self._echoes.show(placed.points, placed.distances, parameters.showEchoes)
 

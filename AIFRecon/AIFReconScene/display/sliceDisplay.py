@@ -30,8 +30,11 @@ FRAME_VIEW = "Red"
 MARGIN = 1.1
 """Of the view around the frame."""
 
-_IN_FRAME = "AIFRecon.InFrame"
+_FRAME_SHOWN = "AIFRecon.InFrame"
 """Attribute of that view's slice node before there is a volume."""
+
+IN_FRAME, ON_PATH = "Frame", "Path"
+"""Orientations of a view in a frame, and along or across a path, as the view's own list names them."""
 
 _PREVIOUS_LAYOUT = "AIFRecon.PreviousLayout"
 """Attribute of the layout node while volumes are side by side."""
@@ -72,7 +75,7 @@ def showFrame(imageNode) -> None:
         node, composite = sliceLogic.GetSliceNode(), sliceLogic.GetSliceCompositeNode()
         with changing(composite):
             composite.SetBackgroundVolumeID(imageNode.GetID())
-        node.SetAttribute(_IN_FRAME, imageNode.GetID())
+        node.SetAttribute(_FRAME_SHOWN, imageNode.GetID())
         node.SetSliceVisible(True)
         followFrame()
 
@@ -81,7 +84,7 @@ def followFrame() -> None:
     """Let the view that shows a frame lie in its plane as it is now, unless the user has turned it or chosen something else."""
     for sliceLogic in _sliceLogics([FRAME_VIEW]):
         node, shown = sliceLogic.GetSliceNode(), sliceLogic.GetSliceCompositeNode().GetBackgroundVolumeID()
-        image = slicer.mrmlScene.GetNodeByID(shown) if shown and shown == node.GetAttribute(_IN_FRAME) else None
+        image = slicer.mrmlScene.GetNodeByID(shown) if shown and shown == node.GetAttribute(_FRAME_SHOWN) else None
         if image is not None:
             with contextlib.suppress(AIFReconError):  # a transform that warps
                 lieIn(node, image)
@@ -89,11 +92,11 @@ def followFrame() -> None:
 
 def _leaveFrame(sliceNode) -> bool:
     """Turn a view that lies in a frame as views are turned; whether it lay in one."""
-    isIn = sliceNode.GetAttribute(_IN_FRAME) is not None
+    isIn = sliceNode.GetAttribute(_FRAME_SHOWN) is not None
     if isIn:
-        sliceNode.RemoveAttribute(_IN_FRAME)
+        sliceNode.RemoveAttribute(_FRAME_SHOWN)
         sliceNode.SetSliceVisible(False)
-        if sliceNode.GetOrientation() == "Reformat":
+        if sliceNode.GetOrientation() in (IN_FRAME, "Reformat"):
             sliceNode.SetOrientationToDefault()
     return isIn
 
@@ -110,7 +113,7 @@ def lieIn(sliceNode, imageNode) -> None:
     width, height, _depth = sliceNode.GetDimensions()
     shown = MARGIN * max(columns * spacing[0] / max(width, 1), rows * spacing[1] / max(height, 1))
     with slicer.util.NodeModify(sliceNode):
-        sliceNode.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(sliceToRAS))
+        _turn(sliceNode, sliceToRAS, IN_FRAME)
         sliceNode.SetFieldOfView(shown * width, shown * height, sliceNode.GetFieldOfView()[2])
         sliceNode.UpdateMatrices()
 
@@ -126,8 +129,14 @@ def lieAlong(entry: np.ndarray, end: np.ndarray) -> None:
         for sliceLogic in _sliceLogics([name]):
             node = sliceLogic.GetSliceNode()
             _leaveFrame(node)
-            node.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(_placeOf(right, up, (entry + end) / 2)))
+            _turn(node, _placeOf(right, up, (entry + end) / 2), ON_PATH)
             node.UpdateMatrices()
+
+
+def _turn(sliceNode, sliceToRAS: np.ndarray, name: str) -> None:
+    """Lay a view obliquely, and give that orientation a name: of one without Slicer logs an error when it opens a saved scene."""
+    sliceNode.AddSliceOrientationPreset(name, slicer.util.vtkMatrixFromArray(sliceToRAS[:3, :3]))
+    sliceNode.GetSliceToRAS().DeepCopy(slicer.util.vtkMatrixFromArray(sliceToRAS))
 
 
 def _placeOf(right: np.ndarray, up: np.ndarray, center: np.ndarray) -> np.ndarray:

@@ -7,7 +7,9 @@ from typing import Any
 from slicer.i18n import tr as _
 
 from AIFReconLib.compounding.methods.table import METHODS, method_named, registered_methods
+from AIFReconLib.errors import AIFReconError
 from AIFReconLib.imaging.beams import LINEAR, SECTOR
+from AIFReconLib.message import message_of
 from AIFReconLib.recipe.recipe import AUTOMATIC, DEFAULT_SPACING, RULES, Recipe
 from AIFReconLib.recipe.rules import WHOLE
 
@@ -171,6 +173,19 @@ def camelCase(name: str) -> str:
     return first + "".join(word.capitalize() for word in others)
 
 
+def mending(error: AIFReconError, parameterNode) -> dict:
+    """Choices that would mend an error, by the words for a button: the parameter, and the value that it has not now."""
+    names = dict.fromkeys(name for name in message_of(error).settings if name in RULES)
+    current = {name: getattr(parameterNode, camelCase(name), None) for name in names}
+    return {
+        f"{RULES[name]['label']} {value.label()}": (camelCase(name), value)
+        for name, chosen in current.items()
+        if isinstance(chosen, SettingChoice)
+        for value in type(chosen)
+        if value != chosen
+    }
+
+
 def settingsFrom(parameterNode) -> Recipe:
     """The recipe that the panel's parameters ask for; how a recording is read is `readingFrom`'s."""
     values = {}
@@ -189,7 +204,7 @@ def settingsFrom(parameterNode) -> Recipe:
         values["spacing"] = None
     return Recipe(
         **{**values, "method": methodOf(parameterNode) or None, **regionFrom(parameterNode)},
-        motion=AUTOMATIC if parameterNode.takeOutMotion else None,
+        motion=AUTOMATIC if parameterNode.takeOutMotion else "off",
         probe=parameterNode.probe.value or AUTOMATIC,
         apex_px=(parameterNode.apexColumn, parameterNode.apexRow) if parameterNode.probe == ProbeShape.SECTOR else None,
         importance_mask=fileFrom(parameterNode.importanceMaskPath),

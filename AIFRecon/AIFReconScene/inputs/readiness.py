@@ -21,11 +21,18 @@ AIR = -500.0
 
 
 def chooseDefaults(parameters) -> None:
-    """Choose the only sweep and segmentation there are, and the CT that this was drawn on or the only one, where nothing is chosen yet."""
+    """Choose the only sweep and segmentation there are, and the CT that this was drawn on or the only one, where nothing is chosen yet.
+
+    Other modules add empty ones when they are opened; these are nobody's choice.
+    """
     # The panel follows once
     with slicer.util.NodeModify(parameters):
-        for name, className in (("sweep", "vtkMRMLSequenceBrowserNode"), ("bone", "vtkMRMLSegmentationNode")):
-            nodes = slicer.util.getNodesByClass(className)
+        kinds = {
+            "sweep": ("vtkMRMLSequenceBrowserNode", lambda node: node.GetNumberOfItems()),
+            "bone": ("vtkMRMLSegmentationNode", lambda node: node.GetSegmentation().GetNumberOfSegments()),
+        }
+        for name, (className, filled) in kinds.items():
+            nodes = [node for node in slicer.util.getNodesByClass(className) if filled(node)]
             if getattr(parameters, name) is None and len(nodes) == 1:
                 setattr(parameters, name, nodes[0])
         bone = parameters.bone

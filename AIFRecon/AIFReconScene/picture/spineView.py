@@ -10,6 +10,7 @@ from vtk.util import numpy_support
 from ..display import threeDViews
 from ..display.ownNodes import colorBy, polyData, setScalars
 from ..display.segmentDisplay import Borrowed, displayOf
+from ..registration.sweepVerdicts import isOfNow
 from ..sceneNodes import removeNodes, sharedColors
 from ..transforms import placeOf
 from ..volumes.volumeNodes import SPINE_ROLE, giveName, hasGivenName, intoFolder
@@ -67,12 +68,16 @@ def _show(model) -> None:
         display.SetColor(*distanceColors(2)[0])
         # Slices show the volume itself
         display.SetVisibility2D(False)
-        hasDistance = model.GetPolyData().GetPointData().GetArray(DISTANCE) is not None
-        if hasDistance:
+        if model.GetPolyData().GetPointData().GetArray(DISTANCE) is not None:
             shares = np.linspace(0.0, 1.0, 256)
             colors = [(f"{FARTHEST * share:.1f} mm", (*color, 1.0)) for share, color in zip(shares, distanceColors(256))]
             colorBy(display, DISTANCE, sharedColors("Distance of shown bone", _COLORS, colors), 0.0, FARTHEST)
-        display.SetScalarVisibility(hasDistance)
+
+
+def _color(model, isOfNow: bool) -> None:
+    """Distances to the CT's bone are colors while that lies where it lay."""
+    hasDistance = model.GetPolyData().GetPointData().GetArray(DISTANCE) is not None
+    model.GetDisplayNode().SetScalarVisibility(hasDistance and isOfNow)
 
 
 def surfaceOf(found) -> vtk.vtkPolyData:
@@ -108,6 +113,8 @@ class SpineView:
         self._hideOther(model)
         if model is not None and bool(model.GetDisplayVisibility()) != visible:
             model.SetDisplayVisibility(visible)
+        if model is not None:
+            _color(model, isOfNow(parameters))
         bone = parameters.bone
         _seeThrough(displayOf(bone) if visible else None)
         if visible and self._seen != model.GetID():

@@ -11,7 +11,7 @@ from AIFReconLib.message import message_of
 from AIFReconLib.progress import part
 from AIFReconLib.worker.evaluating import calibration_of_sweep, guidance_in_sweep, met_of_sweep, motion_of_sweep
 
-from ..inputs.boneNodes import boneNames, inNames, isLabeled, nameOf
+from ..inputs.boneNodes import boneNames, isLabeled, nameOf
 from ..inputs.inputs import Inputs
 from ..panelWords import inPanelWords
 from ..sweep.browserItems import checkRecorded
@@ -23,9 +23,9 @@ from .ctRegistration import rigidPlace
 TRACKING, REGISTRATION, COVERAGE, CALIBRATION, MOTION = NAMES = ("tracking", "registration", "coverage", "calibration", "motion")
 WITHOUT_CT = (TRACKING, MOTION)
 
-ATTRIBUTE, ROLE = "AIFRecon.Verdicts", "AIFRecon.Judged"
-"""Of the volume that was reconstructed: its verdicts, for whoever opens the scene later, and references to the nodes that they are about,
-which stay right where a scene is loaded into another and its nodes get other IDs."""
+ATTRIBUTE, MADE, ROLE = "AIFRecon.Verdicts", "AIFRecon.MadeOf", "AIFRecon.Judged"
+"""Of the volume that was reconstructed: its verdicts and what it was made of, for whoever opens the scene later, and references to the
+nodes that they are about, which stay right where a scene is loaded into another and its nodes get other IDs."""
 
 
 class SweepVerdicts:
@@ -53,16 +53,19 @@ class SweepVerdicts:
         self._tell(TRACKING, parameters, tracking_verdict(report))
         self._job = job
         if comparison is None:
-            return
-        if comparison.agreement is None:
+            pass
+        elif comparison.agreement is None:
             self._tell(REGISTRATION, parameters, unknown(comparison.lines[0]))
         else:
             self.takeAgreement(parameters, comparison.agreement)
+        if parameters.output is not None:
+            _refer(parameters.output, _key(REGISTRATION, parameters))
+            parameters.output.SetAttribute(MADE, _madeOf(parameters))
 
-    def takeAgreement(self, parameters, agreement) -> None:
-        """The `Agreement` of CT and sweep where the CT is now, whoever has asked for it."""
+    def takeAgreement(self, parameters, agreement, guessed: str = "") -> None:
+        """The `Agreement` of CT and sweep where the CT is now, whoever has asked for it; and what of its place was a guess."""
         names = boneNames(parameters.bone, list(parameters.boneSegments))
-        self._tell(REGISTRATION, parameters, registration_verdict(agreement, names))
+        self._tell(REGISTRATION, parameters, registration_verdict(agreement, names, guessed))
 
     @property
     def sought(self) -> tuple:
@@ -121,11 +124,9 @@ class SweepVerdicts:
             checkRecorded(sweep)
         bone = (None, None) if parameters.bone is None else (inputs.labels(part(progress, 0.0, 0.1)), rigidPlace(inputs.bone))
         asked = inputs.sequence(), *bone, inputs.recipe, inputs.grid(inputs.recipe), unseen
-        seen, back = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
-        if back:
-            names, move = boneNames(parameters.bone, list(parameters.boneSegments)), seen.move
-            words = "" if move is None else f"Next: {move.directions[0].words} over {inNames(move.over, names)}."
-            self._tell(COVERAGE, parameters, _verdictOn(back, names, words))
+        seen = inWorker(guidance_in_sweep, *asked, progress=part(progress, 0.1, 1.0))
+        if seen.by_label:
+            self._tell(COVERAGE, parameters, _verdictOn(seen.by_label, boneNames(parameters.bone, list(parameters.boneSegments))))
         return seen
 
     def _tell(self, name: str, parameters, verdict: Verdict) -> None:
@@ -134,9 +135,8 @@ class SweepVerdicts:
 
     def _keep(self, output) -> None:
         if output is not None:
-            for nodeID in (each for known in self._known.values() for key in known for each in _nodesOf(key)):
-                if nodeID not in _judged(output):
-                    output.AddNodeReferenceID(ROLE, nodeID)
+            for key in (each for known in self._known.values() for each in known):
+                _refer(output, key)
             told = {
                 name: [(_lasting(key, output), told.level.value, told.finding, inPanelWords(told.advice)) for key, told in known.items()]
                 for name, known in self._known.items()
@@ -155,6 +155,22 @@ class SweepVerdicts:
         asked, known = _key(name, parameters), self._known.get(name, {})
         told = known.get(asked) or _keptWith(parameters.output, name, asked)
         return told or unknown("something has changed: press “Reconstruct” again" if known else "known after “Reconstruct”")
+
+
+def isOfNow(parameters) -> bool:
+    """Whether the output was made of what is chosen now, where it lies now; also where nobody knows what it was made of."""
+    made = None if parameters.output is None else parameters.output.GetAttribute(MADE)
+    return not made or parameters.sweep is None or made == _madeOf(parameters)
+
+
+def _madeOf(parameters) -> str:
+    return json.dumps(_lasting(_key(REGISTRATION, parameters), parameters.output))
+
+
+def _refer(output, key: tuple) -> None:
+    for nodeID in _nodesOf(key):
+        if nodeID not in _judged(output):
+            output.AddNodeReferenceID(ROLE, nodeID)
 
 
 def _key(name: str, parameters) -> tuple:
@@ -204,7 +220,7 @@ def _keptWith(output, name: str, key: tuple) -> Verdict | None:
         return None
 
 
-def _verdictOn(back: dict, names: dict, move: str = "") -> Verdict:
+def _verdictOn(back: dict, names: dict) -> Verdict:
     shares = {nameOf(int(label), names): share for label, share in back.items()}
     shown = {name: share.expected_visibility for name, share in shares.items()}
-    return coverage_verdict(shown, {name: share.met for name, share in shares.items()}, move)
+    return coverage_verdict(shown, {name: share.met for name, share in shares.items()})

@@ -9,12 +9,12 @@ from AIFReconLib.worker.evaluating import simulated_patient
 
 from ..sceneNodes import addedTogether, setWindow
 from ..sweep.sequenceNodes import browserFromSequence
-from ..work import inWorker
+from ..work import worker
 from .segments import segmentationNode
 from .volumeNodes import updateVolumeNode
 
-FRAMES = 180
-"""Twenty at each of the nine pairs of tilts: dense enough to look good, and made in some seconds."""
+FRAMES, FEW_FRAMES = 360, 180
+"""Forty at each of the nine pairs of tilts, which is as slow and dense as a scan should be; and half of them, a scan that was too fast."""
 
 CT_SPACING = 1.25
 """mm, as CT scans of the spine have between slices."""
@@ -40,10 +40,15 @@ class PhantomNodes:
         return [self.ct, self.segmentation, self.ctToReference, self.browser]
 
 
-def loadPhantom(progress: Progress | None = None, *, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING) -> PhantomNodes:
-    """Simulate a patient and add it to the scene, which is as it was after a cancel; arguments as for `simulated_patient`."""
-    share = part(progress, 0.0, 0.95)
-    return addPatient(inWorker(simulated_patient, seed, len(LEVELS), frames, spacing, progress=share), part(progress, 0.95, 1.0))
+def beginPhantom(*, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING):
+    """A `Task` that simulates a patient beside the windows; arguments as for `simulated_patient`."""
+    return worker.begin(simulated_patient, seed, len(LEVELS), frames, spacing)
+
+
+def loadPhantom(progress: Progress | None = None, begun=None, **choices) -> PhantomNodes:
+    """Simulate a patient, or take what was `begun`, and add it to the scene, which is as it was after a cancel."""
+    patient = (begun or beginPhantom(**choices)).result(part(progress, 0.0, 0.95))
+    return addPatient(patient, part(progress, 0.95, 1.0))
 
 
 def addPatient(patient, progress: Progress | None = None) -> PhantomNodes:

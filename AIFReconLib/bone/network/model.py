@@ -83,20 +83,18 @@ class OnnxModel:
         self._mean, self._std = (np.array(each, np.float32).reshape(-1, 1, 1) for each in (self.description.mean, self.description.std))
         self._session = _session(self.path, threads)
         inputs, outputs = self._session.get_inputs(), self._session.get_outputs()
-        if len(inputs) != 1 or not outputs:
-            raise self._misfit(f"it has {len(inputs)} inputs")
         self._input, self._output = inputs[0].name, outputs[0].name
-        kind = inputs[0].type
         shape: Shape = tuple(inputs[0].shape)
-        if kind != "tensor(float)" or len(shape) != 4 or not _may_be(shape[0], (1,)) or not _may_be(shape[1], (1, 3)):
-            raise self._misfit(f"its input is {kind} of {_words(shape)}")
         described = len(self._mean), len(self._std)
-        self._channels = shape[1] if isinstance(shape[1], int) else max(described)
+        self._channels = shape[1] if len(shape) == 4 and isinstance(shape[1], int) else max(described)
+        if len(shape) != 4 or self._channels not in (1, 3):
+            raise self._misfit(f"its input is {_words(shape)}")
         if not {*described} <= {1, self._channels}:
             raise FileFormatError(f"{self.path}: mean and std of {json_path.name} must be one number, or {self._channels}. Correct them.")
-        self._size = self._input_size(shape)
-        rows, columns = self._size or (256, 256)
-        self._probability(np.zeros((rows, columns), dtype=np.float32))
+        rows, columns = shape[2:]
+        stated = (rows, columns) if isinstance(rows, int) and isinstance(columns, int) else None
+        self._size = self.description.input_size or stated
+        self._probability(np.zeros(self._size or (256, 256), dtype=np.float32))
 
     def estimate(self, frame: TrackedFrame) -> Prediction | None:
         """See `BoneEstimator`; raises FileFormatError when the model fails at it, or answers what is no probability."""
@@ -107,20 +105,6 @@ class OnnxModel:
     def notes(self) -> tuple[str, ...]:
         """Which model it is."""
         return (f"Bone is what the model {self.path.name} says.",)
-
-    def _input_size(self, shape: Shape) -> tuple[int, int] | None:
-        asked = self.description.input_size
-        stated = tuple(side if isinstance(side, int) else None for side in shape[2:])
-        if any(side is not None and not 1 <= side <= LARGEST_SIDE for side in stated):
-            raise self._misfit(f"its input is {_words(shape)}")
-        if asked is None:
-            asked = (stated[0], stated[1]) if stated[0] is not None and stated[1] is not None else None
-        elif any(side is not None and side != wanted for side, wanted in zip(stated, asked, strict=True)):
-            described = self.path.with_suffix(".json").name
-            raise FileFormatError(
-                f"{self.path}: its input is {_words(shape)}, and input_size of {described} says {_words(asked)}. Correct one of them."
-            )
-        return asked
 
     def _probability(self, image: Singles, number: int | None = None) -> Singles:
         """Of an image of the model's size, 0 black and 1 white."""
@@ -196,11 +180,6 @@ def _reason(error: Exception) -> str:
     """What onnxruntime says, without its place in a source file."""
     line = " ".join(str(error).split())
     return shorten(line.split(" : ", 3)[-1], 200).rstrip(". ")
-
-
-def _may_be(side: int | str | None, allowed: tuple[int, ...]) -> bool:
-    """Whether a side of a shape is, or may be, one of these; those with a name may be any."""
-    return not isinstance(side, int) or side in allowed
 
 
 def _words(shape: tuple[object, ...]) -> str:

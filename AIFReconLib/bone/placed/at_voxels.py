@@ -23,16 +23,14 @@ class BoneAtVoxels:
 
     map_probability: Singles  #: [k, j, i], 0 to 1. The probability in the map's own voxels.
     ijk_to_map: Matrix  #: (4, 4). From the voxels of the whole grid to those of the map.
-    potential: Singles  #: [k, j, i]. What V_dir is the gradient of, on the map's voxels.
-    slopes: Singles | None
-    """(3, k, j, i). How it rises along i, j, k of the map, where that is not its Sobel gradient."""
+    slopes: Singles  #: (3, k, j, i). V_dir before it is normalized, along i, j, k of the map.
     to_reference: Singles  #: (3, 3). What brings slopes to Reference.
     coordinates: MapCoordinates
 
     def at(self, voxels: Integers, everywhere: bool = False) -> tuple[Singles, Singles]:
         """Probability (m,) and direction (m, 3), as `BoneOnGrid` has them, at voxels (m,), flat [k, j, i] of the part of the grid.
 
-        Where the probability is 0, so is the direction, unless it is wanted `everywhere`; then all slopes are made beforehand.
+        Where the probability is 0, so is the direction, unless it is wanted `everywhere`.
         """
         coordinates = self.coordinates
         fast = optional_module("AIFReconLib.bone.numba_map")
@@ -40,10 +38,8 @@ class BoneAtVoxels:
             return self._at(voxels, everywhere)
         probability, directions = np.empty(voxels.size, np.float32), np.empty((voxels.size, 3), np.float32)
         box = coordinates.shape, coordinates.planes, coordinates.rows, coordinates.columns
-        slopes = self.all_slopes if everywhere else self.slopes
-        arrays = self.map_probability.reshape(-1), self.potential, self.to_reference
-        slopes = None if slopes is None else slopes.reshape(-1)
-        fast.look_up(arrays, slopes, box, (coordinates.starts, coordinates.matrix), voxels, everywhere, (probability, directions))
+        arrays = self.map_probability, self.slopes, self.to_reference
+        fast.look_up(arrays, box, (coordinates.starts, coordinates.matrix), voxels, everywhere, (probability, directions))
         return probability, directions
 
     def _at(self, voxels: Integers, everywhere: bool) -> tuple[Singles, Singles]:
@@ -57,17 +53,10 @@ class BoneAtVoxels:
         some = np.arange(near.size) if everywhere else np.flatnonzero(found)
         vectors = np.zeros((some.size, 3), np.float32)
         for axis in range(3):
-            vectors += self.to_reference[:, axis] * interpolated(self.all_slopes[axis], places[:, some])[:, None]
+            vectors += self.to_reference[:, axis] * interpolated(self.slopes[axis], places[:, some])[:, None]
         normalize(vectors)
         directions[near[some]] = vectors
         return probability, directions
-
-    @cached_property
-    def all_slopes(self) -> Singles:
-        """Slopes, (3, k, j, i), as an array."""
-        if self.slopes is not None:
-            return self.slopes
-        return np.stack([scipy.ndimage.sobel(self.potential, axis=2 - axis, mode="nearest") for axis in range(3)])
 
     @cached_property
     def overlaps(self) -> bool:

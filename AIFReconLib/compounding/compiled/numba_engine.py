@@ -7,12 +7,12 @@ import numpy as np
 from ...arrays import Floats, Integers, Singles
 from ...bone.placed.on_grid import everywhere
 from ...machine.threads import in_parts
-from ..batch import BATCH_FRAMES, FrameBatch
+from ..batch import FrameBatch
 from ..engine import Job
 from ..evidence import ScanLines
 from ..layout import PixelLayout
 from ..methods import aif, average, latest, maximum, rules, weighted
-from .numba_kernels import AVERAGE, LATEST, MAXIMUM, PACKED, insert_aif, insert_cosine, insert_plain, insert_weighted
+from .numba_kernels import AVERAGE, LATEST, MAXIMUM, insert_aif, insert_cosine, insert_plain, insert_weighted
 from .slabs import Put, SlabEngine
 
 NOTHING: Singles = np.empty(0, np.float32)
@@ -31,8 +31,6 @@ class NumbaEngine(SlabEngine):
     def __init__(self, job: Job):
         super().__init__(job)
         self._probability, self._directions = everywhere(job.bone)
-        # Used again and again: new memory costs as much as what is done in it
-        self._evident: Singles = np.empty((0, 3, 0), np.float32)
 
     def _put(self, batch: FrameBatch, frames: slice, layout: PixelLayout, scan_lines: ScanLines | None) -> Put:
         images, matrices, axes = batch.images[frames], batch.image_to_ijk[frames], batch.axes[frames]
@@ -40,33 +38,32 @@ class NumbaEngine(SlabEngine):
         voxels = state.value, state.hits, NOTHING if state.weight is None else state.weight
         beam_x, beam_y = NOTHING if layout.beam_x is None else layout.beam_x, NOTHING if layout.beam_y is None else layout.beam_y
         bone = self._probability, self._directions, axes, beam_x, beam_y
-        evident = self._judged(batch, frames, layout, scan_lines) if self.method.needs_shadows else self._evident
+        evident = self._judged(batch, frames, layout, scan_lines) if self.method.needs_shadows else None
 
         def put(pieces: Integers, box: Floats, spans: Integers) -> Integers:
             where = images, matrices, pieces, spans, self.part
             if state.cosine is not None:
                 insert_cosine(where, state.cosine, bone)
-            if self.method.needs_shadows:
+            if evident is not None:
                 insert_weighted(where, voxels, evident, (factors.floor, factors.gain, factors.maximum))
             elif name in PAPER_RULES:
                 insert_aif(where, voxels, bone, (factors.alpha, factors.beta, factors.maximum, PAPER_RULES[name]))
             else:
-                insert_plain(PACKED if state.packed else PLAIN_RULES[name], where, voxels)
+                insert_plain(PLAIN_RULES[name], where, voxels)
             entered: Integers = (spans[:, :, 1] - spans[:, :, 0]).sum(axis=1)
             return entered
 
         return put
 
     def _judged(self, batch: FrameBatch, frames: slice, layout: PixelLayout, scan_lines: ScanLines | None) -> Singles:
-        """Reach, gate and compensation of all pixels of the frames, (frames, 3, n) at least; the last only where the gate is open."""
+        """Reach, gate and compensation of all pixels of the frames, (frames, 3, n); the last only where the gate is open."""
         job, images = self.job, batch.images[frames]
-        if self._evident.shape[2] != layout.inside.size:
-            self._evident = np.empty((BATCH_FRAMES, 3, layout.inside.size), np.float32)
+        evident = np.empty((len(images), 3, layout.inside.size), np.float32)
 
         def judge(frame: int) -> None:
             matrix, axes = batch.image_to_ijk[frames][frame], batch.axes[frames][frame]
-            _, gate, compensation = self._evident[frame]
-            self._evidence(layout.pixels(images[frame]), matrix, scan_lines, job.bone, self._evident[frame])
+            _, gate, compensation = evident[frame]
+            self._evidence(layout.pixels(images[frame]), matrix, scan_lines, job.bone, evident[frame])
             begins = np.flatnonzero(gate > 0)
             entered, voxels = layout.voxels(matrix, job.grid_size, job.planes, begins)
             if job.bone is None or not entered.size:
@@ -77,4 +74,4 @@ class NumbaEngine(SlabEngine):
             compensation[begins] = rules.weighted_compensation(layout.beams(begins, axes).cosine(directions), self.factors.beta)
 
         in_parts(judge, len(images), self.threads, batch.progress, "Reconstructing")
-        return self._evident
+        return evident

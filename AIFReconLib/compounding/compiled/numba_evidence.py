@@ -18,43 +18,23 @@ Expected = tuple[Singles, Matrix, Singles, Integers]
 """The CT's word. probability : [k, j, i] float32, empty without a CT; matrix : (4, 4), from the image to its voxels; expected_at,
 expected_of_line : of `ScanLines`."""
 
-Room = tuple[Bytes, Bytes, Singles, Singles, Singles]
-"""To work in: the pixels, the last of which is dark, (n + 1,); gray levels, brightness and reach at samples, (samples, lines); levels
-behind them, (paces, lines)."""
 
+def judge_frame(
+    lines: ScanLines, gray_levels: GrayLevels, values: Numbers, expecting: tuple[Singles | None, Matrix], results: tuple[Singles, Singles]
+) -> None:
+    """Write the reach and the onset of the layout's pixels, whose values these are, (n,) each.
 
-class FrameJudge:
-    """`ScanLines.evidence` by compiled code, in memory that is used again and again: new memory costs as much as what is done in it."""
-
-    def __init__(self, lines: ScanLines, gray_levels: GrayLevels):
-        self.lines, self._gray_levels = lines, gray_levels
-        self._rooms: list[Room] = []
-
-    def evidence(self, values: Numbers, probability: Singles | None, image_to_map: Matrix, reach: Singles, onset: Singles) -> None:
-        """Write the reach and the onset of the layout's pixels, whose values these are, (n,) each; threads may do so at the same time.
-
-        Where the CT expects bone is what `lines.expected` returns of `probability` and `image_to_map`; None without a CT.
-        """
-        lines = self.lines
-        try:
-            room = self._rooms.pop()
-        except IndexError:
-            of_samples = np.empty((2, *lines.shape), np.float32)
-            # The last pixel is for samples that are dark
-            room = (
-                np.zeros(values.size + 1, np.uint8),
-                np.empty(lines.shape, np.uint8),
-                *of_samples,
-                np.empty(lines.behind.shape, np.float32),
-            )
-        is_8_bit = values.dtype == np.uint8
-        room[0][:-1] = values if is_8_bit else self._gray_levels.of(values)
-        table = self._gray_levels.table if is_8_bit else AS_IT_IS
-        ct = NO_CT if probability is None else probability, image_to_map, lines.expected_at, lines.expected_of_line
-        lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
-        places = lines.number_of_sample, lines.sample_of_pixel, lines.judged, lines.behind
-        judge(table, places, lengths, lines.scales(), ct, room, (reach, onset))
-        self._rooms.append(room)
+    Where the CT expects bone is what `lines.expected` returns of `expecting`, its probability and image_to_map; None without a CT.
+    """
+    is_8_bit, (probability, image_to_map) = values.dtype == np.uint8, expecting
+    # The last pixel is for samples that are dark
+    pixels = np.zeros(values.size + 1, np.uint8)
+    pixels[:-1] = values if is_8_bit else gray_levels.of(values)
+    table = gray_levels.table if is_8_bit else AS_IT_IS
+    ct = NO_CT if probability is None else probability, image_to_map, lines.expected_at, lines.expected_of_line
+    lengths = lines.taps, lines.depth, lines.crest, lines.pace, lines.paces
+    places = lines.number_of_sample, lines.sample_of_pixel, lines.judged, lines.behind
+    judge(table, places, lengths, lines.scales(), ct, pixels, results)
 
 
 @inlined
@@ -79,20 +59,21 @@ def judge(
     lengths: tuple[int, int, int, int, int],
     scales: Scales,
     ct: Expected,
-    room: Room,
+    pixels: Bytes,
     results: tuple[Singles, Singles],
 ) -> None:
     """Write the reach and the onset of a frame.
 
     `table` (256,) says what its gray levels are on the standard scale; `places` are number_of_sample, sample_of_pixel, judged and behind
-    of `ScanLines`, `lengths` taps, depth, crest, pace and paces.
+    of `ScanLines`, `lengths` taps, depth, crest, pace and paces; `pixels` (n + 1,) end with a dark one, and are changed.
     """
-    pixels, read, bright, arrived, later = room
     reach, onset = results
     number_of_sample, sample_of_pixel, judged, behind = places
     taps, depth, crest, pace, paces = lengths
     per_tap, per_line, per_reached, least, kept, new, per_span, dark, asked_most, tissue, unsure, per_contrast, preference, rival = scales
     samples, count = number_of_sample.shape
+    read, later = np.empty((samples, count), np.uint8), np.empty(behind.shape, np.float32)
+    bright, arrived = np.empty((samples, count), np.float32), np.empty((samples, count), np.float32)
     for pixel in range(pixels.size - 1):
         pixels[pixel] = table[pixels[pixel]]
     for sample in range(samples):
@@ -132,32 +113,16 @@ def judge(
                 level[line] = level[line] * kept + new * here[line]
             for line in range(behind_here.size):
                 behind_here[line] = largest[line]
-    possible = np.empty(count, np.float32)
     best, strength, place = np.zeros(count, np.float32), np.zeros(count, np.float32), np.zeros(count, np.int64)
-    least_asked, of_line, asked_of = asked_most - unsure, ct[3], -1
-    words = np.empty(ct[2].shape[2], np.float32)
+    least_asked, of_line = asked_most - unsure, ct[3]
     for turn in range(len(behind) - depth // pace):
-        sample = turn * pace
-        # With less of the CT's word than all no more is possible, to the last bit: rounding keeps order
-        found, here, there = np.int32(0), bright[sample], later[turn + depth // pace]
-        for line in range(possible.size):
-            echo, shadow, most_yet = here[line], there[line], best[line]
-            shows = (echo - shadow > least_asked * ((echo + shadow) + dark)) & (shadow * per_span < tissue)
-            worth = ((echo - preference * shadow) + rival) * (ONE + EXTRA)
-            wins = np.int32(shows & (worth > most_yet))
-            possible[line] = wins
-            found += wins
-        if found == 0:
-            continue
-        if asked_of != turn // paces:
-            asked_of = turn // paces
-            for column in range(words.size):
-                words[column] = expected(ct, asked_of, column)
+        sample, here, there = turn * pace, bright[turn * pace], later[turn + depth // pace]
         for line in range(count):
-            if possible[line] == ZERO or sample >= judged[line]:
-                continue
             echo, shadow = here[line], there[line]
-            belief = words[of_line[line]]
+            # With less of the CT's word than all no more is possible, to the last bit: rounding keeps order
+            if sample >= judged[line] or shadow * per_span >= tissue or echo - shadow <= least_asked * ((echo + shadow) + dark):
+                continue
+            belief = expected(ct, turn // paces, of_line[line])
             asked = asked_most - unsure * belief
             worth = max((echo - preference * shadow) + rival, ZERO) * (belief + EXTRA)
             if echo - shadow > asked * ((echo + shadow) + dark) and worth > best[line]:

@@ -9,6 +9,8 @@ A row of pixels is a straight line through the volume. What lies within the box 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,11 +22,8 @@ ZERO, ONE, ONCE = np.float32(0), np.float32(1), np.uint32(1)
 ROW, START, STOP, OFFSET = range(4)
 """Columns of `PixelLayout.pieces`."""
 
-AVERAGE, LATEST, MAXIMUM, PACKED = range(4)
+AVERAGE, LATEST, MAXIMUM = range(3)
 """Rules of `insert_plain`."""
-
-HIT = np.uint32(2**20)
-"""`HIT` of the state."""
 
 Whole = int | np.integer
 """Columns and voxels, as they come."""
@@ -106,146 +105,112 @@ def clip(matrices: Matrix, pieces: Integers, box: Floats, axis: int, spans: Inte
             spans[frame, piece, 0], spans[frame, piece, 1] = low, high
 
 
-@inlined
-def number_voxels(matrix: Matrix, row: int, low: Whole, high: Whole, columns: Floats, part: Floats, voxels: NDArray[np.uint32]) -> None:
-    """Write the flat numbers of the voxels at columns [low, high) of a row, all within the part, to `voxels`."""
-    base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
-    base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
-    base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
-    step_i, step_j, step_k = matrix[0, 0], matrix[1, 0], matrix[2, 0]
+@called
+def rows_within(frames: Frames, voxels: NDArray[np.uint32]) -> Iterator[tuple[int, int, Whole, Whole, Whole]]:
+    """The rows of pixels that fall into the box, one after the other: frame, row, first column, how many, and the first's number.
+
+    The flat numbers of their voxels within the part are written to `voxels`.
+    """
+    images, matrices, pieces, spans, part = frames
     along, lines, plane = part[0], part[1], part[2]
-    j, k = np.floor(base_j + step_j * low), np.floor(base_k + step_k * low)
-    # Numbers stay below 2^31: exact in float64. None is negative, so that a conversion to integers rounds down
-    if j == np.floor(base_j + step_j * (high - 1)) and k == np.floor(base_k + step_k * (high - 1)):
-        # The row runs along a line of voxels: sums that only rise or only fall are the same everywhere if they are at both ends
-        line = np.int32(((k - plane) * lines + j) * along)
-        for n in range(high - low):
-            voxels[n] = np.uint32(line + np.int32(base_i + step_i * columns[low + n]))
-    else:
-        for n in range(high - low):
-            column = columns[low + n]
-            i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
-            voxels[n] = np.uint32(np.int32(((k - plane) * lines + j) * along + i))
+    for frame in range(images.shape[0]):
+        matrix = matrices[frame]
+        step_i, step_j, step_k = matrix[0, 0], matrix[1, 0], matrix[2, 0]
+        for piece in range(pieces.shape[0]):
+            low, high = spans[frame, piece]
+            row = pieces[piece, ROW]
+            base_i = matrix[0, 1] * row + (matrix[0, 3] + 0.5)
+            base_j = matrix[1, 1] * row + (matrix[1, 3] + 0.5)
+            base_k = matrix[2, 1] * row + (matrix[2, 3] + 0.5)
+            for n in range(high - low):
+                column = np.float64(low + n)
+                i, j, k = np.floor(base_i + step_i * column), np.floor(base_j + step_j * column), np.floor(base_k + step_k * column)
+                # Numbers stay below 2^31: exact in float64
+                voxels[n] = np.uint32(np.int32(((k - plane) * lines + j) * along + i))
+            if low < high:
+                yield frame, row, low, high - low, pieces[piece, OFFSET] + low - pieces[piece, START]
 
 
 @inlined
-def limited_cosine(beam_x: np.float32, beam_y: np.float32, facing_x: np.float32, facing_y: np.float32) -> np.float32:
-    """`rules.cosine_of_incidence`."""
-    cosine = beam_x * facing_x + beam_y * facing_y
+def cosine_at(bone: Bone, frame: int, voxel: Whole, pixel: Whole) -> np.float32:
+    """`rules.cosine_of_incidence` of a pixel of a frame in a voxel."""
+    directions, axes, beam_x, beam_y = bone[1], bone[2], bone[3], bone[4]
+    x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
+    facing_x = (x * axes[frame, 0] + y * axes[frame, 1]) + z * axes[frame, 2]
+    facing_y = (x * axes[frame, 3] + y * axes[frame, 4]) + z * axes[frame, 5]
+    cosine = beam_x[pixel] * facing_x + beam_y[pixel] * facing_y
     cosine = cosine if cosine > ZERO else ZERO
     return cosine if cosine < ONE else ONE
 
 
 @compiled
 def insert_plain(rule: int, frames: Frames, state: Voxels) -> None:
-    """Average (sums in float64, or packed with the hits), latest and maximum."""
-    images, matrices, pieces, spans, part = frames
-    value, hits, _ = state
-    columns, voxels = np.arange(images.shape[2]).astype(np.float64), np.empty(images.shape[2], np.uint32)
-    for frame in range(images.shape[0]):
-        for piece in range(pieces.shape[0]):
-            low, high = spans[frame, piece]
-            if low >= high:
-                continue
-            row = pieces[piece, ROW]
-            number_voxels(matrices[frame], row, low, high, columns, part, voxels)
-            pixels = images[frame, row, low:high]
-            if rule == PACKED:
-                for n in range(high - low):
-                    value[voxels[n]] += value.dtype.type(HIT + np.uint32(pixels[n]))
-                continue
-            for n in range(high - low):
-                voxel = voxels[n]
-                pixel = value.dtype.type(pixels[n])
-                if rule == AVERAGE:
-                    value[voxel] += pixel
-                elif rule == LATEST:
-                    value[voxel] = pixel
-                else:
-                    value[voxel] = pixel if pixel > value[voxel] else value[voxel]
-                hits[voxel] += ONCE
+    """Average, latest and maximum."""
+    images, value, hits = frames[0], state[0], state[1]
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame, row, low, count, _ in rows_within(frames, voxels):
+        for n in range(count):
+            voxel = voxels[n]
+            pixel = value.dtype.type(images[frame, row, low + n])
+            if rule == AVERAGE:
+                value[voxel] += pixel
+            elif rule == LATEST:
+                value[voxel] = pixel
+            else:
+                value[voxel] = pixel if pixel > value[voxel] else value[voxel]
+            hits[voxel] += ONCE
 
 
 @compiled
 def insert_cosine(frames: Frames, best: Singles, bone: Bone) -> None:
     """The best cosine of incidence of every voxel, `best` (voxels,) float32."""
-    images, matrices, pieces, spans, part = frames
-    _, directions, axes, beam_x, beam_y = bone
-    columns, voxels = np.arange(images.shape[2]).astype(np.float64), np.empty(images.shape[2], np.uint32)
-    for frame in range(images.shape[0]):
-        xx, xy, xz, yx, yy, yz = axes[frame]
-        for piece in range(pieces.shape[0]):
-            low, high = spans[frame, piece]
-            if low >= high:
-                continue
-            number_voxels(matrices[frame], pieces[piece, ROW], low, high, columns, part, voxels)
-            beam = pieces[piece, OFFSET] + low - pieces[piece, START]
-            for n in range(high - low):
-                voxel = voxels[n]
-                x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
-                facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
-                cosine = limited_cosine(beam_x[beam + n], beam_y[beam + n], facing_x, facing_y)
-                best[voxel] = cosine if cosine > best[voxel] else best[voxel]
+    voxels = np.empty(frames[0].shape[2], np.uint32)
+    for frame, _, _, count, first in rows_within(frames, voxels):
+        for n in range(count):
+            cosine = cosine_at(bone, frame, voxels[n], first + n)
+            best[voxels[n]] = cosine if cosine > best[voxels[n]] else best[voxels[n]]
 
 
 @compiled
 def insert_aif(frames: Frames, state: Voxels, bone: Bone, factors: AifFactors) -> None:
     """The paper's running average. Where no bone is expected its weight stays 0, and the rule comes down to the last pixel."""
-    images, matrices, pieces, spans, part = frames
+    images, probability = frames[0], bone[0]
     value, hits, weight = state
-    probability, directions, axes, beam_x, beam_y = bone
     alpha, beta, maximum, compensated = factors
-    columns, voxels = np.arange(images.shape[2]).astype(np.float64), np.empty(images.shape[2], np.uint32)
-    for frame in range(images.shape[0]):
-        xx, xy, xz, yx, yy, yz = axes[frame]
-        for piece in range(pieces.shape[0]):
-            low, high = spans[frame, piece]
-            if low >= high:
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame, row, low, count, first in rows_within(frames, voxels):
+        for n in range(count):
+            voxel, pixel = voxels[n], np.float32(images[frame, row, low + n])
+            hits[voxel] += ONCE
+            expected = probability[voxel]
+            if expected == ZERO:
+                value[voxel] = pixel if pixel < maximum else maximum
                 continue
-            row = pieces[piece, ROW]
-            number_voxels(matrices[frame], row, low, high, columns, part, voxels)
-            beam = pieces[piece, OFFSET] + low - pieces[piece, START]
-            for n in range(high - low):
-                voxel, pixel = voxels[n], np.float32(images[frame, row, low + n])
-                hits[voxel] += ONCE
-                expected = probability[voxel]
-                if expected == ZERO:
-                    value[voxel] = pixel if pixel < maximum else maximum
-                    continue
-                x, y, z = directions[voxel, 0], directions[voxel, 1], directions[voxel, 2]
-                facing_x, facing_y = (x * xx + y * xy) + z * xz, (x * yx + y * yy) + z * yz
-                w = limited_cosine(beam_x[beam + n], beam_y[beam + n], facing_x, facing_y)
-                if compensated and w > beta:
-                    w = ONE / w
-                w *= expected
-                new = pixel + (alpha * pixel) * w
-                before = weight[voxel]
-                value[voxel] = (before * value[voxel] + (new if new < maximum else maximum)) / (before + ONE)
-                weight[voxel] = before + w
+            w = cosine_at(bone, frame, voxel, first + n)
+            if compensated and w > beta:
+                w = ONE / w
+            w *= expected
+            new = pixel + (alpha * pixel) * w
+            before = weight[voxel]
+            value[voxel] = (before * value[voxel] + (new if new < maximum else maximum)) / (before + ONE)
+            weight[voxel] = before + w
 
 
 @compiled
 def insert_weighted(frames: Frames, state: Voxels, evident: Singles, factors: WeightedFactors) -> None:
     """The weighted sum; `evident` (frames, 3, n) are reach, gate and compensation of the pixels, the last read where the gate is open."""
-    images, matrices, pieces, spans, part = frames
+    images = frames[0]
     value, hits, weight = state
     floor, gain, maximum = factors
     counts = hits.size > 0
-    columns, voxels = np.arange(images.shape[2]).astype(np.float64), np.empty(images.shape[2], np.uint32)
-    for frame in range(images.shape[0]):
-        for piece in range(pieces.shape[0]):
-            low, high = spans[frame, piece]
-            if low >= high:
-                continue
-            row = pieces[piece, ROW]
-            number_voxels(matrices[frame], row, low, high, columns, part, voxels)
-            first = pieces[piece, OFFSET] + low - pieces[piece, START]
-            for n in range(high - low):
-                voxel, pixel, gate = voxels[n], np.float32(images[frame, row, low + n]), evident[frame, 1, first + n]
-                w = (floor + gate) * evident[frame, 0, first + n]
-                if gate > ZERO:
-                    pixel *= ONE + (gain * gate) * evident[frame, 2, first + n]
-                value[voxel] += w * (pixel if pixel < maximum else maximum)
-                weight[voxel] += w
-                if counts:
-                    hits[voxel] += ONCE
+    voxels = np.empty(images.shape[2], np.uint32)
+    for frame, row, low, count, first in rows_within(frames, voxels):
+        for n in range(count):
+            voxel, pixel, gate = voxels[n], np.float32(images[frame, row, low + n]), evident[frame, 1, first + n]
+            w = (floor + gate) * evident[frame, 0, first + n]
+            if gate > ZERO:
+                pixel *= ONE + (gain * gate) * evident[frame, 2, first + n]
+            value[voxel] += w * (pixel if pixel < maximum else maximum)
+            weight[voxel] += w
+            if counts:
+                hits[voxel] += ONCE

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...geometry.volume import VoxelGrid
@@ -65,12 +65,6 @@ def cut_into_parts(grid: VoxelGrid, costs: Costs, memory: int | None) -> list[Pl
         require_memory(grid.size, grid.spacing, costs.results + math.ceil(costs.part / planes), usable, most=LARGEST_GRID)
     count = math.ceil(planes / max(most, 1))
     return [(number * planes // count, (number + 1) * planes // count) for number in range(count)]
-
-
-def left_beside(grid: VoxelGrid, costs: Costs, cut: Sequence[Planes], memory: int | None) -> float:
-    """Bytes of the memory that neither the results nor the largest of these parts take."""
-    largest = grid.size[0] * grid.size[1] * max(stop - first for first, stop in cut)
-    return math.inf if memory is None else memory - grid.voxels * costs.results - largest * costs.part
 
 
 def frames_of(planes: Planes, reached: Mapping[int, Planes]) -> frozenset[int]:

@@ -14,10 +14,8 @@ from ...holes.filling import HoleFilling
 from ...progress import Progress
 from ...recipe.recipe import Recipe
 from ..state import BESIDE, VoxelState
+from .parts import Planes
 from .values import finish_values
-
-Planes = tuple[int, int]
-"""First plane [k], and the one after the last."""
 
 
 class Results:
@@ -62,14 +60,13 @@ class Results:
             self._made["intensity"] = state.value.reshape(self.grid.shape)
         intensity = self._room("intensity", self._first_type)[first:stop]
         mask = self._mask[first:stop]
-        finish_values(state, intensity.reshape(-1), mask.reshape(-1), engine=self._settings.engine, threads=self._threads)
-        hits = state.pixels() if self._wanted else state.hits
+        finish_values(state, intensity.reshape(-1), mask.reshape(-1), self._threads)
         if release:
             state.value = np.empty(0, state.value.dtype)
         if "hits" in self._wanted:
-            self._take("hits", hits, planes, whole)
+            self._take("hits", state.hits, planes, whole)
         if "score" in self._wanted:
-            score = hits if state.weight is None else state.weight
+            score = state.hits if state.weight is None else state.weight
             self._take("score", score.astype(np.float32, copy=False), planes, whole and score.dtype == np.float32)
         if state.cosine is not None:
             self._take("cosine", state.cosine, planes, whole)

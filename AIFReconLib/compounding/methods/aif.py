@@ -10,10 +10,6 @@ from . import rules
 from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 
-def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
-    return AccumulatorTypes(np.float32, np.float32)
-
-
 def _insert(kept: Accumulator, pixels: Pixels, compensated: bool) -> None:
     """The paper's rule, which depends on the order of pixels: first the first pixel of every voxel enters, then the second, and so on.
 
@@ -36,7 +32,7 @@ def _insert(kept: Accumulator, pixels: Pixels, compensated: bool) -> None:
 AIF = BuiltInMethod(
     name="aif",
     words="the paper's running average by the angle of incidence",
-    kept=_kept,
+    kept=lambda whole, shares: AccumulatorTypes(np.float32, np.float32),
     insert=partial(_insert, compensated=False),
     reads_bone="everywhere",
     compared=True,
@@ -46,7 +42,7 @@ AIF = BuiltInMethod(
 AIF_COMPENSATED = BuiltInMethod(
     name="aif-compensated",
     words="the same with oblique beams raised",
-    kept=_kept,
+    kept=lambda whole, shares: AccumulatorTypes(np.float32, np.float32),
     insert=partial(_insert, compensated=True),
     reads_bone="everywhere",
     compared=True,

@@ -11,12 +11,11 @@ from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
     if shares:
         return AccumulatorTypes(np.float64, np.float64)
-    # Whole numbers are packed with their hits
     return AccumulatorTypes(np.uint32 if whole else np.float64)
 
 
 def _insert(kept: Accumulator, pixels: Pixels) -> None:
-    np.add.at(kept.value, pixels.voxels, pixels.values.astype(np.float64))
+    np.add.at(kept.value, pixels.voxels, pixels.values.astype(kept.value.dtype))
 
 
 def _spread(kept: Accumulator, voxels: Integers, values: Singles, shares: Reals) -> None:

@@ -122,6 +122,8 @@ class CompoundingMethod:
         Its sums go on in float64 once a voxel could have got many pixels.
     follows_agreement : bool
         How far CT and sweep agree decides how wide its bone map is, where nothing else is asked for.
+    mends_motion : bool
+        The motion of the patient is taken out of the poses, where nothing else is asked for.
     compared : bool
         Whether comparisons in pictures, and the study's tables of wrong CTs and poses, show it, where all would be too many.
     in_plus : str
@@ -144,6 +146,7 @@ class CompoundingMethod:
     always_weighs: bool = False
     widens: bool = False
     follows_agreement: bool = False
+    mends_motion: bool = False
     compared: bool = False
     in_plus: str = ""
     uses: frozenset[str] = frozenset()
@@ -161,8 +164,7 @@ class BuiltInMethod(CompoundingMethod):
     Parameters
     ----------
     insert : callable
-        The rule in numpy: brings the `Pixels` of a frame into what is kept. Hits and the best cosine are counted elsewhere, and so is a
-        mean of whole numbers, which is packed with its hits.
+        The rule in numpy: brings the `Pixels` of a frame into what is kept. Hits and the best cosine are counted elsewhere.
     """
 
     insert: Callable[[Accumulator, Pixels], None]

@@ -16,7 +16,7 @@ from .aif import AIF, AIF_COMPENSATED
 from .average import AVERAGE
 from .latest import LATEST
 from .maximum import MAXIMUM
-from .method import BuiltInMethod, CompoundingMethod
+from .method import CompoundingMethod
 from .weighted import WEIGHTED
 
 BUILT_IN = (AVERAGE, LATEST, MAXIMUM, AIF, AIF_COMPENSATED, WEIGHTED)
@@ -37,14 +37,6 @@ DEFAULT_METHOD_WITH_BONE, DEFAULT_METHOD_WITHOUT_BONE = WEIGHTED.name, AVERAGE.n
 COMPARED_METHODS = tuple(method.name for method in BUILT_IN if method.compared)
 
 _TABLE: dict[str, CompoundingMethod] = {method.name: method for method in BUILT_IN}
-
-
-def built_in(name: str) -> BuiltInMethod:
-    """The method of the library of that name; a MethodError when there is none."""
-    method = method_named(name)
-    if not isinstance(method, BuiltInMethod):
-        raise MethodError(f"Method {name} is none of the library's. Choose one of {listed(METHODS)}.")
-    return method
 
 
 def is_own_method(name: str) -> bool:

@@ -8,10 +8,6 @@ from . import rules
 from .method import Accumulator, AccumulatorTypes, BuiltInMethod, Pixels
 
 
-def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
-    return AccumulatorTypes(np.float32, np.float32)
-
-
 def _insert(kept: Accumulator, pixels: Pixels) -> None:
     """Where no shadow begins, as nearly everywhere, the gate is closed: the bone map is not looked at."""
     if pixels.bone_at is None:
@@ -32,7 +28,7 @@ def _insert(kept: Accumulator, pixels: Pixels) -> None:
 WEIGHTED = BuiltInMethod(
     name="weighted",
     words="mean weighted by the bone and shadow that frames show, bone brightened",
-    kept=_kept,
+    kept=lambda whole, shares: AccumulatorTypes(np.float32, np.float32),
     insert=_insert,
     reads_bone="at onsets",
     needs_shadows=True,
@@ -40,6 +36,7 @@ WEIGHTED = BuiltInMethod(
     always_weighs=True,
     widens=True,
     follows_agreement=True,
+    mends_motion=True,
     compared=True,
     uses=frozenset({"beta", "bone_gain", "weight_floor", "intensity_maximum", "gray_levels"}),
 )

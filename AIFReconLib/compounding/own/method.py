@@ -76,26 +76,15 @@ class Method(CompoundingMethod):
             raise MethodError(
                 f"Method {self.name} failed in frame {frame} ({type(error).__name__}: {cause}). Correct the function."
             ) from error
-        if not isinstance(answer, tuple) or len(answer) != 2:
-            raise MethodError(
-                f"Method {self.name} must return a tuple of weight and value; got {type(answer).__name__}. Return both, the intensity "
-                "as the value if it stays."
-            )
-        weight, value = (self._as_large(part, word, shape) for part, word in zip(answer, ("weight", "value"), strict=True))
-        return weight, value
-
-    def _as_large(self, part: ArrayLike, word: str, shape: tuple[int, ...]) -> Singles:
         try:
             with np.errstate(all="ignore"):
-                array = np.asarray(part).astype(np.float32)
+                weight, value = (np.broadcast_to(np.asarray(part).astype(np.float32), shape) for part in answer)
         except (TypeError, ValueError):
-            array = np.empty((0, 0), np.float32)
-        if array.shape not in ((), shape):
             raise MethodError(
-                f"Method {self.name} must return a {word} for each pixel, {shape} numbers like the arrays that it takes, or one for "
-                f"all; got {np.shape(part) if array.size else type(part).__name__}."
-            )
-        return np.broadcast_to(array, shape)
+                f"Method {self.name} must return a tuple of weight and value, each {shape} numbers like the arrays that it takes, or one "
+                f"for all; got {type(answer).__name__}. Return both, the intensity as the value if it stays."
+            ) from None
+        return weight, value
 
     def check(self, weight: Reals, value: Reals, frame: int) -> None:
         """Raise `MethodError` unless what pixels of a frame answered, (n,) each, can be added up."""
@@ -112,10 +101,6 @@ class Method(CompoundingMethod):
                 f"Method {self.name} must return finite values where the weight is above 0; got {value[wrong][0]} for "
                 f"{np.count_nonzero(wrong)} of the {weight.size} pixels of frame {frame} that enter."
             )
-
-
-def _kept(whole: bool, shares: bool) -> AccumulatorTypes:
-    return AccumulatorTypes(np.float64, np.float64)
 
 
 def register_method(function: Callable[..., Answer]) -> Method:
@@ -183,7 +168,7 @@ def register_method(function: Callable[..., Answer]) -> Method:
     method = Method(
         name=name,
         words="a method of one's own",
-        kept=_kept,
+        kept=lambda whole, shares: AccumulatorTypes(np.float64, np.float64),
         reads_bone="everywhere" if sees_bone else "nowhere",
         works_in_parts=not sees_bone,
         needs_shadows=sees_shadows,

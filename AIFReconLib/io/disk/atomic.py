@@ -77,14 +77,16 @@ def atomic_outputs(*paths: str | Path) -> Iterator[tuple[Path, ...]]:
         with output_errors(paths[-1]), workspace(last.parent) as folder:
             if is_pair:
                 beside = [data.with_name(f"{data.stem}{folder.name}{data.suffix}") if data.exists() else data for data in beside]
-            temporaries = tuple(folder / target.name for target in (*beside, last))
-            yield temporaries
-            if not temporaries[-1].exists():
+            targets = {folder / target.name: target for target in (*beside, last)}
+            yield tuple(targets)
+            if not (folder / last.name).exists():
                 # A library that swallows an interrupt, or a disk that loses a file, must not look like success
                 raise OutputError(f"Cannot write {paths[-1]}: the file did not come about. Try again, or choose another folder.")
-            written = [(temporary, target) for temporary, target in zip(temporaries, (*beside, last)) if temporary.exists()]
+            written = [(temporary, target) for temporary, target in targets.items() if temporary.exists()]
             for temporary, target in written:
-                _flush_to_disk(temporary)
+                # A rename must not overtake the data, and a full disk may show only now
+                with open(temporary, "rb+") as file:
+                    os.fsync(file.fileno())
                 # The clock of files ticks every few ms, and readers tell versions apart by their times: no two may share one
                 with contextlib.suppress(OSError):
                     os.utime(temporary, ns=(time.time_ns(),) * 2)
@@ -148,14 +150,15 @@ def check_writable(path: str | Path) -> None:
 def _target(path: str | Path) -> Path:
     """Where `path` leads to, links followed, so that a link stays a link; only a regular file may be replaced."""
     target = Path(os.path.realpath(path))
+    problem = ""
     with output_errors(path):
-        problems = {
-            "it is a folder. Give the name of a file.": target.is_dir(),
-            "it is a device or a pipe. Give the name of a regular file.": target.exists() and not target.is_file(),
-            "it is write-protected. Remove the protection, or choose another name.": target.exists() and not os.access(target, os.W_OK),
-            f"the folder {target.parent} does not exist. Create it, or choose another path.": not target.parent.exists(),
-        }
-    for problem in (problem for problem, is_so in problems.items() if is_so):
+        if target.exists() and not target.is_file():
+            problem = "it is a folder, a device or a pipe. Give the name of a regular file."
+        elif target.exists() and not os.access(target, os.W_OK):
+            problem = "it is write-protected. Remove the protection, or choose another name."
+        elif not target.parent.exists():
+            problem = f"the folder {target.parent} does not exist. Create it, or choose another path."
+    if problem:
         raise OutputError(f"Cannot write {path}: {problem}")
     return target
 
@@ -170,9 +173,3 @@ def output_errors(path: str | Path) -> Iterator[None]:
     except OSError as error:
         cause = _REMEDIES.get(error.errno or 0, f"{error.strerror or error}. Choose another path.")
         raise OutputError(f"Cannot write {path}: {cause}") from error
-
-
-def _flush_to_disk(path: Path) -> None:
-    """Wait until the file is on the disk: a rename must not overtake the data, and a full disk may show only now."""
-    with open(path, "rb+") as file:
-        os.fsync(file.fileno())

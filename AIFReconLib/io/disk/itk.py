@@ -24,11 +24,9 @@ def itk_path(path: Path, error: type[FileFormatError] | type[OutputError]) -> st
     Raises FileFormatError or OutputError when it cannot be said in UTF-8. SimpleITK would end the program at such a name.
     """
     try:
-        text = os.fsencode(path).decode("utf-8")
-        text.encode("utf-8")
+        return os.fsencode(path).decode("utf-8")
     except UnicodeError:
         raise error(f"{path}: its name, or that of a folder, is not text in UTF-8. Rename it.") from None
-    return text
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ import contextlib
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from stat import S_ISDIR, S_ISREG
+from stat import S_ISREG
 
 from ...errors import FileFormatError
 
@@ -17,15 +17,21 @@ def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
     It is opened once, so that the guard at the door knows of it: compiled libraries open files without a word to Python.
     """
     try:
-        mode = path.stat().st_mode
-        if S_ISDIR(mode):
-            raise error(f"{path}: this is a folder. Give the name of a file.")
-        if not S_ISREG(mode):
-            raise error(f"{path}: this is not a regular file. Give the name of a file.")
-        with open(path, "rb"):
-            pass
+        if not S_ISREG(path.stat().st_mode):
+            raise error(f"{path}: this is {'a folder' if path.is_dir() else 'not a regular file'}. Give the name of a file.")
+        open(path, "rb").close()
     except (FileNotFoundError, NotADirectoryError):
         raise error(f"{path}: there is no such file. Check the path.") from None
+    except OSError as cause:
+        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+
+
+@contextlib.contextmanager
+def reading(error: type[FileFormatError], path: Path) -> Iterator[None]:
+    """Raise `error` unless `path` is a file that may be read, and for every OSError of the block."""
+    require_regular_file(path, error)
+    try:
+        yield
     except OSError as cause:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 
@@ -36,12 +42,9 @@ def unchanged(error: type[FileFormatError], path: Path, *beside: Path) -> Iterat
 
     What has no marks of its own end, as a table, would else be taken for whole while somebody writes it.
     """
-    require_regular_file(path, error)
-    before = [file_stamp(each) for each in (path, *beside)]
-    try:
+    with reading(error, path):
+        before = [file_stamp(each) for each in (path, *beside)]
         yield
-    except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
     if [file_stamp(each) for each in (path, *beside)] != before:
         raise error(f"{path}: the file changed while it was read. Read it again when it is complete.")
 

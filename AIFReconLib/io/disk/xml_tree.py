@@ -22,9 +22,7 @@ def parse_xml(path: Path) -> Element:
         parser.feed(read_bytes(path, None, ConfigurationError))
         root: Element = parser.close()
     except ParseError as cause:
-        raise ConfigurationError(
-            f"{path}: this is not well-formed XML ({cause}). Correct it, or give a Plus configuration file."
-        ) from cause
+        raise ConfigurationError(f"{path}: this is not well-formed XML ({cause}). Correct it, or give another file.") from cause
     except LookupError as cause:
         raise ConfigurationError(f"{path}: its text encoding is not supported ({cause}). Save it as UTF-8.") from cause
     return root

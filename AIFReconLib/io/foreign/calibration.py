@@ -9,6 +9,7 @@ from ...arrays import Matrix
 from ...errors import FileFormatError, GeometryError
 from ...geometry.transform_graph import TransformName
 from ...geometry.transforms import as_matrix
+from ...message import listed
 from ...remedies import NAME_THE_CALIBRATION
 from ..disk.small_files import read_bytes
 from ..metafile.text_values import NotANumberError, parse_matrix
@@ -39,12 +40,8 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
         transforms = read_plus_configuration(path).transforms
         names = [known for known in transforms if known == name or (name is None and known.source == IMAGE_FRAME)]
         if len(names) != 1:
-            there = ", ".join(map(str, transforms)) or "none"
-            raise FileFormatError(
-                f"{path}: it must hold {name or f'one transform from {IMAGE_FRAME}'}; got {there}.",
-                NAME_THE_CALIBRATION,
-                example="ImageToProbe",
-            )
+            told = f"it must hold {name or f'one transform from {IMAGE_FRAME}'}; got {listed(transforms) or 'none'}"
+            raise FileFormatError(f"{path}: {told}.", NAME_THE_CALIBRATION, example="ImageToProbe")
         return names[0], transforms[names[0]].matrix
     name = name or TransformName(IMAGE_FRAME, "Probe")
     text = read_bytes(path, MAXIMUM_BYTES, FileFormatError).decode("utf-8-sig", errors="replace").strip()
@@ -54,7 +51,5 @@ def read_calibration(path: str | Path, name: TransformName | None = None) -> tup
         return name, as_matrix(parse_matrix(re.sub(r"[,;\[\]]", " ", text)), "calibration")
     except (NotANumberError, GeometryError) as error:
         why = str(error).rstrip(".")
-        raise FileFormatError(
-            f"{path}: a calibration must be 16 numbers, row by row; {why}. Give those, a Plus configuration (.xml) or a Slicer "
-            "transform (.tfm)."
-        ) from None
+        forms = "Give those, a Plus configuration (.xml) or a Slicer transform (.tfm)."
+        raise FileFormatError(f"{path}: a calibration must be 16 numbers, row by row; {why}. {forms}") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from ...arrays import Floats, Numbers
 from ...errors import FileFormatError
 from ..sequence.decoded_images import DecodedImages, decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .images import ImportedImages, describe_stack
+from .images import ImportedImages
 
 if TYPE_CHECKING:
     from pydicom import Dataset
@@ -50,30 +49,19 @@ def open_dicom(files: list[Path]) -> ImportedImages:
 
     stack = DecodedImages(len(frames), decode, lambda n: f"{frames[n][0]}, frame {frames[n][1]}")
     spacing, unknown_spacing = _common_spacing({path: headers[path] for path in ordered})
-    return ImportedImages(
-        stack,
-        describe_stack(len(frames), "DICOM frames", stack.shape[1:], stack.dtype),
-        tuple(path.name for path, _ in frames) if single else None,
-        # What lies between two files is not known
-        _times(headers[ordered[0]], len(frames)) if len(headers) == 1 else None,
-        spacing,
-        unknown_spacing,
-        unknown_order,
-    )
+    names = tuple(path.name for path, _ in frames) if single else None
+    # What lies between two files is not known
+    times = _times(headers[ordered[0]], len(frames)) if len(headers) == 1 else None
+    return ImportedImages(stack, "DICOM frames", names, times, spacing, unknown_spacing, unknown_order)
 
 
 def _why_not_in_order(headers: list[Dataset]) -> str | None:
     """What keeps InstanceNumber from telling the order of several files; None where it does."""
-    numbers = Counter(map(_number, headers))
-    series = {header.get("SeriesInstanceUID") for header in headers}
-    if len(headers) == 1:
-        return None
-    if None in numbers:
-        return f"InstanceNumber is missing in {numbers[None]} of {len(headers)} files"
+    numbers, series = set(map(_number, headers)), {header.get("SeriesInstanceUID") for header in headers}
     if len(series) > 1:
         return f"the files are of {len(series)} series, each with an order of its own"
-    number, count = numbers.most_common(1)[0]
-    return f"InstanceNumber {number} occurs more than once" if count > 1 else None
+    is_missing = None in numbers and len(headers) > 1
+    return "InstanceNumber is missing, or occurs more than once" if is_missing or len(numbers) < len(headers) else None
 
 
 def _common_spacing(headers: dict[Path, Dataset]) -> _Size:
@@ -81,10 +69,8 @@ def _common_spacing(headers: dict[Path, Dataset]) -> _Size:
     found = {path: _spacing(header) for path, header in headers.items()}
     first, (size, _) = next(iter(found.items()))
     for path, (other, problem) in found.items():
-        if problem is not None:
-            return None, f"{path}: {problem}"
-        if not _same(size, other):
-            return None, f"{first.name} says {_words(size)}, {path.name} says {_words(other)}"
+        if problem is not None or not _same(size, other):
+            return None, f"{path}: {problem}" if problem else f"{first.name} says {_words(size)}, {path.name} says {_words(other)}"
     return size, None
 
 
@@ -106,7 +92,7 @@ def _as_shown(pixels: ModuleType, header: Dataset, image: Numbers) -> Numbers:
     if kind != "PALETTE COLOR":
         return image
     colors: Numbers = pixels.apply_color_lut(image, header)
-    return colors if colors.dtype == np.uint8 else (colors.astype(np.uint32) // 256).astype(np.uint8)
+    return colors if colors.dtype == np.uint8 else (colors // 256).astype(np.uint8)
 
 
 def _header(pydicom: ModuleType, path: Path) -> Dataset:
@@ -116,12 +102,11 @@ def _header(pydicom: ModuleType, path: Path) -> Dataset:
         # Values are decoded when first asked for, so what is wrong with one shows here
         count, volume = _frame_count(header), _volume(header)
         _ = _times(header, min(count, MAXIMUM_FRAMES)), _spacing(header), _number(header)
-    if volume:
-        raise FileFormatError(f"{path}: this is a 3D volume of {volume}; frames must be 2D. Give the images of the sweep.")
+    if volume or "Rows" not in header or "Columns" not in header:
+        what = f"is a 3D volume of {volume}; frames must be 2D" if volume else "DICOM file holds no image"
+        raise FileFormatError(f"{path}: this {what}. Give the images of the sweep.")
     if count > MAXIMUM_FRAMES:
         raise FileFormatError(f"{path}: NumberOfFrames must be at most {MAXIMUM_FRAMES}; got {count}. Export it again.")
-    if "Rows" not in header or "Columns" not in header:
-        raise FileFormatError(f"{path}: this DICOM file holds no image. Give the images of the sweep.")
     return header
 
 
@@ -181,14 +166,10 @@ def _spacing(header: Dataset) -> _Size:
         return None, f"the {parts} of different pixel sizes ({_words(sizes[0])} and {_words(other)})"
     edges = [[region.get(f"RegionLocation{edge}") for edge in ("MinX0", "MinY0", "MaxX1", "MaxY1")] for region in regions]
     boxes = np.array([box for box in edges if None not in box], np.int64).reshape(-1, 4)
-    if not len(boxes):
-        return sizes[0], None
     columns, rows = int(header.get("Columns", 0)), int(header.get("Rows", 0))
-    (left, top), (right, bottom) = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    around = [*boxes[:, :2].min(axis=0, initial=columns), *boxes[:, 2:].max(axis=0, initial=0)]
     # Some count the last pixel in, some do not
-    if abs(left) > 1 or abs(top) > 1 or not columns - 2 <= right <= columns or not rows - 2 <= bottom <= rows:
-        return None, (
-            f"{_words(sizes[0])} is the size of pixels in columns {left} to {right} and rows {top} to {bottom}, which are not those of "
-            f"the image, of {columns} x {rows} pixels"
-        )
+    if len(boxes) and np.abs(np.subtract(around, (0, 0, columns - 1, rows - 1))).max() > 1:
+        inside = "columns {} to {} and rows {} to {}".format(*(around[n] for n in (0, 2, 1, 3)))
+        return None, f"{_words(sizes[0])} is the size of pixels in {inside}, not of the whole image, of {columns} x {rows} pixels"
     return sizes[0], None

@@ -65,12 +65,10 @@ def _calibration_of(options: ImportOptions) -> _Calibration | None:
     """
     if not options.calibration:
         return None
-    name, equals, file = options.calibration.partition("=")
-    if equals:
-        return read_calibration(file, TransformName.parse(name))
-    ends = (options.poses_of.source, options.poses_of.target)
-    own = TransformName(IMAGE_FRAME, "Probe" if "Probe" in ends else ends[0])
-    return read_calibration(name, None if name.lower().endswith(".xml") else own)
+    name, _, file = options.calibration.rpartition("=")
+    source, target = options.poses_of.source, options.poses_of.target
+    own = None if file.lower().endswith(".xml") else TransformName(IMAGE_FRAME, "Probe" if "Probe" in (source, target) else source)
+    return read_calibration(file, TransformName.parse(name) if name else own)
 
 
 def import_sequence(
@@ -98,13 +96,10 @@ def import_sequence(
     samples, times, pairing = _paired(images, poses, _samples(matrices, poses), settings.rate, offset + zero)
     every = {name: samples}
     if patient is not None:
-        moving = (IMAGE_FRAME, calibration[0].target if calibration else IMAGE_FRAME, "Probe")
-        marker, placed = _of_patient(patient, name, moving)
+        marker, placed = _of_patient(patient, name, (IMAGE_FRAME, calibration[0].target if calibration else IMAGE_FRAME, "Probe"))
         every[marker] = _paired(images, patient, _samples(placed, patient), settings.rate, offset + zero)[0]
-    records = [
-        FrameRecord(None if times is None else float(times[n]), transforms={name: of_tool[n] for name, of_tool in every.items()})
-        for n in range(len(samples))
-    ]
+    moments = [None] * len(samples) if times is None else times.tolist()
+    records = [FrameRecord(time, transforms={name: of[n] for name, of in every.items()}) for n, time in enumerate(moments)]
     orientation = parse_orientation(settings.orientation)
     stack = images.stack if orientation[:2] == IN_MEMORY[:2] else flipped(images.stack, orientation)
     understood = (
@@ -127,9 +122,8 @@ def _of_patient(patient: PoseTable, name: TransformName, may_move: Sequence[str]
     moving = next((frame for frame in may_move if frame in ends), name.source)
     marker = TransformName(name.source, REFERENCE_FRAME) if moving == name.target else TransformName(REFERENCE_FRAME, name.target)
     if REFERENCE_FRAME in ends:
-        raise SettingsError(
-            f"The poses of {name} are those in Reference already, and there is a marker on the patient.", "Leave out {reference_tool}."
-        )
+        told = f"The poses of {name} are those in Reference already, and there is a marker on the patient."
+        raise SettingsError(told, "Leave out {reference_tool}.")
     matrices = in_millimeters(patient.matrices, patient.length_unit, takes_pixels=False)
     _are_rigid(matrices, marker, " of the marker")
     return marker, matrices
@@ -148,9 +142,8 @@ def _clocks(images: ImportedImages, poses: PoseTable, offset: float) -> tuple[fl
         return first - begin, [Sentence(told, TIME_OFFSET)]
     if from_zero != {True}:
         return 0.0, []
-    told = "note: images and poses both count from 0, and were taken to begin at one moment."
-    if offset:
-        told = f"note: the images were taken to begin {offset:g} s after the poses."
+    both = "note: images and poses both count from 0, and were taken to begin at one moment."
+    told = f"note: the images were taken to begin {offset:g} s after the poses." if offset else both
     moves, changes = _first_motion(poses), first_change(images.stack, range(len(images.stack)), taken)
     if moves is not None and changes is not None and abs(moves - changes - offset) > IN_STEP:
         told += f" The tool begins to move at {moves:.2f} s, and the images to change at {changes:.2f} s."
@@ -189,21 +182,16 @@ def _are_rigid(matrices: Matrix, name: TransformName, of: str = "") -> bool:
     for number, reason in reasons.items():
         pixels = matrices[number] if name.source == IMAGE_FRAME else invert(matrices[number])
         if IMAGE_FRAME not in (name.source, name.target) or "mirrored" in reason or why_not_an_image_pose(pixels):
-            raise SettingsError(
-                f"Pose {number}{of} must be a rotation and a translation; it is {reason}. Check the columns.",
-                "Where matrices are written column by column, give {column_major}.",
-            )
+            told = f"Pose {number}{of} must be a rotation and a translation; it is {reason}. Check the columns."
+            raise SettingsError(told, "Where matrices are written column by column, give {column_major}.")
     return not reasons
 
 
 def _placed(matrices: Matrix, rigid: bool, images: ImportedImages, settings: ImportOptions, calibration: _Calibration | None) -> _Place:
     """Poses that take pixels where they are the image's; header transforms; and where the image is, in words."""
-    name = settings.poses_of
-    spacing = settings.spacing or images.spacing
-    origin = settings.image_origin_px or (0.0, 0.0)
+    name, spacing, origin = settings.poses_of, settings.spacing or images.spacing, settings.image_origin_px or (0.0, 0.0)
     if IMAGE_FRAME not in (name.source, name.target):
-        header, how = _placed_by_probe(spacing, images, settings, calibration)
-        return matrices, header, how
+        return (matrices, *_placed_by_probe(spacing, images, settings, calibration))
     if calibration:
         raise SettingsError(f"{name} places the image itself, so there is no calibration to apply.", "Leave out {calibration}.")
     if not rigid:
@@ -241,20 +229,14 @@ def _placed_by_probe(
         else:
             matrix[:3, :3] *= unit
         if calibration.source != IMAGE_FRAME or calibration.target not in (name.source, name.target):
-            raise SettingsError(
-                f"The calibration must lead from {IMAGE_FRAME} to {name.source} or {name.target}; got {calibration}.",
-                NAME_THE_CALIBRATION,
-                example=f"{IMAGE_FRAME}To{name.source}",
-            )
+            must = f"The calibration must lead from {IMAGE_FRAME} to {name.source} or {name.target}; got {calibration}."
+            raise SettingsError(must, NAME_THE_CALIBRATION, example=f"{IMAGE_FRAME}To{name.source}")
     elif origin and spacing:
         calibration, matrix = TransformName(IMAGE_FRAME, name.source), _pixels_to_mm(spacing, origin)
         how = f"the image's axes are those of {name.source}, whose origin is pixel {origin[0]:g} {origin[1]:g}"
     elif settings.spacing or origin:
-        raise SettingsError(
-            f"The size of a pixel alone does not say where the image lies in {name.source}.",
-            ("Give {calibration:FILE}; or both {spacing} and {image_origin_px}, if the axes of the image are those of {frame}."),
-            frame=name.source,
-        )
+        both = "Give {calibration:FILE}; or both {spacing} and {image_origin_px}, if the axes of the image are those of {frame}."
+        raise SettingsError(f"The size of a pixel alone does not say where the image lies in {name.source}.", both, frame=name.source)
     else:
         return {}, f"not in the recording: give {IMAGE_FRAME}To{name.source} when reconstructing"
     _about_image(matrix, images, settings)
@@ -281,36 +263,24 @@ def _paired(images: ImportedImages, poses: PoseTable, samples: list[TransformSam
     if poses.images is not None:
         return _paired_by_name(images, poses, samples)
     if images.unknown_order:
-        raise SettingsError(
-            f"The order of the images is not known: {images.unknown_order}. Name the image of each pose in a column 'image', or import "
-            "one series."
-        )
+        advice = "Name the image of each pose in a column 'image', or import one series."
+        raise SettingsError(f"The order of the images is not known: {images.unknown_order}. {advice}")
     by_rate = "" if rate is None else f", images {rate:g} times a second"
-    image_times = images.times
+    image_times = None if images.times is None else images.times + offset
     if offset and (image_times is None or poses.times is None):
-        raise SettingsError(
-            "A time offset needs times of images and poses, and one of them has none.",
-            "Leave out {time_offset}, or record the sweep with time stamps.",
-        )
-    if image_times is not None:
-        image_times = image_times + offset
+        told = "A time offset needs times of images and poses, and one of them has none."
+        raise SettingsError(told, "Leave out {time_offset}, or record the sweep with time stamps.")
     if len(samples) == count and not offset and (poses.times is None or image_times is None or _in_step(poses.times, image_times)):
         return samples, poses.times if poses.times is not None else image_times, f"image by image, in order{by_rate}"
     if poses.times is not None and image_times is not None:
-        track = PoseTrack(zip(poses.times.tolist(), samples))
-        found = [track.at(time)[0] for time in image_times]
-        if not any(matrix is not None for matrix in found):
-            raise SettingsError(
-                f"The poses must be of the time of the images; poses {_span(poses.times)}, images {_span(image_times)}{by_rate}.",
-                TIME_OFFSET,
-            )
-        paired = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
+        paired = PoseTrack(zip(poses.times.tolist(), samples)).samples(image_times)
+        if all(sample is MISSING for sample in paired):
+            spans = f"poses {_span(poses.times)}, images {_span(image_times)}{by_rate}"
+            raise SettingsError(f"The poses must be of the time of the images; {spans}.", TIME_OFFSET)
         return paired, image_times, f"{len(samples)} poses interpolated at the times of {count} images{by_rate}"
-    raise SettingsError(
-        f"There must be as many poses as images; got {len(samples)} poses for {count} images. Leave out what is too much, name the "
-        "image of each pose in a column 'image', or give times on both.",
-        "If images were taken at a steady rate, give {rate:HZ}, else a table of their times." if poses.times is not None else "",
-    )
+    advice = "If images were taken at a steady rate, give {rate:HZ}, else a table of their times." if poses.times is not None else ""
+    must = f"There must be as many poses as images; got {len(samples)} poses for {count} images"
+    raise SettingsError(f"{must}. Leave out some, name the image of each pose in a column 'image', or give times on both.", advice)
 
 
 def _in_step(poses: Floats, images: Floats) -> bool:
@@ -323,28 +293,21 @@ def _in_step(poses: Floats, images: Floats) -> bool:
 def _paired_by_name(images: ImportedImages, poses: PoseTable, samples: list[TransformSample]) -> _Pairs:
     """Poses of images by the names of their files, whatever their folder."""
     if images.names is None:
-        raise SettingsError(
-            "The poses name an image each, but the images are all in one file.", "Leave out that column ({columns}, with -)."
-        )
+        told = "The poses name an image each, but the images are all in one file."
+        raise SettingsError(told, "Leave out that column ({columns}, with -).")
     rows: dict[str, int] = {}
     for number, name in enumerate(map(bare_name, poses.images or ())):
         # A row that names no image is a pose without one
         if not has_none(name) and rows.setdefault(name, number) != number:
             raise SettingsError(f"Two poses name the image {name} (poses {rows[name]} and {number}). Remove one of them.")
-    twice = next((name for name, count in Counter(images.names).items() if count > 1 and name in rows), None)
-    if twice is not None:
-        raise SettingsError(
-            f"Two of the images are called {twice}, and a pose names it. Import one folder at a time, or rename the images."
-        )
-    known = [rows.get(name) for name in images.names]
-    found = [number for number in known if number is not None]
+    for twice in (name for name, count in Counter(images.names).items() if count > 1 and name in rows):
+        raise SettingsError(f"Two of the images are called {twice}, and a pose names it. Import one folder at a time.")
+    found = [rows[name] for name in images.names if name in rows]
     if not found:
-        raise SettingsError(
-            f"No pose names one of the images: poses name {next(iter(rows), None)}, images are {images.names[0]}. Use the same names."
-        )
-    paired = [MISSING if number is None else samples[number] for number in known]
-    times = poses.times[found] if poses.times is not None and len(found) == len(known) else None
-    return paired, times, f"by name: {len(found)} of {len(known)} images have a pose, {len(rows) - len(found)} poses have no image"
+        raise SettingsError(f"No pose names one of the images: poses name {next(iter(rows), None)}, images are {images.names[0]}.")
+    paired = [samples[rows[name]] if name in rows else MISSING for name in images.names]
+    times = poses.times[found] if poses.times is not None and len(found) == len(paired) else None
+    return paired, times, f"by name: {len(found)} of {len(paired)} images have a pose, {len(rows) - len(found)} poses have no image"
 
 
 def _span(times: Floats) -> str:
@@ -367,29 +330,20 @@ def _doubts(matrices: Matrix, good: Mask, poses: PoseTable, settings: ImportOpti
         doubts.append(Sentence(f"The poses move by {extent:.3g} mm in all.", advice))
     if extent > 2000.0:
         doubts.append(Sentence(f"The poses move by {extent / 1000:.3g} m.", UNITS, unit="another unit", choice=""))
-    times = None if poses.times is None else poses.times[good]
-    if times is not None and len(np.unique(times)) > 5:
-        steps = np.diff(times)
-        typical = float(np.median(steps))
+    if poses.times is not None and len(np.unique(poses.times[good])) > 5:
+        steps = np.diff(poses.times[good])
+        timed, typical = np.flatnonzero(steps), float(np.median(steps))
+        # Of what is placed, or of the tracker seen from there: the slower of both
+        shifts = (np.diff(way[:, :3, 3], axis=0)[timed] for way in (moved, np.linalg.inv(moved)))
+        speed = min(float(np.median(np.linalg.norm(shift, axis=1) / np.abs(steps[timed]))) for shift in shifts)
         if not FASTEST <= typical <= SLOWEST:
             doubts.append(Sentence(f"Poses are {typical:.3g} s apart, in the median.", TIME_UNIT, unit="ms"))
-        elif (speed := _speed(moved, steps)) > SLOWEST_DOUBTED:
-            doubts.append(
-                Sentence(
-                    f"The tool moves at {speed / 1000:.2g} m/s, in the median: poses of several tools, or another unit of length or time?",
-                    SURE,
-                )
-            )
+        elif speed > SLOWEST_DOUBTED:
+            told = f"The tool moves at {speed / 1000:.2g} m/s, in the median: poses of several tools, or another unit of length or time?"
+            doubts.append(Sentence(told, SURE))
     if doubts and not settings.sure and not (poses.knows_length and "in all" in doubts[0]):
         raise SettingsError(doubts[0])
     return [Sentence(f"doubt: {doubt}", message_of(doubt)) for doubt in doubts]
-
-
-def _speed(matrices: Matrix, steps: Floats) -> float:
-    """mm/s, in the median, of what is placed or of the tracker seen from there: the slower of both."""
-    timed = np.flatnonzero(steps)
-    shifts = (np.diff(way[:, :3, 3], axis=0)[timed] for way in (matrices, np.linalg.inv(matrices)))
-    return min(float(np.median(np.linalg.norm(shift, axis=1) / np.abs(steps[timed]))) for shift in shifts)
 
 
 def _about_image(image_to_mm: Matrix, images: ImportedImages, settings: ImportOptions) -> None:

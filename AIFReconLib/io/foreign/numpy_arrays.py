@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import FileFormatError
 from ..sequence.decoded_images import DecodedImages, decoding, frames_in_place
-from .images import ImportedImages, describe_stack
+from .images import ImportedImages
 
 
 def open_numpy(path: Path) -> ImportedImages:
@@ -25,13 +25,11 @@ def open_numpy(path: Path) -> ImportedImages:
     if not isinstance(array, np.memmap):
         raise FileFormatError(f"{path}: this is an archive of arrays. Save the one of the images with numpy.save.")
     if array.ndim not in (3, 4) or (array.ndim == 4 and array.shape[3] not in (1, 3, 4)) or not array.size:
-        raise FileFormatError(
-            f"{path}: the array must have shape (frames, rows, columns) or (frames, rows, columns, 3); got {array.shape}. Transpose it."
-        )
+        raise FileFormatError(f"{path}: the array must have shape (frames, rows, columns) or (..., 3); got {array.shape}. Transpose it.")
     if array.flags.c_contiguous:
         frame = frames_in_place(path, array.shape[1:], array.dtype, array.offset)
     else:
         frame = np.load(path, allow_pickle=False).__getitem__
     count = len(array)
     stack = DecodedImages(count, frame, lambda n: f"{path}, frame {n}")
-    return ImportedImages(stack, describe_stack(count, "frames", stack.shape[1:], stack.dtype) + f" in {path.name}")
+    return ImportedImages(stack, f"frames in {path.name}")

@@ -16,7 +16,7 @@ from ..sequence.files import recording_kind
 from ..sequence.metafiles import METAFILES
 from ..sequence.others.unread import refuse_unread
 from .dicom import open_dicom
-from .images import ImportedImages, describe_stack
+from .images import ImportedImages
 from .numpy_arrays import open_numpy
 from .pictures import open_pictures
 from .video import open_video
@@ -43,10 +43,8 @@ def open_images(paths: Sequence[str | Path]) -> ImportedImages:
     if kind is None:
         refuse_unread(files[0])
         known = ", ".join(suffix for known, _ in _KINDS for suffix in known)
-        raise FileFormatError(
-            f"{files[0]}: images must all be pictures, DICOM or MetaImage files, one video or one .npy array ({known}); got "
-            f"{', '.join(sorted(suffixes)) or 'no suffix'}. Give files of one kind."
-        )
+        must = f"images must all be pictures, DICOM or MetaImage files, one video or one .npy array ({known})"
+        raise FileFormatError(f"{files[0]}: {must}; got {', '.join(sorted(suffixes)) or 'no suffix'}. Give files of one kind.")
     return kind[1](files)
 
 
@@ -73,41 +71,31 @@ def _listed(paths: list[Path]) -> list[Path]:
         else:
             require_regular_file(path, FileFormatError)
             files.append(path)
-    if not files:
-        raise FileFormatError("Input images must be at least one file. Name pictures, a folder, a video or a .npy file.")
     return files
 
 
 def _open_metaimages(files: list[Path]) -> ImportedImages:
     """One image a file, or the images of one recording, with its times."""
-    opened = [METAFILES.read(path, None) for path in files]
-    frames = [(path, recorded, number) for path, recorded in zip(files, opened) for number in range(len(recorded.images))]
+    opened = {path: METAFILES.read(path, None) for path in files}
+    frames = [(path, number) for path, recorded in opened.items() for number in range(len(recorded.images))]
     single = len(frames) == len(files)
     if not single and (len(files) > 1 or METAFILES.frame_fields(files[0]) is None):
-        path, slices = next((path, len(recorded.images)) for path, recorded in zip(files, opened) if len(recorded.images) > 1)
-        raise FileFormatError(
-            f"{path}: this is a 3D volume of {slices} slices; frames must be 2D. Give one image a file, or all frames as a .npy array."
-        )
+        path, slices = next((path, len(recorded.images)) for path, recorded in opened.items() if len(recorded.images) > 1)
+        raise FileFormatError(f"{path}: this is a 3D volume of {slices} slices; frames must be 2D. Give one image a file, or a .npy array.")
     stack = DecodedImages(
-        len(frames),
-        lambda n: frames[n][1].images[frames[n][2]],
-        lambda n: str(frames[n][0]) + ("" if single else f", frame {frames[n][2]}"),
+        len(frames), lambda n: opened[frames[n][0]].images[frames[n][1]], lambda n: ", frame ".join(map(str, frames[n][: 2 - single]))
     )
-    spacings = {recorded.records[0].stated_spacing for recorded in opened}
-    times = [] if single else [record.timestamp for record in opened[0].records]
-    return ImportedImages(
-        stack,
-        describe_stack(len(frames), "MetaImage frames", stack.shape[1:], stack.dtype),
-        tuple(path.name for path, _, _ in frames) if single else None,
-        np.array(times, dtype=np.float64) if times and None not in times else None,
-        spacings.pop() if len(spacings) == 1 else None,
-        "the files state several" if len(spacings) > 1 else None,
-    )
+    spacings = {recorded.records[0].stated_spacing for recorded in opened.values()}
+    times = [None] if single else [record.timestamp for record in opened[files[0]].records]
+    names = tuple(path.name for path in files) if single else None
+    seconds = None if None in times else np.array(times, dtype=np.float64)
+    several = "the files state several" if len(spacings) > 1 else None
+    return ImportedImages(stack, "MetaImage frames", names, seconds, None if several else spacings.pop(), several)
 
 
-def _only(files: list[Path], what: str) -> Path:
+def _only(files: list[Path]) -> Path:
     if len(files) != 1:
-        raise FileFormatError(f"{files[1]}: there must be one {what}; got {len(files)} files. Import them one by one.")
+        raise FileFormatError(f"{files[1]}: there must be one video or array; got {len(files)} files. Import them one by one.")
     return files[0]
 
 
@@ -115,6 +103,6 @@ _KINDS: tuple[tuple[tuple[str, ...], Callable[[list[Path]], ImportedImages]], ..
     (PICTURE_SUFFIXES, open_pictures),
     (DICOM_SUFFIXES, open_dicom),
     (METAIMAGE_SUFFIXES, _open_metaimages),
-    (VIDEO_SUFFIXES, lambda files: open_video(_only(files, "video"))),
-    (NUMPY_SUFFIXES, lambda files: open_numpy(_only(files, "array"))),
+    (VIDEO_SUFFIXES, lambda files: open_video(_only(files))),
+    (NUMPY_SUFFIXES, lambda files: open_numpy(_only(files))),
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
@@ -77,7 +78,7 @@ class ImportOptions(Branch):
     column_major: bool | None = _unsaid("matrices are written column by column", FLAG, label="Matrices column by column:")
     sure: bool = setting(False, "take poses as they are where no hand moves so", FLAG, label="It is right as it is:")
     spacing: tuple[float, float] | None = _pair(
-        "size of a pixel in mm, where poses take millimeters", metavar="X Y", label="Size of a pixel (mm, x y):"
+        "size of a pixel in mm, where poses take millimeters", minimum=1e-6, metavar="X Y", label="Size of a pixel (mm, x y):"
     )
     image_origin_px: tuple[float, float] | None = _pair(
         "the pixel that the poses place (default: 0 0)", metavar="COLUMN ROW", label="Pixel that is placed:"
@@ -90,28 +91,19 @@ class ImportOptions(Branch):
     )
     orientation: str = setting("MF", "how the pixels run: MF, MN, UF or UN", TEXT, metavar="CODE", label="Stored pixels:")
     rate: float | None = _unsaid(
-        "frames per second of the images, where no file has their times", unit="Hz", metavar="HZ", label="Images per second:"
+        "frames per second of the images, where no file has their times", unit="Hz", minimum=1e-6, metavar="HZ", label="Images per second:"
     )
     times: Path | None = _file(  # noqa: RUF009  # it is a field
         "when each image was taken, where its file does not tell: a table of one time an image, with or without its name"
-    )
-    mechanism: Path | None = _file(  # noqa: RUF009  # it is a field
-        "axes of what moves the probe (.toml, .json): the poses are of what they read, one column each, by their names"
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
         parse_orientation(self.orientation)
-        if self.spacing is not None and min(self.spacing) <= 0:
-            raise SettingsError(f"Input spacing must be two numbers above 0, in mm per pixel; got {self.spacing!r}.")
-        if self.rate is not None and self.rate <= 0:
-            raise SettingsError(f"Input rate must be above 0 frames per second; got {self.rate!r}.")
         order = self.euler_order
         if order not in (None, VECTOR) and not (re.fullmatch("[xyz]{3}|[XYZ]{3}", order) and order[0] != order[1] != order[2]):
-            raise SettingsError(
-                f"Input euler_order must be three axes, as xyz (fixed axes) or ZYX (axes that turn along), or vector; got {order!r}. See "
-                "the tracker's manual."
-            )
+            must = "must be three axes, as xyz (fixed axes) or ZYX (axes that turn along), or vector"
+            raise SettingsError(f"Input euler_order {must}; got {order!r}. See the tracker's manual.")
 
     @property
     def poses_of(self) -> TransformName:
@@ -125,6 +117,13 @@ class ImportOptions(Branch):
         """Of the columns, in order or as they are assigned."""
         return tuple(self.columns.replace(",", " ").split()) if self.columns else None
 
+
+_PARSERS: dict[str, Callable[[str], Any]] = {
+    FLAG: "yes".__eq__,
+    WORDS: lambda text: [word.strip() for word in text.split(",") if word.strip()],
+    NUMBERS: lambda text: [float(word) for word in text.replace(",", " ").split()],
+    NUMBER: float,
+}
 
 RULES: dict[str, Rule] = {spec.name: rule_of(spec.metadata) for spec in fields(ImportOptions)}
 """By option."""
@@ -147,11 +146,8 @@ def questions_of(asking: object) -> tuple[_Question, ...]:
     sentence = message_of(asking)
     known = sentence.details.get("choices")
     others = tuple(map(str, known)) if isinstance(known, tuple | list) else ()
-    return tuple(_Question(name, RULES[name], _choices(RULES[name]) or others) for name in sentence.settings if name in RULES)
-
-
-def _choices(rule: Rule) -> tuple[str, ...]:
-    return ("yes", "no") if rule["kind"] == FLAG else rule["choices"] or ()
+    rules = {name: RULES[name] for name in sentence.settings if name in RULES}
+    return tuple(_Question(n, rule, ("yes", "no") if rule["kind"] == FLAG else rule["choices"] or others) for n, rule in rules.items())
 
 
 def answer(name: str, text: str) -> Any:
@@ -163,13 +159,6 @@ def answer(name: str, text: str) -> Any:
     value: Any = text
     if not text:
         return rule["default"]
-    if rule["kind"] == FLAG:
-        return text == "yes"
-    if rule["kind"] == WORDS:
-        value = [word.strip() for word in text.split(",") if word.strip()]
     with contextlib.suppress(ValueError):  # a text is none of these numbers, and is refused
-        if rule["kind"] == NUMBERS:
-            value = [float(word) for word in text.replace(",", " ").split()]
-        elif rule["kind"] == NUMBER:
-            value = float(text)
+        value = _PARSERS.get(rule["kind"], str)(text)
     return checked(name, value, rule)

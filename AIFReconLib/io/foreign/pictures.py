@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
 
 from ...arrays import Numbers
-from ...errors import FileFormatError
-from ..disk.regular_files import file_stamp
-from ..sequence.decoded_images import DecodedImages, decoding, library
+from ..sequence.decoded_images import DecodedImages, library
 from ..sequence.file_images import MAXIMUM_FRAMES
-from .images import ImportedImages, describe_stack
-from .tiff import ORIENTATION, is_tiff, tiff_frames
+from .images import ImportedImages
+from .tiff import ORIENTATION, is_tiff, readable, tiff_frames
 
 _FORMATS = ("PNG", "JPEG", "BMP", "MPO")
 """Pillow's names. It goes by the content, whatever the suffix, and would start Ghostscript for PostScript."""
@@ -28,29 +25,20 @@ def open_pictures(files: list[Path]) -> ImportedImages:
 
     Raises FileFormatError when a file is no picture.
     """
-    opened = {path: file_stamp(path) for path in files}
     readers = {path: tiff_frames(path) if is_tiff(path) else _picture_frames(path) for path in files}
     pages = [(path, page) for path in files for page in range(readers[path][0])]
     several = len(pages) > len(files)
 
     def decode(number: int) -> Numbers:
         path, page = pages[number]
-        pixels = readers[path][1](page)
-        # Asked afterwards: it may have changed before or meanwhile
-        if file_stamp(path) != opened[path]:
-            raise FileFormatError(f"{path}: the file has changed since it was opened. Import it again.")
-        return pixels
+        return readers[path][1](page)
 
-    def where(number: int) -> str:
-        path, page = pages[number]
-        return f"{path}, page {page}" if several else str(path)
-
-    stack = DecodedImages(len(pages), decode, where)
+    stack = DecodedImages(len(pages), decode, lambda number: ", page ".join(map(str, pages[number][: 1 + several])))
     kinds = "/".join(sorted({path.suffix[1:].upper() for path in files}))
     what = f"{kinds} {'pages' if several else 'pictures'}"
     names = None if several else tuple(path.name for path, _ in pages)
     notes = dict.fromkeys(note for _, _, notes in readers.values() for note in notes)
-    return ImportedImages(stack, ", ".join([describe_stack(len(pages), what, stack.shape[1:], stack.dtype), *notes]), names)
+    return ImportedImages(stack, what, names, notes=tuple(notes))
 
 
 def _picture_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, ...]]:
@@ -59,19 +47,15 @@ def _picture_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[st
 
     def read(page: int) -> Numbers:
         # From a file object, not a path: Pillow maps some files into memory, and one that is cut while mapped ends the program
-        with _readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
+        with readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
             picture.seek(page)
             shown = turns.exif_transpose(picture)
             if shown.mode == "1":
                 return np.asarray(shown.convert("L"))
             return np.asarray(shown if shown.mode in _AS_THEY_ARE else shown.convert("RGB"))
 
-    with _readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
+    with readable(path), open(path, "rb") as file, pictures.open(file, formats=_FORMATS) as picture:
         # One more is refused as any recording of so many frames is
         count = min(int(getattr(picture, "n_frames", 1)), MAXIMUM_FRAMES + 1)
         turned = picture.getexif().get(ORIENTATION, 1) in range(2, 9)
     return count, read, ("turned as they say",) if turned else ()
-
-
-def _readable(path: Path) -> AbstractContextManager[None]:
-    return decoding(f"{path}: it cannot be read as a picture", "Export it again.")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from itertools import islice
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -44,38 +45,25 @@ def tiff_frames(path: Path) -> tuple[int, Callable[[int], Numbers], tuple[str, .
     logging.getLogger("tifffile").addHandler(logging.NullHandler())
 
     def read(number: int) -> Numbers:
-        with _readable(path), open(path, "rb") as file:
+        with readable(path), open(path, "rb") as file:
             tiff = tifffile.TiffFile(file)
             tiff.filehandle.seek(places[number])
             page = tifffile.TiffPage(tiff, 0)
             return _as_shown(tifffile, path, page, page.asarray(squeeze=True, maxworkers=1))
 
-    with _readable(path), open(path, "rb") as file:
+    with readable(path), open(path, "rb") as file:
         tiff = tifffile.TiffFile(file)
-        first, found = tiff.pages[0], dict[int, None]()
-        for page in tiff.pages:
-            if page.offset in found:
-                raise FileFormatError(f"{path}: its pages follow each other in a circle. Export it again.")
-            found[page.offset] = None
-        places = list(found)
+        first, places = tiff.pages[0], [page.offset for page in islice(tiff.pages, MAXIMUM_FRAMES + 1)]
         turned = first.tags.valueof(ORIENTATION, default=1) != 1
         white = first.photometric == tifffile.PHOTOMETRIC.MINISWHITE
         notes = ("turned as they say",) * turned + ("white was zero",) * white
-        count = _frames_of_imagej(path, tiff.imagej_metadata or {})
-        if len(found) > 1 or count <= 1:
-            return len(found), read, notes
+        channels, count = (int(str((tiff.imagej_metadata or {}).get(key, 1))) for key in ("channels", "images"))
+        # Of channels alone, without slices or frames, each is a frame: tifffile writes stacks so
+        if 1 < channels < count:
+            raise FileFormatError(f"{path}: ImageJ says that its frames have {channels} channels each. Convert them to gray levels or RGB.")
+        if len(places) > 1 or count <= 1:
+            return len(places), read, notes
         return count, _stack_of_imagej(tifffile, path, first, count), notes
-
-
-def _frames_of_imagej(path: Path, description: dict[str, object]) -> int:
-    channels, slices, frames, images = (int(str(description.get(key, 1))) for key in ("channels", "slices", "frames", "images"))
-    # Of channels alone, without slices or frames, each is a frame: tifffile writes stacks so
-    if channels > 1 and slices * frames > 1:
-        raise FileFormatError(f"{path}: ImageJ says that its frames have {channels} channels each. Convert them to gray levels or RGB.")
-    count = max(images, channels * slices * frames)
-    if not 0 <= count <= MAXIMUM_FRAMES:
-        raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames; they must be at most {MAXIMUM_FRAMES}. Save it again.")
-    return count
 
 
 def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: int) -> Callable[[int], Numbers]:
@@ -89,7 +77,7 @@ def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: in
     stored = frames_in_place(path, tuple(page.shape), dtype, page.dataoffsets[0])
 
     def read(number: int) -> Numbers:
-        with _readable(path):
+        with readable(path):
             return _as_shown(tifffile, path, page, stored(number))
 
     return read
@@ -114,12 +102,12 @@ def _as_shown(tifffile: ModuleType, path: Path, page: TiffPage, pixels: Numbers)
 def _gray(path: Path, pixels: Numbers, bits: int, white_is_zero: bool) -> Numbers:
     if white_is_zero and pixels.dtype.kind not in "biu":
         raise FileFormatError(f"{path}: it says that white is zero, which {pixels.dtype} does not tell. Export it with black as zero.")
-    if pixels.dtype.kind == "u":
-        largest = 2**bits - 1
-        pixels = (largest - pixels).astype(pixels.dtype) if white_is_zero else pixels
-        return np.multiply(pixels, 255 // largest, dtype=pixels.dtype) if bits < 8 else pixels
-    return np.invert(pixels) if white_is_zero else pixels
+    largest = 2**bits - 1
+    if white_is_zero:
+        pixels = (largest - pixels).astype(pixels.dtype) if pixels.dtype.kind == "u" else np.invert(pixels)
+    return np.multiply(pixels, 255 // largest, dtype=pixels.dtype) if bits < 8 and pixels.dtype.kind == "u" else pixels
 
 
-def _readable(path: Path) -> AbstractContextManager[None]:
-    return decoding(f"{path}: it cannot be read as a picture", "Export it again without compression.")
+def readable(path: Path) -> AbstractContextManager[None]:
+    """Errors within are those of a picture."""
+    return decoding(f"{path}: it cannot be read as a picture", "Export it again, without compression.")

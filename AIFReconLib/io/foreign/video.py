@@ -13,10 +13,9 @@ from typing import IO, cast
 import numpy as np
 
 from ...arrays import Bytes, Floats
-from ...errors import FileFormatError
 from ...message import one_line
 from ..sequence.decoded_images import DecodedImages, decoding, library
-from .images import ImportedImages, describe_stack
+from .images import ImportedImages
 
 _ONLY_THIS_FILE = ("-protocol_whitelist", "file", "-format_whitelist", "mov,mp4,avi,matroska,webm,asf")
 """ffmpeg goes by the content, whatever the suffix: without this, a list of other files or addresses would be followed."""
@@ -35,14 +34,12 @@ def open_video(path: Path) -> ImportedImages:
     Reading in order decodes each frame once; going back starts over. Videos are compressed with loss: gray levels are near those that
     the scanner showed, not equal to them.
     """
-    try:
+    with decoding(f"{path}: there is no ffmpeg program", "Install it: pip install imageio-ffmpeg."):
         program = library("imageio_ffmpeg", "Videos").get_ffmpeg_exe()
-    except RuntimeError as error:
-        raise FileFormatError(f"{path}: there is no ffmpeg program ({error}). Install it: pip install imageio-ffmpeg.") from None
     video = _Video(program, path)
     times = video.open()
     stack = DecodedImages(len(times), video.frame, lambda n: f"{path}, frame {n}")
-    return ImportedImages(stack, describe_stack(len(times), "video frames", stack.shape[1:], stack.dtype), times=times)
+    return ImportedImages(stack, "video frames", times=times)
 
 
 class _Video:

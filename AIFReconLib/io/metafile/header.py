@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from ...arrays import NumberType
 from ...errors import FileFormatError
 from ...message import shorten
+
+FORMATS: dict[str, Any] = json.loads(Path(__file__).with_name("formats.json").read_text("utf-8"))
+"""Types, keys and the header of a sequence, as each format spells them."""
 
 RAW = "raw"
 COMPRESSED = "compressed"
@@ -73,9 +77,7 @@ class Format:
 def parse_count(lines: HeaderLines, key: str, text: str, lowest: int, highest: int) -> int:
     """One whole number within limits."""
     if not re.fullmatch(r"[0-9]{1,18}", text) or not lowest <= int(text) <= highest:
-        raise lines.failure(
-            f"{key} must be a whole number from {lowest} to {highest}; got {shorten(text)!r}. Such files are not supported."
-        )
+        raise lines.failure(f"{key} must be a whole number from {lowest} to {highest}; got {shorten(text)!r}.")
     return int(text)
 
 
@@ -89,6 +91,4 @@ def require(lines: HeaderLines, entries: Mapping[str, str], key: str) -> str:
 def store(lines: HeaderLines, entries: dict[str, str], key: str, value: str) -> None:
     """Add an entry; two different values under one key leave it open which of them holds."""
     if entries.setdefault(key, value) != value:
-        raise lines.failure(
-            f"{key} is given twice, as {shorten(entries[key])!r} and as {shorten(value)!r}. Remove one of the two lines from the header."
-        )
+        raise lines.failure(f"{key} is given twice, as {shorten(entries[key])!r} and as {shorten(value)!r}. Remove one of the two lines.")

@@ -7,34 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import OutputError
-from .header import COMPRESSED, RAW, Format, HeaderLines, Pixels, parse_count, require, store
+from .header import COMPRESSED, FORMATS, RAW, Format, HeaderLines, Pixels, parse_count, require, store
 
-ELEMENT_TYPES = {
-    "MET_CHAR": "i1",
-    "MET_UCHAR": "u1",
-    "MET_SHORT": "i2",
-    "MET_USHORT": "u2",
-    "MET_INT": "i4",
-    "MET_UINT": "u4",
-    "MET_LONG": "i4",
-    "MET_ULONG": "u4",
-    "MET_LONG_LONG": "i8",
-    "MET_ULONG_LONG": "u8",
-    "MET_FLOAT": "f4",
-    "MET_DOUBLE": "f8",
-}
+ELEMENT_TYPES = FORMATS["metaimage"]["types"]
 """MetaIO keeps MET_LONG at 4 bytes on every system."""
 
-_FORMAT_KEYS = """
-ObjectType ObjectSubType NDims AnatomicalOrientation BinaryData BinaryDataByteOrderMSB ElementByteOrderMSB CenterOfRotation
-CompressedData CompressedDataSize CompressionLevel DimSize Kinds HeaderSize ElementNumberOfChannels ElementSpacing ElementSize
-ElementType ElementMin ElementMax Offset Position Origin TransformMatrix Rotation Orientation ElementDataFile
-"""
-FORMAT_KEYS = frozenset(_FORMAT_KEYS.split())
+FORMAT_KEYS = frozenset(FORMATS["metaimage"]["keys"].split())
 """Keys that the format defines. They describe the pixels and are written anew with them; every other key is a field."""
 
 LAST_KEY = "ElementDataFile"
-_SWITCH = {**dict.fromkeys(("true", "t", "1"), True), **dict.fromkeys(("false", "f", "0"), False)}
 
 
 def check_pair_name(path: Path) -> None:
@@ -43,9 +24,7 @@ def check_pair_name(path: Path) -> None:
     Raises OutputError otherwise.
     """
     if "%" in path.name:
-        raise OutputError(
-            f"Cannot write {path}: a data file with a percent sign in its name would be read as a pattern of names. Choose another name."
-        )
+        raise OutputError(f"Cannot write {path}: a percent sign would be read as a pattern of names. Choose another name.")
 
 
 def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
@@ -69,9 +48,7 @@ def _pixels(lines: HeaderLines, entries: dict[str, str]) -> Pixels:
         raise lines.failure("BinaryData must be True: ASCII data are not supported. Write the file again as binary.")
     element_type = require(lines, entries, "ElementType")
     if element_type not in ELEMENT_TYPES:
-        raise lines.failure(
-            f"ElementType must be one of {', '.join(ELEMENT_TYPES)}; got {element_type!r}. Convert the file to one of them."
-        )
+        raise lines.failure(f"ElementType must be one of {', '.join(ELEMENT_TYPES)}; got {element_type!r}. Convert the file.")
     byte_order_key = "ElementByteOrderMSB" if "ElementByteOrderMSB" in entries else "BinaryDataByteOrderMSB"
     byte_order = ">" if _is_true(lines, entries, byte_order_key) else "<"
     compressed = _is_true(lines, entries, "CompressedData")
@@ -83,9 +60,9 @@ def _pixels(lines: HeaderLines, entries: dict[str, str]) -> Pixels:
 
 def _is_true(lines: HeaderLines, entries: dict[str, str], key: str, default: bool = False) -> bool:
     text = entries.get(key) or str(default)
-    if text.lower() not in _SWITCH:
+    if text.lower() not in ("true", "t", "1", "false", "f", "0"):
         raise lines.failure(f"{key} must be True or False; got {text!r}. Correct the header.")
-    return _SWITCH[text.lower()]
+    return text.lower() in ("true", "t", "1")
 
 
 METAIMAGE = Format((".mha", ".mhd"), "NDims", "DimSize", "Kinds", LAST_KEY, "HeaderSize", 4, _read, _pixels)

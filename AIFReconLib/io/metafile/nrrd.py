@@ -6,31 +6,14 @@ import re
 
 import numpy as np
 
-from .header import COMPRESSED, RAW, Format, HeaderLines, Pixels, parse_count, require, store
+from .header import COMPRESSED, FORMATS, RAW, Format, HeaderLines, Pixels, parse_count, require, store
 
-_TYPE_NAMES = {
-    "i1": "int8, int8_t, signed char",
-    "u1": "uint8, uint8_t, uchar, unsigned char",
-    "i2": "int16, int16_t, short, short int, signed short, signed short int",
-    "u2": "uint16, uint16_t, ushort, unsigned short, unsigned short int",
-    "i4": "int32, int32_t, int, signed int",
-    "u4": "uint32, uint32_t, uint, unsigned int",
-    "i8": "int64, int64_t, longlong, long long, long long int, signed long long, signed long long int",
-    "u8": "uint64, uint64_t, ulonglong, unsigned long long, unsigned long long int",
-    "f4": "float",
-    "f8": "double",
-}
-TYPES = {name: code for code, names in _TYPE_NAMES.items() for name in names.split(", ")}
+TYPES = {name: code for code, names in FORMATS["nrrd"]["types"].items() for name in names.split(", ")}
 """Every spelling of a pixel type in the NRRD definition."""
 
 ENCODINGS = {"raw": RAW, "gzip": COMPRESSED, "gz": COMPRESSED}
 
-_FORMAT_FIELDS = """
-dimension, type, encoding, endian, sizes, kinds, block size, content, min, max, old min, old max, data file, line skip, byte skip, number,
-spacings, thicknesses, axis mins, axis maxs, centers, centerings, labels, units, sample units, space, space dimension, space units,
-space origin, space directions, measurement frame
-"""
-SPELLINGS = {spelled: name for name in _FORMAT_FIELDS.replace("\n", " ").strip().split(", ") for spelled in (name, name.replace(" ", ""))}
+SPELLINGS = {spelled: name for name in FORMATS["nrrd"]["fields"].split(", ") for spelled in (name, name.replace(" ", ""))}
 """Fields that the format defines, which may also be written as one word; every other ``name: value`` is somebody's own, as Plus writes."""
 
 _WRITTEN_TWICE = ("ultrasound image orientation", "ultrasound image type")
@@ -40,11 +23,6 @@ _WRITTEN_TWICE = ("ultrasound image orientation", "ultrasound image type")
 def unescape(text: str) -> str:
     r"""Key or value as meant: NRRD writes a line feed as ``\n`` and a backslash as ``\\``."""
     return re.sub(r"\\([n\\])", lambda match: "\n" if match[1] == "n" else "\\", text)
-
-
-def escape(text: str) -> str:
-    r"""Key or value as written. Only the backslash needs it here; line feeds are refused before."""
-    return text.replace("\\", "\\\\")
 
 
 def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
@@ -86,8 +64,7 @@ def _pixels(lines: HeaderLines, entries: dict[str, str]) -> Pixels:
         raise lines.failure(f"endian must be little or big; got {endian!r}. Correct the header.")
     encoding = require(lines, entries, "encoding").lower()
     if encoding not in ENCODINGS:
-        reason = "ASCII data are not supported" if encoding in ("ascii", "txt", "text") else "no other encoding is supported"
-        raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}: {reason}. Write the file again with one of these.")
+        raise lines.failure(f"encoding must be raw or gzip; got {encoding!r}. Write the file again with one of these.")
     parse_count(lines, "line skip", entries.get("line skip", "0"), 0, 0)
     return np.dtype(("<" if endian == "little" else ">") + code), ENCODINGS[encoding], 1, None
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from ...errors import FileFormatError
 from ...message import shorten
 from ...remedies import TRANSFORM_SEQUENCES
-from ..disk.regular_files import file_stamp, require_regular_file, stamp
+from ..disk.regular_files import file_stamp, reading, stamp
 from .header import RAW, Format, HeaderLines, parse_count, require
 from .metafile import UNFINISHED, Metafile
 from .metaimage import METAIMAGE
@@ -26,9 +26,7 @@ METAIMAGE_SUFFIXES, NRRD_SUFFIXES = METAIMAGE.suffixes, NRRD.suffixes
 _TO_THE_END = "-1"
 """How both formats say that the pixels are the last bytes of a file, whatever comes before."""
 
-_CHANNEL_KINDS = frozenset(
-    ["vector", "rgb-color", "rgba-color", "hsv-color", "xyz-color", "2-vector", "3-vector", "4-vector", "3-color", "4-color"]
-)
+_CHANNEL_KINDS = re.compile("([234]-)?vector|(rgba?|hsv|xyz|3|4)-color")
 """Kinds that make the first axis the channels of a pixel."""
 
 
@@ -40,12 +38,8 @@ def format_of(path: Path) -> Format:
 @contextlib.contextmanager
 def opened_header(path: Path, error: type[FileFormatError]) -> Iterator[HeaderLines]:
     """The lines of a file's header, as long as the block runs; an OSError of the block becomes `error`."""
-    require_regular_file(path, error)
-    try:
-        with open(path, "rb") as file:
-            yield HeaderLines(file, path, error)
-    except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+    with reading(error, path), open(path, "rb") as file:
+        yield HeaderLines(file, path, error)
 
 
 def read_metafile(path: str | Path, error: type[FileFormatError]) -> Metafile:
@@ -84,38 +78,22 @@ def _understood(lines: HeaderLines, form: Format) -> Metafile:
     dtype, encoding, channels, stored_length = form.pixels(lines, entries)
     kinds = tuple(entries.get(form.kinds, "").lower().split())
     if kinds and len(kinds) != dimensions:
-        raise lines.failure(
-            f"{form.kinds} must have {dimensions} words, one for each dimension; got {entries[form.kinds]!r}. Correct the header."
-        )
-    if kinds and kinds[0] in _CHANNEL_KINDS:
+        raise lines.failure(f"{form.kinds} must have {dimensions} words, one for each dimension; got {entries[form.kinds]!r}.")
+    if kinds and _CHANNEL_KINDS.fullmatch(kinds[0]):
         channels, size, kinds = size[0], size[1:], kinds[1:]
     data_path = _data_path(lines, form.data_file, entries.get(form.data_file, "LOCAL"))
     skip, may_skip = entries.get(form.skip) or "0", data_path != lines.path and encoding == RAW
     if skip != "0" and not may_skip:
-        raise lines.failure(
-            f"{form.skip} must be 0 where pixels are compressed or follow the header; got {shorten(skip)!r}. Write the file again."
-        )
+        raise lines.failure(f"{form.skip} must be 0 where pixels are compressed or follow the header; got {shorten(skip)!r}.")
     status = data_path.stat()
     offset = lines.file.tell() if data_path == lines.path else 0
     if skip == _TO_THE_END:
         offset = max(status.st_size - math.prod(size) * channels * dtype.itemsize, 0)
     elif may_skip:
         offset = parse_count(lines, form.skip, skip, 0, 2**62)
-    metafile = Metafile(
-        lines.path,
-        lines.error,
-        size,
-        channels,
-        dtype,
-        kinds if not {"???", "none"} & set(kinds) else (),
-        encoding,
-        data_path,
-        offset,
-        max(status.st_size - offset, 0),
-        fields,
-        stamp(status),
-        entries,
-    )
+    pixels = size, channels, dtype, kinds if not {"???", "none"} & set(kinds) else (), encoding
+    place = data_path, offset, max(status.st_size - offset, 0)
+    metafile = Metafile(lines.path, lines.error, *pixels, *place, fields, stamp(status), entries)
     _check_length(metafile, form.size, stored_length)
     return metafile
 
@@ -127,11 +105,8 @@ def _sizes(lines: HeaderLines, key: str, text: str, count: int) -> tuple[int, ..
         raise lines.failure(f"{key} must be {count} whole numbers; got {shorten(text)!r}. The header is damaged.")
     sizes = tuple(int(word) for word in words)
     if min(sizes) < 1:
-        raise lines.failure(
-            f"{key} must be positive; got {text!r}. The file holds no image: record or export it again; or it is Slicer's sequence "
-            "of a transform, which goes with the images.",
-            TRANSFORM_SEQUENCES,
-        )
+        told = "The file holds no image: export it again; or it is Slicer's sequence of a transform, which goes with the images."
+        raise lines.failure(f"{key} must be positive; got {text!r}. {told}", TRANSFORM_SEQUENCES)
     return sizes
 
 
@@ -143,9 +118,7 @@ def _data_path(lines: HeaderLines, key: str, text: str) -> Path:
         raise lines.failure(f"{key} must be one file; got {text!r}. Lists of files are not supported: write it again as one file.")
     name = text.removeprefix("./")
     if not name or name in (".", "..") or re.search(r"[/\\:\0]", name):
-        raise lines.failure(
-            f"its data file must lie beside it and be given by its bare name; got {shorten(name)!r}. Move it there and correct the header."
-        )
+        raise lines.failure(f"its data file must lie beside it and be given by its bare name; got {shorten(name)!r}. Move it there.")
     if not (lines.path.parent / name).is_file():
         raise lines.failure(f"data file {name} is missing. Put it beside the header.")
     return lines.path.parent / name
@@ -155,18 +128,11 @@ def _check_length(metafile: Metafile, size_key: str, stored_length: int | None) 
     """Compare the length of the payload with what the header promises."""
     there, needed = metafile.data_length, metafile.pixel_bytes
     size = f"{size_key} {' '.join(str(n) for n in metafile.size)} needs {needed} bytes"
-    if metafile.encoding == RAW:
-        if there < needed:
-            complete = there // (needed // metafile.size[-1])
-            raise metafile.failure(
-                f"the pixel data are cut short: {size}, there are {there} ({complete} of {metafile.size[-1]} frames or slices). Copy the "
-                f"file again, or correct {size_key}."
-            )
-        if there > needed and UNFINISHED not in metafile.fields:
-            raise metafile.failure(f"{size}, there are {there - needed} bytes more. Correct {size_key}, or write the file again.")
-    elif stored_length is not None and there != stored_length:
-        what = "are cut short" if there < stored_length else "go on behind their end"
-        raise metafile.failure(
-            f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy the file again, or write it "
-            "again."
-        )
+    if metafile.encoding == RAW and there < needed:
+        whole = f"{there // (needed // metafile.size[-1])} of {metafile.size[-1]} frames or slices"
+        raise metafile.failure(f"the pixel data are cut short: {size}, there are {there} ({whole}). Copy the file again.")
+    if metafile.encoding == RAW and there > needed and UNFINISHED not in metafile.fields:
+        raise metafile.failure(f"{size}, there are {there - needed} bytes more. Correct {size_key}, or write the file again.")
+    if metafile.encoding != RAW and stored_length not in (None, there):
+        what = "are cut short" if there < (stored_length or 0) else "go on behind their end"
+        raise metafile.failure(f"the pixel data {what}: CompressedDataSize is {stored_length} bytes, there are {there}. Copy it again.")

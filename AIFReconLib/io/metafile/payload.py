@@ -59,12 +59,10 @@ class PayloadStream:
         """
         if self._decoder is None:
             return
-        if self._decode(file, 1):
-            raise PayloadError("go on behind the last frame or slice: the size in the header is wrong")
+        if self._decode(file, 1) or self._decoder.unused_data or (self._decoder.eof and self._next < self._stop):
+            raise PayloadError("go on behind the last frame or slice")
         if not self._decoder.eof:
             raise PayloadError("are cut short")
-        if self._decoder.unused_data or self._next < self._stop:
-            raise PayloadError("are followed by bytes that do not belong to them")
 
     def _decode(self, file: BinaryIO, limit: int) -> bytes:
         """Up to `limit` decoded bytes; none only at the end of the stream or of the file."""

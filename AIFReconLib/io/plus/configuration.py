@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
+from itertools import chain
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from ...errors import ConfigurationError, GeometryError
+from ...errors import ConfigurationError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capitalized
 from ...geometry.transforms import as_matrix
 from ...imaging.beams import LINEAR, SECTOR, ProbeGeometry
@@ -42,8 +44,7 @@ def read_plus_configuration(path: str | Path) -> PlusConfiguration:
     warnings = (*configuration.warnings, *told)
     simulated = any(devices.get("Name") == SIMULATION for devices in root.iter("DeviceSet"))
     configuration = replace(configuration, path=path, transforms=transforms, rough=rough, simulated=simulated, warnings=warnings)
-    conversion = root.find("ScanConversion")
-    conversion = next(root.iter("ScanConversion"), None) if conversion is None else conversion
+    conversion = next(chain(root.findall("ScanConversion"), root.iter("ScanConversion")), None)
     if conversion is not None:
         pixel, probe, region = _read_scan_conversion(Attributes(path, conversion, "ScanConversion"))
         configuration = replace(configuration, probe=probe, scan_region=region, scan_pixel=pixel)
@@ -64,13 +65,8 @@ def _read_transforms(path: Path, root: Element) -> tuple[dict[TransformName, Tra
             if other in transforms:
                 raise attributes.failure("To", f"states the relation that {other} states already. Remove one of the two.")
         status = TransformStatus.parse(attributes.text("Status") or "OK")
-        if status is TransformStatus.OK:
-            try:
-                matrix = as_matrix(attributes.numbers(16, "Matrix", required=True), f"transform {name}")
-            except GeometryError as error:
-                raise attributes.failure("Matrix", f"cannot be used. {error} Repeat the calibration, or correct it.") from error
-        else:
-            matrix = np.full((4, 4), np.nan)
+        numbers = attributes.numbers(16, "Matrix", required=True) if status is TransformStatus.OK else ()
+        matrix = attributes.build("Matrix", partial(as_matrix, numbers, f"transform {name}")) if numbers else np.full((4, 4), np.nan)
         transforms[name] = TransformSample(matrix, status)
         if attributes.number("Error", default=0.0) > ROUGH:
             rough.append(name)
@@ -79,11 +75,9 @@ def _read_transforms(path: Path, root: Element) -> tuple[dict[TransformName, Tra
 
 def _find_reconstruction(root: Element) -> Element | None:
     """The VolumeReconstruction element: under the root, else under a device that reconstructs volumes."""
-    element = root.find("VolumeReconstruction")
-    if element is not None:
-        return element
     devices = (device for device in root.iter("Device") if device.get("Type") == "VirtualVolumeReconstructor")
-    return next((element for device in devices for element in device.iter("VolumeReconstruction")), None)
+    inside = (element for device in devices for element in device.iter("VolumeReconstruction"))
+    return next(chain(root.findall("VolumeReconstruction"), inside), None)
 
 
 def _read_scan_conversion(attributes: Attributes) -> tuple[tuple[float, float], ProbeGeometry, ImageRegion | None]:

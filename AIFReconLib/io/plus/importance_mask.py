@@ -56,8 +56,6 @@ def configured_importance(configuration: PlusConfiguration) -> Singles | None:
     if not configuration.uses_importance_mask:
         return None
     if configuration.importance_mask is None:
-        place = "VolumeReconstruction@ImportanceMaskFilename"
-        raise ConfigurationError(
-            f"{configuration.path}: {place} is missing, and CompoundingMode=IMPORTANCE_MASK needs it. Add it, or give an importance mask."
-        )
+        missing = "VolumeReconstruction@ImportanceMaskFilename is missing, and CompoundingMode=IMPORTANCE_MASK needs it"
+        raise ConfigurationError(f"{configuration.path}: {missing}. Add it, or give an importance mask.")
     return read_importance_mask(configuration.importance_mask)

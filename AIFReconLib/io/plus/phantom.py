@@ -29,10 +29,8 @@ def read_wire_phantom(path: str | Path) -> dict[str, Floats]:
     geometry = parse_xml(path).find("PhantomDefinition/Geometry")
     patterns = [] if geometry is None else [each for each in geometry.iterfind("Pattern") if each.get("Type", "").upper() == "NWIRE"]
     if len(patterns) < FEWEST:
-        raise ConfigurationError(
-            f"{path}: a phantom needs {FEWEST} patterns of Type NWire in PhantomDefinition/Geometry; it has {len(patterns)}. Give the Plus "
-            "configuration of your phantom, in the form of Plus 2.2 or later."
-        )
+        needs = f"a phantom needs {FEWEST} patterns of Type NWire in PhantomDefinition/Geometry; it has {len(patterns)}"
+        raise ConfigurationError(f"{path}: {needs}. Give the configuration of your phantom, in the form of Plus 2.2 or later.")
     wires: dict[str, Floats] = {}
     for number, pattern in enumerate(patterns, start=1):
         elements = pattern.findall("Wire")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,6 +26,10 @@ _CUBES = {
     "DISTANCE_WEIGHT_INVERSE": INVERSE_DISTANCE,
 }
 _DEFAULT_FAN_RADIUS_STOP = 500.0
+_IN_VAIN: dict[str, str] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
+"""What is said of attributes that are not carried out, or have no effect beside others."""
+
+_UNKNOWN = "has no effect: VolumeReconstruction has no such attribute. Check how it is spelled"
 
 
 def read_reconstruction(path: Path, element: Element) -> PlusConfiguration:
@@ -76,9 +81,8 @@ def _read_extent(attributes: Attributes) -> tuple[int, int, int, int, int, int] 
 def _read_clip(attributes: Attributes) -> ClipRectangle | None:
     size = attributes.numbers(2, "ClipRectangleSize") or (0.0, 0.0)
     origin = attributes.numbers(2, "ClipRectangleOrigin") or (0.0, 0.0)
-    if min(size) <= 0:  # as in IGSIO, which calls -1 no clipping
-        return None
-    return attributes.build("ClipRectangleSize", lambda: ClipRectangle(origin, size))
+    # As in IGSIO, which calls -1 no clipping
+    return attributes.build("ClipRectangleSize", lambda: ClipRectangle(origin, size)) if min(size) > 0 else None
 
 
 def _read_fan(attributes: Attributes) -> Fan | None:
@@ -101,12 +105,9 @@ def _read_method(attributes: Attributes) -> str | None:
     """CompoundingMode, else what the older Calculation and Compounding mean, in Plus's order of precedence."""
     mode = attributes.word("CompoundingMode", _METHODS)
     calculation = attributes.word("Calculation", ("WEIGHTED_AVERAGE", "MAXIMUM"))
-    compounding = attributes.switch("Compounding")
-    if calculation == "MAXIMUM":
-        mode = mode or calculation
-    if attributes.text("Compounding"):
-        mode = mode or ("MEAN" if compounding else "LATEST")
-    return _METHODS.get(mode or (calculation and "MEAN"))
+    means = "MEAN" if attributes.switch("Compounding") else "LATEST"
+    older = "MAXIMUM" if calculation == "MAXIMUM" else means if attributes.text("Compounding") else calculation and "MEAN"
+    return _METHODS.get(mode or older)
 
 
 def _read_importance_mask(path: Path, attributes: Attributes) -> Path | None:
@@ -116,9 +117,7 @@ def _read_importance_mask(path: Path, attributes: Attributes) -> Path | None:
     if not name or attributes.word("CompoundingMode", _METHODS) != _IMPORTANCE_MASK:
         return None
     if name.startswith("//") or "://" in name:
-        raise attributes.failure(
-            "ImportanceMaskFilename", f"must be a file of this computer; got {name!r}. Copy it beside the configuration."
-        )
+        raise attributes.failure("ImportanceMaskFilename", f"must be a file of this computer; got {name!r}. Copy it here.")
     return path.parent / name
 
 
@@ -144,21 +143,14 @@ def _read_holes(path: Path, attributes: Attributes) -> tuple[HoleFilling, ...]:
 def _not_honored(attributes: Attributes, configuration: PlusConfiguration) -> tuple[str, ...]:
     """A sentence for each request that is not carried out, or that is but has no effect."""
     text, detects = attributes.text, attributes.switch("EnableFanAnglesAutoDetect")
-    problems = {
-        "Optimization": text("Optimization").upper() not in ("NONE", "FULL")
-        and "has no effect: voxels are those of NONE, in double precision",
-        "SkipInterval": attributes.number("SkipInterval", default=1) < 1 and "means 1, every frame: it must be at least that",
-        "RecomputeOutputSpacing": configuration.fits_spacing
-        and configuration.extent is not None
-        and "has no effect with OutputExtent, which gives the box in voxels",
-        "ImportanceMaskFilename": not configuration.uses_importance_mask
-        and "has no effect without CompoundingMode=IMPORTANCE_MASK: all pixels count alike",
-        "EnableFanAnglesAutoDetect": detects
-        and configuration.region.fan is None
-        and "has no effect without FanAnglesDeg, the widest angles to look within",
-        "FillHoles": attributes.switch("FillHoles") and not configuration.holes and "is not honored: it has no HoleFillingElement",
-        "OutputOrigin": configuration.extent is None and "is not honored without OutputExtent: the volume is the box around the sweep",
+    in_vain = {
+        "Optimization": text("Optimization").upper() not in ("NONE", "FULL"),
+        "SkipInterval": attributes.number("SkipInterval", default=1) < 1,
+        "RecomputeOutputSpacing": configuration.fits_spacing and configuration.extent is not None,
+        "ImportanceMaskFilename": not configuration.uses_importance_mask,
+        "EnableFanAnglesAutoDetect": detects and configuration.region.fan is None,
+        "FillHoles": attributes.switch("FillHoles") and not configuration.holes,
+        "OutputOrigin": configuration.extent is None,
     }
-    unknown = "has no effect: VolumeReconstruction has no such attribute. Check how it is spelled"
-    problems |= {name: unknown for name in attributes.element.attrib if name not in attributes.asked}
-    return tuple(f"{attributes.place}@{name}={text(name)} {problem}." for name, problem in problems.items() if problem and text(name))
+    names = [*(name for name, is_so in in_vain.items() if is_so), *(n for n in attributes.element.attrib if n not in attributes.asked)]
+    return tuple(f"{attributes.place}@{name}={text(name)} {_IN_VAIN.get(name, _UNKNOWN)}." for name in names if text(name))

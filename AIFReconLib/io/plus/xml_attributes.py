@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, TypeVar
 from xml.etree.ElementTree import Element
 
+import numpy as np
+
 from ...errors import AIFReconError, ConfigurationError
 from ...message import shorten
-from ..metafile.text_values import NotANumberError, parse_numbers
+from ..metafile.text_values import NotANumberError, finite_numbers
 
 LARGEST_INTEGER = 2**31 - 1
 """As in Plus."""
@@ -65,19 +66,13 @@ class Attributes:
         name = next(name for name in names if self.element.get(name, "").strip())
         finite = "a finite number" if count == 1 else f"{count} finite numbers"
         try:
-            numbers = parse_numbers(text)
+            numbers = finite_numbers(text, count)
         except NotANumberError as error:
             raise self.failure(name, f"must be {finite}; {error}. Correct it.") from error
-        rules = {
-            finite: len(numbers) == count and all(map(math.isfinite, numbers)),
-            "positive": not positive or all(number > 0 for number in numbers),
-            "whole": not whole or all(number % 1 == 0 for number in numbers),
-            "of 32 bits": not whole or all(abs(number) <= LARGEST_INTEGER for number in numbers),
-        }
-        for rule, is_kept in rules.items():
-            if not is_kept:
-                raise self.failure(name, f"must be {rule}; got {shorten(text)!r}. Correct it.")
-        return tuple(map(int, numbers) if whole else numbers)
+        if (positive and numbers.min() <= 0) or (whole and (numbers % 1).any()) or (whole and np.abs(numbers).max() > LARGEST_INTEGER):
+            rule = " and ".join(["positive"] * positive + ["whole and of 32 bits"] * whole)
+            raise self.failure(name, f"must be {rule}; got {shorten(text)!r}. Correct it.")
+        return tuple(map(int, numbers) if whole else numbers.tolist())
 
     def number(self, *names: str, default: float | None = None, **rules: bool) -> Any:
         """One number by the rules of `numbers`; `default` when the attribute is not there."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import os
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from importlib import import_module
@@ -15,7 +15,6 @@ import numpy as np
 from ...arrays import Numbers, NumberType
 from ...errors import AIFReconError, FileFormatError
 from ...imaging.images import ImagesOnDemand, luminance
-from ..disk.regular_files import file_stamp, stamp
 from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 
 _INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
@@ -40,7 +39,6 @@ class DecodedImages(ImagesOnDemand):
 
     def __init__(self, count: int, decode: Callable[[int], Numbers], where: Callable[[int], str]):
         self._decode, self._where = decode, where
-        self._last: tuple[int, Numbers] | None = None
         self.shape: tuple[int, ...] = (count,)
         self.dtype: NumberType = np.dtype(np.uint8)
         first = self._gray(0)
@@ -51,15 +49,11 @@ class DecodedImages(ImagesOnDemand):
     def _image(self, index: int) -> Numbers:
         image = self._gray(index)
         if image.shape != self.shape[1:] or image.dtype != self.dtype:
-            raise FileFormatError(
-                f"{self._where(index)}: every frame must have {in_pixels(self.shape[1:], self.dtype)} as the first; got "
-                f"{in_pixels(image.shape, image.dtype)}. Export all frames alike."
-            )
+            first, here = in_pixels(self.shape[1:], self.dtype), in_pixels(image.shape, image.dtype)
+            raise FileFormatError(f"{self._where(index)}: every frame must have {first} as the first; got {here}. Export all alike.")
         return image
 
     def _gray(self, index: int) -> Numbers:
-        if self._last is not None and self._last[0] == index:
-            return self._last[1].copy()
         image = np.asarray(self._decode(index))
         if image.ndim == 3 and image.shape[2] in (1, 2):
             image = image[..., 0]  # gray, with transparency or without
@@ -71,9 +65,7 @@ class DecodedImages(ImagesOnDemand):
             image = image.astype(np.uint8) * np.uint8(255)
         if image.dtype.kind not in "iuf" or image.dtype.itemsize > 8 or image.dtype == np.float16:
             raise FileFormatError(f"{self._where(index)}: pixels must be whole numbers or floats; got {image.dtype}. Convert the images.")
-        image = np.array(image, dtype=image.dtype.newbyteorder("="), order="C")
-        self._last = (index, image)
-        return image.copy()
+        return np.array(image, dtype=image.dtype.newbyteorder("="), order="C")
 
 
 def library(name: str, purpose: str) -> ModuleType:
@@ -83,9 +75,8 @@ def library(name: str, purpose: str) -> ModuleType:
     try:
         return import_module(name)
     except ImportError:
-        raise FileFormatError(
-            f"{purpose} cannot be read without the Python package {package}. Install it: pip install {package}."
-        ) from None
+        needs = f"{purpose} cannot be read without the Python package {package}"
+        raise FileFormatError(f"{needs}. Install it: pip install {package}.") from None
 
 
 @contextlib.contextmanager
@@ -114,22 +105,14 @@ def decoding(what: str, advice: str) -> Iterator[None]:
 
 
 def frames_in_place(path: Path, shape: tuple[int, ...], dtype: NumberType, offset: int) -> Callable[[int], Numbers]:
-    """A function that reads frame n from the file, provided that it is still the one that was opened."""
-    frame_bytes = int(np.prod(shape)) * dtype.itemsize
-    opened = file_stamp(path)
+    """A function that reads frame n from the file."""
+    count = math.prod(shape)
 
     def read(number: int) -> Numbers:
         try:
-            with open(path, "rb") as file:
-                same = stamp(os.fstat(file.fileno())) == opened
-                file.seek(offset + number * frame_bytes)
-                data = file.read(frame_bytes)
-                same = same and stamp(os.fstat(file.fileno())) == opened
-        except OSError as error:
-            raise FileFormatError(f"{path}: frame {number} cannot be read ({error.strerror}). Copy the file again.") from error
-        if not same or len(data) != frame_bytes:
-            raise FileFormatError(f"{path}: the file has changed since it was opened. Open it again.")
-        return np.frombuffer(data, dtype).reshape(shape)
+            return np.fromfile(path, dtype, count, offset=offset + number * count * dtype.itemsize).reshape(shape)
+        except (OSError, ValueError) as error:
+            raise FileFormatError(f"{path}: frame {number} cannot be read ({error}). Copy the file again.") from error
 
     return read
 

@@ -17,12 +17,12 @@ import numpy as np
 
 from ...errors import SettingsError, TransformError
 from ...geometry.transform_graph import TransformName, TransformSample, TransformStatus, capital
-from ...message import shorten
+from ...message import listed, shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.header import HeaderLines
 from ..metafile.metafile import Metafile
 from ..metafile.opening import NRRD_SUFFIXES
-from ..metafile.text_values import NotANumberError, format_number, parse_matrix, parse_number, parse_numbers
+from ..metafile.text_values import NotANumberError, finite_numbers, format_number, parse_matrix, parse_numbers
 
 FRAME_KEY = re.compile(r"Seq_Frame([0-9]{1,12})_(.+)", re.DOTALL)
 _TIMES = ("Timestamp", "UnfilteredTimestamp")
@@ -59,25 +59,20 @@ def by_frame(
     per_frame: dict[int, dict[str, str]] = {}
     header: dict[str, str] = {}
     for key, value in fields:
-        match = FRAME_KEY.fullmatch(key)
-        if match is None:
+        if (match := FRAME_KEY.fullmatch(key)) is None:
             header[key] = value
             continue
         number, name = frame_number(header_of, key, match[1], frames), match[2]
-        of_frame = per_frame.setdefault(number, {})
-        if name in of_frame:
+        if per_frame.setdefault(number, {}).setdefault(name, value) != value:
             raise header_of.failure(f"frame {number} has {name} twice, once as {shorten(key)}. Remove one of them from the header.")
-        of_frame[name] = value
     return per_frame, header
 
 
 def frame_number(header_of: Metafile | HeaderLines, key: str, digits: str, frames: int) -> int:
     """The number of a frame that a key names, which must be there."""
     if int(digits) >= frames:
-        raise header_of.failure(
-            f"{shorten(key)} belongs to frame {int(digits)}, but there are only {frames} frames (0 to {frames - 1}). Correct the size "
-            "in the header, or write the file again."
-        )
+        there = f"there are only {frames} frames (0 to {frames - 1})"
+        raise header_of.failure(f"{shorten(key)} belongs to frame {int(digits)}, but {there}. Correct the size in the header.")
     return int(digits)
 
 
@@ -91,19 +86,17 @@ def frame_entries(records: Iterable[FrameRecord], image_status: str = IMAGE_STAT
         for name, value in _transform_entries(record.transforms):
             yield prefix + name, value
         for name, time in zip(_TIMES, (record.timestamp, record.unfiltered_timestamp)):
+            if not math.isfinite(time or 0.0):
+                raise SettingsError(f"Input {name} of frame {number} must be a finite number; got {time!r}.")
             if time is not None:
-                if not math.isfinite(time):
-                    raise SettingsError(f"Input {name} of frame {number} must be a finite number; got {time!r}.")
                 yield prefix + name, format_number(time)
         yield prefix + image_status, record.image_status.value
         for name, value in record.fields.items():
             if name == image_status != IMAGE_STATUS:
                 name = name.lower()  # somebody's own, which must not become the image's; Plus tells the two apart as well
             if not name or name in (*_TIMES, IMAGE_STATUS) or _transform_name(name) is not None:
-                raise SettingsError(
-                    f"Input field {name!r} of frame {number} must have a name, and not that of a time, status or transform. Set those "
-                    "in the record."
-                )
+                must = "must have a name, and not that of a time, status or transform"
+                raise SettingsError(f"Input field {name!r} of frame {number} {must}. Set those in the record.")
             yield prefix + name, value
 
 
@@ -115,9 +108,7 @@ def header_entries(fields: Mapping[str, str], transforms: Mapping[TransformName,
     yield from _transform_entries(transforms)
     for name, value in fields.items():
         if FRAME_KEY.fullmatch(name) or _transform_name(name) is not None:
-            raise SettingsError(
-                f"Input header field {name!r} must not have the name of a transform or of a frame's field. Set it where it belongs."
-            )
+            raise SettingsError(f"Input header field {name!r} must not have the name of a transform or of a frame's field.")
         yield name, value
 
 
@@ -135,16 +126,12 @@ def _record(metafile: Metafile, number: int, fields: dict[str, str], spacing: tu
     transforms, others = samples_in(metafile, f"frame {number}, ", fields, _transform_name)
     times = [parsed_time(metafile, number, name, others.pop(name, None)) for name in _TIMES]
     statuses = [IMAGE_STATUS, IMAGE_STATUS_IN_NRRD] if metafile.path.suffix.lower() in NRRD_SUFFIXES else [IMAGE_STATUS]
-    given = {name: TransformStatus.parse(others.pop(name)) for name in statuses if name in others}
-    if len(set(given.values())) > 1:
-        raise metafile.failure(
-            f"frame {number}, {IMAGE_STATUS} is {given[IMAGE_STATUS].value} and {IMAGE_STATUS_IN_NRRD} is "
-            f"{given[IMAGE_STATUS_IN_NRRD].value}, which are two names of one thing. Remove one of them from the header."
-        )
-    status = next(iter(given.values()), TransformStatus.OK)
+    given = {TransformStatus.parse(others.pop(name)) for name in statuses if name in others} or {TransformStatus.OK}
+    if len(given) > 1:
+        raise metafile.failure(f"frame {number} has {listed(statuses, ' and ')}, two names of one thing, which differ. Remove one of them.")
     microns = others.get("micronsPerPixel", "")
     spacing = stated_spacing(others.get("ElementSpacing")) or stated_spacing(f"{microns} {microns}", 1e-3) or spacing
-    return FrameRecord(times[0], times[1], status, transforms, others, spacing)
+    return FrameRecord(times[0], times[1], given.pop(), transforms, others, spacing)
 
 
 def samples_in(
@@ -168,9 +155,8 @@ def samples_in(
         try:
             matrix = np.full((4, 4), np.nan) if matrix_key is None else parse_matrix(fields[matrix_key])
         except NotANumberError as error:
-            raise header_of.failure(
-                f"{where}{matrix_key} must be 16 numbers; {error}. Correct the header, or set its status to INVALID."
-            ) from error
+            must = f"{where}{matrix_key} must be 16 numbers; {error}"
+            raise header_of.failure(f"{must}. Correct the header, or set its status to INVALID.") from error
         samples[name] = TransformSample(matrix, TransformStatus.OK if status is None else TransformStatus.parse(fields[status]))
     return samples, others
 
@@ -191,26 +177,17 @@ def _transform_name(key: str) -> TransformName | None:
 
 def parsed_time(metafile: Metafile | HeaderLines, number: int, name: str, text: str | None) -> float | None:
     """A finite number of seconds; None where there is none."""
-    if text is None:
-        return None
     try:
-        time = parse_number(text)
-    except ValueError:
-        time = math.nan
-    if not math.isfinite(time):
-        raise metafile.failure(
-            f"frame {number}, {name} must be a number of seconds; got {shorten(text)!r}. Correct the header, or remove the entry."
-        )
-    return time
+        return None if text is None else float(finite_numbers(text, 1)[0])
+    except NotANumberError as error:
+        raise metafile.failure(f"frame {number}, {name} must be a number of seconds; {error}. Correct the header.") from error
 
 
 def _transform_entries(transforms: Mapping[TransformName, TransformSample]) -> Iterator[tuple[str, str]]:
     """Matrix and status of each transform. Without any number and not OK, the status alone, as it may have been read."""
     for name, sample in transforms.items():
         if _transform_name(f"{name}{MATRIX_SUFFIX}") != name:
-            raise SettingsError(
-                f"Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit. Rename its frames."
-            )
+            raise SettingsError(f"Input transform {name} must be named FromToTo, with one 'To' before an upper-case letter or a digit.")
         if sample.status is TransformStatus.OK or not np.isnan(sample.matrix).all():
             numbers = np.asarray(sample.matrix, dtype=np.float64)
             if numbers.shape != (4, 4):

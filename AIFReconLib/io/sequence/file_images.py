@@ -46,10 +46,8 @@ class FileImages(ImagesOnDemand):
     def __init__(self, metafile: Metafile, *, flip_columns: bool = False, flip_rows: bool = False, interleaved: bool = False):
         self.shape = frames, rows, columns = (_interleaved_layout if interleaved else frame_layout)(metafile)
         if frames > MAXIMUM_FRAMES or metafile.pixel_bytes // frames > MAXIMUM_FRAME_BYTES:
-            raise metafile.failure(
-                f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({MAXIMUM_FRAMES} frames, {MAXIMUM_FRAME_BYTES} bytes "
-                "in each). The size in the header is wrong, or the recording must be split."
-            )
+            limits = f"{MAXIMUM_FRAMES} frames, {MAXIMUM_FRAME_BYTES} bytes in each"
+            raise metafile.failure(f"{frames} frames of {columns} x {rows} pixels are beyond the limits ({limits}). Split the recording.")
         if metafile.channels not in (1, 3, 4):
             raise metafile.failure(f"pixels must have 1 channel, or 3 or 4 (color); got {metafile.channels}. Convert the images to gray.")
         self._metafile = replace(metafile, fields={})
@@ -125,16 +123,11 @@ def frame_layout(metafile: Metafile) -> tuple[int, int, int]:
     columns, rows, *others = metafile.size
     kinds = metafile.kinds
     if kinds and not set(kinds[:2]) <= _SPACE_KINDS:
-        raise metafile.failure(
-            f"its axes must be columns, rows and time; got the kinds {' '.join(kinds)}. Export the sequence from Plus or Slicer."
-        )
+        raise metafile.failure(f"its axes must be columns, rows and time; got the kinds {' '.join(kinds)}. Export it from Plus or Slicer.")
     if kinds and kinds[-1] not in _TIME_KINDS:
         others.append(1)  # no time axis: one frame
-    frames = others.pop() if others else 1
-    depth = others[0] if others else 1
-    if depth != 1 or len(others) > 1:
-        raise metafile.failure(
-            f"its images are 3D ({columns} x {rows} x {depth}), which is not supported: frames must be 2D. If this is a recording of "
-            "2D frames, the last of its kinds must be list; if it is a volume, give it as one."
-        )
+    frames, depth = others.pop() if others else 1, math.prod(others)
+    if depth != 1:
+        hint = "If this is a recording of 2D frames, the last of its kinds must be list; if it is a volume, give it as one."
+        raise metafile.failure(f"its images are 3D ({columns} x {rows} x {depth}): frames must be 2D. {hint}")
     return frames, rows, columns

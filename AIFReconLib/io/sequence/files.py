@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
-from ...arrays import Matrix
 from ...errors import SequenceFormatError
 from ...recipe.recipe import LONGEST_GAP
 from ...remedies import IMPORT_IT
 from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
-from ...sweep.frames import FrameRecord, TrackedSequence
+from ...sweep.frames import TrackedSequence
 from ..plus.configuration import read_plus_configuration
 from .kinds import RecordingKind
 from .metafiles import METAFILES
@@ -116,8 +115,12 @@ def read_sequence(
     configuration = read_plus_configuration(config) if isinstance(config, str | Path) else config
     if recorded.pixel_to_node is not None:
         frame = image_frame or (configuration.image_frame if configuration is not None else None) or IMAGE_FRAME
-        records, note = _placed(records, frame, recorded.pixel_to_node)
-        notes += (note,)
+        is_moved = any(frame in (name.source, name.target) for record in records for name in record.transforms)
+        included = (
+            f"the transforms of {frame} now include" if is_moved else f"nothing includes: none of the recorded transforms is of {frame}"
+        )
+        notes += (f"The volume nodes of this Slicer sequence have a geometry of their own, which {included}.",)
+        records = place_frames(records, frame, recorded.pixel_to_node)
     oriented = {} if orientation is None else {"orientation": orientation}
     return TrackedSequence(
         images=recorded.images,
@@ -128,15 +131,4 @@ def read_sequence(
         path=path,
         notes=notes,
         reading={**oriented, "longest_gap": longest_gap},
-    )
-
-
-def _placed(records: Sequence[FrameRecord], image_frame: str, geometry: Matrix) -> tuple[Sequence[FrameRecord], str]:
-    """Records whose transforms of the image include its node's geometry, and a note on what was done."""
-    if any(image_frame in (name.source, name.target) for record in records for name in record.transforms):
-        note = f"The volume nodes of this Slicer sequence have a geometry of their own, which the transforms of {image_frame} now include."
-        return place_frames(records, image_frame, geometry), note
-    return records, (
-        "The volume nodes of this Slicer sequence have a geometry of their own, which nothing includes: none of the recorded "
-        f"transforms is of {image_frame}."
     )

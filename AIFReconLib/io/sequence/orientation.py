@@ -64,22 +64,15 @@ def required_flips(metafile: Metafile, stated: str | None = None) -> tuple[bool,
     image_type = values.get(_TYPE_KEY, "").upper().replace(BRIGHTNESS * 2, BRIGHTNESS) or BRIGHTNESS
     code = stated or values.get(_ORIENTATION_KEY, "").upper() or IN_MEMORY
     if image_type.startswith("RF_") or re.fullmatch("[FN][MU][AD]?", code):
-        raise metafile.failure(
-            f"it holds radio-frequency data (type {image_type}, orientation {code}), which are not images. Export B-mode frames from Plus."
-        )
+        raise metafile.failure(f"it holds radio-frequency data (type {image_type}, orientation {code}). Export B-mode frames from Plus.")
     if image_type not in _DISPLAYABLE_TYPES:
-        raise metafile.failure(
-            f"UltrasoundImageType must be {' or '.join(_DISPLAYABLE_TYPES)}; got {shorten(image_type)!r}. Export B-mode frames from Plus."
-        )
-    if code in _UNKNOWN_CODES:
-        raise metafile.failure(
-            f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {code!r}: whoever wrote the file did not know it.",
-            ("Look which side of the images is marked and say it with {orientation:CODE}: a wrong code mirrors the anatomy."),
-        )
+        must = f"UltrasoundImageType must be {' or '.join(_DISPLAYABLE_TYPES)}"
+        raise metafile.failure(f"{must}; got {shorten(image_type)!r}. Export B-mode frames from Plus.")
     if not re.fullmatch("[MU][FN][AD]?", code):
+        who = ": whoever wrote the file did not know it" * (code in _UNKNOWN_CODES)
         raise metafile.failure(
-            f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {shorten(code)!r}. Correct the header: a wrong code mirrors the "
-            "anatomy."
+            f"UltrasoundImageOrientation must be MF, MN, UF or UN; got {shorten(code)!r}{who}.",
+            "Look which side of the images is marked and say it with {orientation:CODE}: a wrong code mirrors the anatomy.",
         )
     return code[0] == "U", code[1] == "N"
 

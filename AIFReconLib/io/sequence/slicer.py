@@ -22,7 +22,7 @@ from ...geometry.transforms import LPS_FROM_RAS, as_matrix
 from ...message import shorten
 from ...sweep.frames import FrameRecord
 from ..metafile.metafile import Metafile
-from ..metafile.text_values import NotANumberError, parse_number, parse_numbers
+from ..metafile.text_values import NotANumberError, finite_numbers, parse_numbers
 from .fields import frame_number
 
 _AXIS_KEY = re.compile(r"axis ([03]) index (type|values)")
@@ -57,27 +57,20 @@ def slicer_records(
         The header's own fields.
     """
     others: dict[str, str] = {}
-    per_frame: dict[int, dict[str, str]] = {}
+    per_frame: list[dict[str, str]] = [{} for _ in records]
     times: list[float] | None = None
     notes: tuple[str, ...] = ()
     for key, value in fields.items():
-        item = _ITEM_KEY.fullmatch(key)
         axis = _AXIS_KEY.fullmatch(key)
-        if item:
-            per_frame.setdefault(frame_number(metafile, key, item[1], len(records)), {})[item[2]] = value
+        if item := _ITEM_KEY.fullmatch(key):
+            per_frame[frame_number(metafile, key, item[1], len(records))][item[2]] = value
         elif axis is None:
             others[key] = value
         elif axis[2] == "values":
             times, notes = _times(metafile, key, value, len(records))
-    changed = [
-        replace(
-            record,
-            timestamp=record.timestamp if times is None or record.timestamp is not None else times[number],
-            fields={**record.fields, **per_frame.get(number, {})},
-        )
-        for number, record in enumerate(records)
-    ]
-    return changed, others, notes
+    moments = [each.timestamp if times is None or each.timestamp is not None else times[n] for n, each in enumerate(records)]
+    own = [{**record.fields, **of_frame} for record, of_frame in zip(records, per_frame)]
+    return [replace(record, timestamp=moment, fields=each) for record, moment, each in zip(records, moments, own)], others, notes
 
 
 def node_geometry(metafile: Metafile) -> Matrix | None:
@@ -92,10 +85,8 @@ def node_geometry(metafile: Metafile) -> Matrix | None:
     to_ras = LPS_FROM_RAS if space in _LPS else np.eye(4) if space in _RAS else None
     vectors = [word for word in re.findall(r"none|\([^)]*\)", directions) if word != "none"]
     if to_ras is None or len(vectors) != 3:
-        raise metafile.failure(
-            f"space directions must be three vectors in left-posterior-superior; got {shorten(directions)!r} in space {space!r}. Save "
-            "the sequence from Slicer again."
-        )
+        must = "space directions must be three vectors in left-posterior-superior"
+        raise metafile.failure(f"{must}; got {shorten(directions)!r} in space {space!r}. Save the sequence from Slicer again.")
     matrix = np.eye(4)
     try:
         for column, text in enumerate([*vectors, metafile.entries.get("space origin", "(0,0,0)")]):
@@ -113,12 +104,10 @@ def place_frames(records: Sequence[FrameRecord], image_frame: str, pixel_to_node
     """
 
     def placed(name: TransformName, sample: TransformSample) -> TransformSample:
+        before = np.linalg.inv(pixel_to_node) if name.target == image_frame else np.eye(4)
+        behind = pixel_to_node if name.source == image_frame else np.eye(4)
         with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
-            if name.source == image_frame:
-                return replace(sample, matrix=sample.matrix @ pixel_to_node)
-            if name.target == image_frame:
-                return replace(sample, matrix=np.linalg.inv(pixel_to_node) @ sample.matrix)
-        return sample
+            return replace(sample, matrix=before @ sample.matrix @ behind) if image_frame in (name.source, name.target) else sample
 
     return [replace(record, transforms={name: placed(name, sample) for name, sample in record.transforms.items()}) for record in records]
 
@@ -157,12 +146,9 @@ def _times(metafile: Metafile, key: str, text: str, frames: int) -> tuple[list[f
         note = f"Slicer's index of the frames is not a time ({named}); frames are taken in the order of the file."
         return None, (note,)
     try:
-        times = [seconds * parse_number(word) for word in words]
-        if not all(map(math.isfinite, times)):
-            raise NotANumberError("they are not finite")
+        return [seconds * time for time in finite_numbers(" ".join(words), frames).tolist()], ()
     except NotANumberError as error:
         raise metafile.failure(f"{key} must be times; {error}. Save the sequence from Slicer again.") from error
-    return times, ()
 
 
 def _axis_word(metafile: Metafile, entry: str, axis: int) -> str:

@@ -17,10 +17,11 @@ from ...recipe.recipe import LONGEST_GAP
 from ...remedies import TRANSFORM_SEQUENCES
 from ...sweep.frames import FrameRecord
 from ...sweep.pose_tracks import SLICERS_TIME, PoseTrack
-from ..metafile.header import HeaderLines
 from ..metafile.opening import METAIMAGE_SUFFIXES, NRRD_SUFFIXES, format_of, opened_header
 from .fields import MATRIX_SUFFIX, STATUS_SUFFIX, by_frame, parsed_time, samples_in
 from .file_images import MAXIMUM_FRAMES
+
+_TOGETHER = "Give the transform sequence that was recorded together with the images."
 
 
 def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | None, TransformSample]]:
@@ -36,7 +37,13 @@ def read_transform_sequence(path: str | Path, name: str) -> list[tuple[float | N
         ``ImageToReference``. Where the file holds one transform alone, under whatever name, that one is meant.
     """
     path = Path(path)
-    lines, per_frame = _frame_fields(path)
+    if path.suffix.lower() not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
+        raise SequenceFormatError(f"{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.")
+    with opened_header(path, SequenceFormatError) as lines:
+        _, header = format_of(path).read(lines)
+    per_frame, _ = by_frame(lines, header.items(), MAXIMUM_FRAMES)
+    if not per_frame:
+        raise lines.failure("it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")
     recorded = {number: samples_in(lines, f"frame {number}, ", fields, _stem)[0] for number, fields in per_frame.items()}
     present = dict.fromkeys(stem for samples in recorded.values() for stem in samples)
     wanted = next((word for word in present if word.removesuffix(MATRIX_SUFFIX).lower() == name.lower()), None)
@@ -89,39 +96,22 @@ def _pair(
     timed = [(time, sample) for time, sample in samples if time is not None]
     if len(image_times) == len(records) and len(timed) == len(samples):
         track = PoseTrack(timed)
-        found = [track.at(time, longest_gap, SLICERS_TIME)[0] for time in image_times]
-        paired = [MISSING if m is None else TransformSample(m) for m in found]
-        if not sum(m is not None for m in found):
+        paired = track.samples(image_times, longest_gap, SLICERS_TIME)
+        if all(sample is MISSING for sample in paired):
             span = f"{track.times[0]:.3f} to {track.times[-1]:.3f} s" if len(track) else "none"
-            raise SequenceFormatError(
-                f"{path}: no pose of {name} (times {span}) fits the images ({min(image_times):.3f} to {max(image_times):.3f} s). Give "
-                "the transform sequence that was recorded together with the images."
-            )
+            images = f"{min(image_times):.3f} to {max(image_times):.3f} s"
+            raise SequenceFormatError(f"{path}: no pose of {name} (times {span}) fits the images ({images}). {_TOGETHER}")
         how = "by time"
     elif len(samples) == len(records):
         paired = [sample for _, sample in samples]
         how = "frame by frame, for lack of times"
     else:
-        raise SettingsError(
-            f"{path}: there must be as many samples of {name} as images, or times on both; got {len(samples)} for {len(records)} "
-            "images. Give the transform sequence that was recorded together with the images."
-        )
+        must = f"there must be as many samples of {name} as images, or times on both"
+        raise SettingsError(f"{path}: {must}; got {len(samples)} for {len(records)} images. {_TOGETHER}")
     good = sum(sample.status is TransformStatus.OK for sample in paired)
     changed = [replace(record, transforms={**record.transforms, name: sample}) for record, sample in zip(records, paired)]
     note = f"{name} was paired from {path.name} {how}: {good} of {len(records)} frames."
     return changed, note
-
-
-def _frame_fields(path: Path) -> tuple[HeaderLines, dict[int, dict[str, str]]]:
-    """Fields per frame of any sequence header, images or not."""
-    if path.suffix.lower() not in METAIMAGE_SUFFIXES + NRRD_SUFFIXES:
-        raise SequenceFormatError(f"{path}: its suffix must be .mha, .mhd or .nrrd. Save the transform sequence from Slicer as .seq.mha.")
-    with opened_header(path, SequenceFormatError) as lines:
-        _, fields = format_of(path).read(lines)
-    per_frame, _ = by_frame(lines, fields.items(), MAXIMUM_FRAMES)
-    if not per_frame:
-        raise lines.failure("it holds no transforms per frame (no Seq_Frame fields). Give a sequence of transforms.")
-    return lines, per_frame
 
 
 def _stem(key: str) -> str | None:

@@ -17,9 +17,9 @@ from ...message import shorten
 from ...progress import Progress, report
 from ...sweep.frames import TrackedSequence
 from ..disk.atomic import atomic_outputs
-from ..metafile.header import MAXIMUM_LINE
-from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS, check_pair_name
-from ..metafile.nrrd import TYPES, escape
+from ..metafile.header import FORMATS, MAXIMUM_LINE
+from ..metafile.metaimage import ELEMENT_TYPES, FORMAT_KEYS, LAST_KEY, check_pair_name
+from ..metafile.nrrd import TYPES
 from .fields import IMAGE_STATUS, IMAGE_STATUS_IN_NRRD, frame_entries, header_entries
 from .orientation import BRIGHTNESS, IN_MEMORY, is_image_key
 
@@ -28,8 +28,7 @@ SUFFIXES = (".mha", ".mhd", ".nrrd")
 _COMPRESSION_LEVEL = 4
 """Speckle compresses hardly better at higher levels, which take several times as long."""
 
-_ELEMENT_TYPE_OF = {code: name for name, code in reversed(ELEMENT_TYPES.items())}
-_NRRD_TYPE_OF = {code: name for name, code in reversed(TYPES.items())}
+_TYPE_OF = {form: {code: name for name, code in reversed(types.items())} for form, types in (("metaimage", ELEMENT_TYPES), ("nrrd", TYPES))}
 
 _SIZE, _SIZE_DIGITS = "CompressedDataSize = ", 20
 """Its places are kept free, for it is known last and written first."""
@@ -66,7 +65,8 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
     path = Path(path)
     check_sequence_name(path)
     suffix = path.suffix.lower()
-    code, is_nrrd = _pixel_code(sequence.images), suffix == ".nrrd"
+    code, form = _pixel_code(sequence.images), "nrrd" if suffix == ".nrrd" else "metaimage"
+    is_nrrd = form == "nrrd"
     # One at a time: there may be a million
     entries = chain(
         checked(header_entries(sequence.fields, sequence.transforms), reserved=not is_nrrd),
@@ -78,8 +78,12 @@ def write_sequence(sequence: TrackedSequence, path: str | Path, compress: bool =
         *data, header = (stack.enter_context(open(each, "wb")) for each in stack.enter_context(atomic_outputs(*beside, path)))
         pixels = data[0] if data else header
         names = "LOCAL" if pixels is header else Path(pixels.name).name
-        lines = _nrrd_lines(sequence, code, entries, compress) if is_nrrd else _metaimage_lines(sequence, code, entries, compress, names)
-        place = _write_lines(header, lines)
+        said = {"type": _TYPE_OF[form][code], "compress": compress, "encoding": "gzip" if compress else "raw"}
+        size = _SIZE + " " * _SIZE_DIGITS if compress else ""
+        place = 0
+        for line in _lines(sequence, form, entries, names, size_line=size, **said):
+            place = header.tell() + len(_SIZE) if line.startswith(_SIZE) else place
+            header.write(line.encode("utf-8", errors="surrogateescape") + b"\n")
         start = pixels.tell()
         _write_pixels(pixels, sequence.images, code, encoder, lambda fraction: report(progress, fraction, f"Writing {path.name}"))
         length = pixels.tell() - start
@@ -99,60 +103,15 @@ def check_sequence_name(path: Path) -> None:
         check_pair_name(path)
 
 
-def _metaimage_lines(sequence: TrackedSequence, code: str, entries: Entries, compress: bool, data_file: str) -> Iterator[str]:
+def _lines(sequence: TrackedSequence, form: str, entries: Entries, data_file: str, **said: object) -> Iterator[str]:
+    """The lines of a header."""
     columns, rows = sequence.frame_size
-    yield "ObjectType = Image"
-    yield "NDims = 3"
-    yield "AnatomicalOrientation = RAI"
-    yield "BinaryData = True"
-    yield "BinaryDataByteOrderMSB = False"
-    yield "CenterOfRotation = 0 0 0"
-    yield f"CompressedData = {compress}"
-    if compress:
-        yield _SIZE + " " * _SIZE_DIGITS
-    yield f"DimSize = {columns} {rows} {len(sequence)}"
-    yield "Kinds = domain domain list"
-    yield "ElementNumberOfChannels = 1"
-    yield "ElementSpacing = 1 1 1"
-    yield f"ElementType = {_ELEMENT_TYPE_OF[code]}"
-    yield "Offset = 0 0 0"
-    yield "TransformMatrix = 1 0 0 0 1 0 0 0 1"
-    yield f"UltrasoundImageOrientation = {IN_MEMORY}"
-    yield f"UltrasoundImageType = {BRIGHTNESS}"
+    said |= {"columns": columns, "rows": rows, "frames": len(sequence), "orientation": IN_MEMORY, "kind": BRIGHTNESS}
+    yield from filter(None, (line.format(**said) for line in FORMATS[form]["header"]))
     for key, value in entries:
-        yield f"{key} = {value}"
-    yield f"ElementDataFile = {data_file}"
-
-
-def _nrrd_lines(sequence: TrackedSequence, code: str, entries: Entries, compress: bool) -> Iterator[str]:
-    columns, rows = sequence.frame_size
-    yield "NRRD0004"
-    yield "# Complete NRRD file format specification at:"
-    yield "# http://teem.sourceforge.net/nrrd/format.html"
-    yield "dimension: 3"
-    yield f"encoding: {'gzip' if compress else 'raw'}"
-    yield "endian: little"
-    yield "kinds: domain domain list"
-    yield f"sizes: {columns} {rows} {len(sequence)}"
-    yield "space dimension: 2"
-    yield "space directions: (1,0) (0,1) none"
-    yield "space origin: (0,0)"
-    yield f"type: {_NRRD_TYPE_OF[code]}"
-    yield f"ultrasound image orientation:={IN_MEMORY}"
-    yield f"ultrasound image type:={BRIGHTNESS}"
-    for key, value in entries:
-        yield f"{escape(key)}:={escape(value)}"
-    yield ""
-
-
-def _write_lines(file: BinaryIO, lines: Iterable[str]) -> int:
-    """Write the lines; the answer is where the size of compressed data can be put in later, 0 where it need not be said."""
-    place = 0
-    for line in lines:
-        if line.startswith(_SIZE):
-            place = file.tell() + len(_SIZE)
-        file.write(line.encode("utf-8", errors="surrogateescape") + b"\n")
-    return place
+        # Of what NRRD escapes, only a backslash may be here
+        yield f"{key}:={value}".replace("\\", "\\\\") if form == "nrrd" else f"{key} = {value}"
+    yield "" if form == "nrrd" else f"{LAST_KEY} = {data_file}"
 
 
 def _write_pixels(file: BinaryIO, images: ImageStack, code: str, encoder: zlib._Compress | None, tell: Callable[[float], None]) -> None:
@@ -175,7 +134,7 @@ def _pixel_code(images: ImageStack) -> str:
         raise SettingsError(f"Input images must have shape (frames, rows, columns), none of them 0; got {tuple(images.shape)}.")
     dtype = np.dtype(images.dtype)
     code = "u1" if dtype.kind == "b" else f"{dtype.kind}{dtype.itemsize}"
-    if code not in _NRRD_TYPE_OF:
+    if code not in _TYPE_OF["nrrd"]:
         raise SettingsError(f"Input images must be whole numbers of 8 to 64 bits, float32 or float64; got {dtype}. Convert them.")
     return code
 
@@ -184,16 +143,12 @@ def checked(entries: Entries, reserved: bool = False) -> Iterator[tuple[str, str
     """The entries, after making sure that no name or value can turn into another line of the header."""
     for key, value in entries:
         value = str(value).strip()
-        if not key or key != key.strip() or any(c in key for c in "=:#\\") or not _is_one_line(key):
-            raise SettingsError(
-                f"Input field name must be one line without = : # or a backslash, not empty; got {shorten(key)!r}. Rename the field."
-            )
+        if not key or key != key.strip() or set(key) & set("=:#\\") or not _is_one_line(key):
+            raise SettingsError(f"Input field name must be one line without = : # or a backslash, not empty; got {shorten(key)!r}.")
         if (reserved and key in FORMAT_KEYS) or is_image_key(key):
             raise SettingsError(f"Input field name must not be a key of the file format; got {key!r}. Rename the field.")
         if not _is_one_line(value):
-            raise SettingsError(
-                f"Input field {shorten(key)} must have a value of one short line of text; got {shorten(value)!r}. Change the value."
-            )
+            raise SettingsError(f"Input field {shorten(key)} must have a value of one short line of text; got {shorten(value)!r}.")
         yield key, value
 
 

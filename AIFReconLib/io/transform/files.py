@@ -21,7 +21,6 @@ from ..disk.small_files import read_bytes
 TEXT_SUFFIXES = (".tfm", ".txt")
 HDF5_SUFFIXES = (".h5", ".hdf5")
 _SUFFIXES = TEXT_SUFFIXES + HDF5_SUFFIXES
-_MAGIC = {**dict.fromkeys(TEXT_SUFFIXES, b"#Insight Transform File"), **dict.fromkeys(HDF5_SUFFIXES, b"\x89HDF\r\n\x1a\n")}
 
 _FAR = 2.0**20
 """mm from the origin to the points whose images are asked for: not much less than any translation, which would cost digits."""
@@ -49,7 +48,7 @@ def read_transform(path: str | Path) -> Matrix:
     if suffix not in _SUFFIXES:
         raise FileFormatError(f"{path}: its suffix must be one of {', '.join(_SUFFIXES)}. Save the transform from Slicer as one.")
     data = read_bytes(path, None, FileFormatError)
-    if not data.startswith(_MAGIC[suffix]):
+    if not data.startswith(b"#Insight Transform File" if suffix in TEXT_SUFFIXES else b"\x89HDF\r\n\x1a\n"):
         raise FileFormatError(f"{path}: this is not an ITK transform file. Save the transform from Slicer as .tfm or .h5.")
     if suffix in TEXT_SUFFIXES:
         _, *parts = data.split(b"\nTransform:")
@@ -59,10 +58,9 @@ def read_transform(path: str | Path) -> Matrix:
             raise FileFormatError(f"{path}: the transform is cut short. Save it from Slicer again.")
     with itk_reads(path, FileFormatError, "Save the transform from Slicer again.") as name:
         transform = sitk.ReadTransform(name)
-    if transform.GetDimension() != 3:
-        raise FileFormatError(f"{path}: the transform must be 3D; got {transform.GetDimension()} dimensions. Give a 3D transform.")
-    if not transform.IsLinear():
-        raise FileFormatError(f"{path}: the transform must be linear; got {transform.GetName()}. Give a rigid or affine registration.")
+    if transform.GetDimension() != 3 or not transform.IsLinear():
+        got = f"{transform.GetName()} of {transform.GetDimension()} dimensions"
+        raise FileFormatError(f"{path}: the transform must be linear and 3D; got {got}. Give a rigid or affine registration.")
     try:
         return ras_to_lps(invert(as_matrix(_matrix_of(transform), "transform")))
     except GeometryError as error:
@@ -89,14 +87,9 @@ def write_transform(node_to_parent: Matrix, path: str | Path) -> None:
     with atomic_output(path) as temporary:
         try:
             sitk.WriteTransform(transform, itk_path(temporary, OutputError))
-            written = read_transform(temporary)
+            read_transform(temporary)
         except (RuntimeError, FileFormatError) as error:  # SimpleITK does not notice that a disk is full
-            raise OutputError(
-                f"Cannot write {path}: the file came out incomplete. Check that the disk is not full, or choose another path."
-            ) from error
-        # Inverting twice costs digits of the largest number, here a translation
-        if not np.allclose(written, node_to_parent, rtol=0, atol=1e-9 * max(1.0, np.abs(node_to_parent).max())):
-            raise OutputError(f"Cannot write {path}: the file came out different. Choose another path.")
+            raise OutputError(f"Cannot write {path}: the file came out incomplete. Check that the disk is not full.") from error
 
 
 def _matrix_of(transform: sitk.Transform) -> Matrix:

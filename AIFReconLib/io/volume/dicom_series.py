@@ -6,6 +6,7 @@ import contextlib
 import logging
 from collections.abc import Iterable
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -31,14 +32,12 @@ MODALITY, SERIES, NUMBER, IMAGE_TYPE = "0008|0060", "0020|000e", "0020|0011", "0
 UNEVEN = 0.1
 """Of the distance between slices, by which one may be off."""
 
-_COLUMNS = (
-    ("where slices lie", "", slice(0, 3)),
-    ("which way slices lie", "the direction of the slices", slice(3, 9)),
-    ("how large pixels are", "the size of the pixels", slice(9, 11)),
-    ("how large slices are", "the size of the slices", slice(11, 13)),
-)
-"""What the row of a slice says, what of it may not change, and in which places it stands: LPS, mm, of the middle of its first pixel;
-directions of rows and of columns; from row to row and from column to column; columns and rows."""
+_SAID = 13
+"""Numbers that say where a slice lies: the middle of its first pixel, LPS, mm; directions of rows and of columns; from row to row and from
+column to column; columns and rows."""
+
+_ALIKE = {"the direction of the slices": slice(3, 9), "the size of the pixels": slice(9, 11), "the size of the slices": slice(11, 13)}
+"""What of it may not change."""
 
 ALIKE = 1e-3
 """By which directions, and sizes of pixels in mm, of two slices may differ."""
@@ -74,10 +73,10 @@ def read_ct(path: str | Path) -> Volume:
     if suffix_of(path) in READABLE_SUFFIXES:
         return read_volume(path)
     header = _header(path)
-    if header is None:
-        raise VolumeFormatError(f"{path}: it is neither a volume ({', '.join(READABLE_SUFFIXES)}) nor DICOM. Give the CT's file or folder.")
-    if _said(header, MODALITY) not in ("", "CT"):
-        raise VolumeFormatError(f"{path}: it is of the kind {_said(header, MODALITY)}, not CT. Give the CT.")
+    if header is None or _said(header, MODALITY) not in ("", "CT"):
+        neither = f"neither a volume ({', '.join(READABLE_SUFFIXES)}) nor DICOM"
+        what = neither if header is None else f"of the kind {_said(header, MODALITY)}, not CT"
+        raise VolumeFormatError(f"{path}: it is {what}. Give the CT's file or folder.")
     if header.GetSize()[2:] and header.GetSize()[2] > 1:
         return _placed(path, [path], _frames(path, header.GetSize()[2]))
     return _series(path.parent, _said(header, SERIES))
@@ -125,11 +124,10 @@ def _series_in(folder: Path) -> tuple[dict[str, dict[Path, sitk.ImageFileReader]
 def _series(folder: Path, wanted: str | None) -> Volume:
     """The series of that UID in a folder; without one, the CT of most slices."""
     series, kinds = _series_in(folder)
-    if not series and kinds:
-        raise VolumeFormatError(f"{folder}: it is of the kind {', '.join(sorted(kinds))}, not CT. Give the CT.")
     if not series:
+        why = f"it is of the kind {', '.join(sorted(kinds))}, not CT" if kinds else "it holds no DICOM images"
         hint = "Give the folder whose files are the slices of the CT; a folder of masks is one of labels."
-        raise VolumeFormatError(f"{folder}: it holds no DICOM images. {hint}")
+        raise VolumeFormatError(f"{folder}: {why}. {hint}")
     files = series.pop(max(series, key=lambda uid: len(series[uid])) if wanted is None else wanted)
     if wanted is None and series:
         others = "; ".join(map(_called, series.values()))
@@ -140,7 +138,7 @@ def _series(folder: Path, wanted: str | None) -> Volume:
     if len(files) < 3:
         raise VolumeFormatError(f"{folder}: its longest series has {len(files)} slices. Give the folder with the slices of the CT.")
     keys = (POSITION, ORIENTATION, PIXELS)
-    rows = [_row(*(_said(header, key).split("\\") for key in keys), header.GetSize()[:2]) for header in files.values()]
+    rows = [_row(folder, *(_said(header, key).split("\\") for key in keys), header.GetSize()[:2]) for header in files.values()]
     return _placed(folder, list(files), np.array(rows))
 
 
@@ -150,24 +148,22 @@ def _called(files: dict[Path, sitk.ImageFileReader]) -> str:
     return f"{_said(header, NUMBER) or 'without number'} ({len(files)} slices, {file.name} ...)"
 
 
-def _row(*stated: Iterable[Any]) -> list[float]:
-    """What a header says of a slice, in the order of `_COLUMNS`; NaN for what it leaves out."""
+def _row(path: Path, *stated: Iterable[Any]) -> list[float]:
+    """The numbers that say where a slice lies, if the header says them all."""
     row: list[float] = []
-    for values, (_, _, places) in zip(stated, _COLUMNS, strict=True):
-        numbers: list[float] = []
-        with contextlib.suppress(ValueError):
-            numbers = [float(value) for value in values]
-        count = places.stop - places.start
-        row += numbers if len(numbers) == count else [np.nan] * count
+    with contextlib.suppress(ValueError):
+        row = [float(value) for values in stated for value in values]
+    if len(row) != _SAID or not np.isfinite(row).all():
+        told = "its headers do not all say where slices lie, which way slices lie and how large pixels are"
+        raise VolumeFormatError(f"{path}: {told}. Export the series again as the scanner made it.")
     return row
 
 
 def _frames(path: Path, count: int) -> Floats:
     """The slices in a file of many frames, a row each, as its functional groups place them (PS3.3, C.7.6.16)."""
-    try:
-        pydicom = import_module("pydicom")
-    except ImportError:
-        raise VolumeFormatError(f"{path}: a DICOM file of many frames takes pydicom. Install it: pip install pydicom.") from None
+    if find_spec("pydicom") is None:
+        raise VolumeFormatError(f"{path}: a DICOM file of many frames takes pydicom. Install it: pip install pydicom.")
+    pydicom = import_module("pydicom")
     data = pydicom.dcmread(path, stop_before_pixels=True, force=True)
     shared = [*data.get("SharedFunctionalGroupsSequence", [])]
     frames = [*data.get("PerFrameFunctionalGroupsSequence", [])] or [pydicom.Dataset()] * count
@@ -176,27 +172,16 @@ def _frames(path: Path, count: int) -> Floats:
         parts: list[Any] = next((one[group].value for one in (frame, *shared) if group in one), [])
         return (parts[0].get(name) if parts else None) or []
 
-    return np.array(
-        [
-            _row(
-                of(frame, "PlanePositionSequence", "ImagePositionPatient"),
-                of(frame, "PlaneOrientationSequence", "ImageOrientationPatient"),
-                of(frame, "PixelMeasuresSequence", "PixelSpacing"),
-                (data.get("Columns", ""), data.get("Rows", "")),
-            )
-            for frame in frames
-        ]
-    )
+    groups = {"PlanePosition": "ImagePositionPatient", "PlaneOrientation": "ImageOrientationPatient", "PixelMeasures": "PixelSpacing"}
+    size = data.get("Columns", ""), data.get("Rows", "")
+    return np.array([_row(path, *(of(frame, f"{group}Sequence", name) for group, name in groups.items()), size) for frame in frames])
 
 
 def _placed(path: Path, files: list[Path], slices: Floats) -> Volume:
     """The volume of slices, a row of each, each a file or all in one, in the order of their places."""
-    for what, same, columns in _COLUMNS:
-        stated = slices[:, columns]
-        if np.isnan(stated).any():
-            raise VolumeFormatError(f"{path}: its headers do not all say {what}. Export the series again as the scanner made it.")
-        if same and np.ptp(stated, axis=0).max() > ALIKE:
-            raise VolumeFormatError(f"{path}: {same} changes within the series. Give a folder that holds one scan alone.")
+    for what, columns in _ALIKE.items():
+        if np.ptp(slices[:, columns], axis=0).max() > ALIKE:
+            raise VolumeFormatError(f"{path}: {what} changes within the series. Give a folder that holds one scan alone.")
     places, directions, pixel = slices[:, :3], slices[0, 3:9].reshape(2, 3), slices[0, 9:11]
     normal = np.cross(*directions)
     order = np.argsort(places @ normal, kind="stable")
@@ -228,10 +213,8 @@ def _step(path: Path, places: Floats, directions: Floats) -> Floats:
         raise VolumeFormatError(f"{path}: slices lie at the same place. Give a folder that holds one scan alone, once.")
     off = np.linalg.norm(steps - typical, axis=1)
     if off.max() > UNEVEN * length + 0.01:
-        raise VolumeFormatError(
-            f"{path}: its slices are not evenly spaced ({length:.3g} mm, once {np.linalg.norm(steps[off.argmax()]):.3g} mm). Export the "
-            f"series again, whole. {REGULAR}"
-        )
+        once = f"{length:.3g} mm, once {np.linalg.norm(steps[off.argmax()]):.3g} mm"
+        raise VolumeFormatError(f"{path}: its slices are not evenly spaced ({once}). Export the series again, whole. {REGULAR}")
     mean: Floats = (places[-1] - places[0]) / (len(places) - 1)
     if float(mean @ np.cross(*directions)) < length / 2:
         raise VolumeFormatError(f"{path}: its slices do not lie behind each other. {REGULAR}")
@@ -240,10 +223,8 @@ def _step(path: Path, places: Floats, directions: Floats) -> Floats:
 
 def _unsheared(array: Numbers, sideways: Floats) -> tuple[Numbers, Floats]:
     """Slices [k, j, i] moved by k times `sideways`, (x, y) pixels, in a larger array; and where its first pixel lies in the first slice."""
-    far = sideways * (len(array) - 1)
-    first = np.floor(np.minimum(far, 0))
-    more = np.ceil(np.abs(far)).astype(int)
-    outside = array.min()
+    far, outside = sideways * (len(array) - 1), array.min()
+    first, more = np.floor(np.minimum(far, 0)), np.ceil(np.abs(far)).astype(int)
     moved = np.full((len(array), array.shape[1] + more[1], array.shape[2] + more[0]), outside, array.dtype)
     for k, plane in enumerate(array):
         x, y = first - k * sideways

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+from contextlib import suppress
 from datetime import datetime
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,13 +26,13 @@ CLASSES = {"uint8": "1.2.840.10008.5.1.4.1.1.7.2", "uint16": "1.2.840.10008.5.1.
 
 LITTLE_ENDIAN = "1.2.840.10008.1.2.1"
 
-DERIVED = "Reconstructed from tracked 2D ultrasound by AIFRecon. Derived, research use only: not for diagnosis or guidance."
+_TAGS = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
 
-OF_THE_STUDY = (
-    *("PatientName", "PatientID", "PatientBirthDate", "PatientSex"),
-    *("StudyInstanceUID", "StudyDate", "StudyTime", "StudyID", "AccessionNumber", "ReferringPhysicianName"),
-)
+OF_THE_STUDY: list[str] = _TAGS["of_the_study"]
 """What is taken from a file of the study that the volume is added to."""
+
+SAID: dict[str, Any] = _TAGS["said"]
+"""What every file says."""
 
 
 def write_dicom(volume: Volume, path: Path, temporary: Path, study: Path | None = None) -> None:
@@ -55,26 +58,21 @@ def write_dicom(volume: Volume, path: Path, temporary: Path, study: Path | None 
 
 def check_dicom(path: Path, dtype: np.dtype[Any] | type | str) -> None:
     """Return if voxels of this type can be written as DICOM here; to be asked before a long computation."""
-    try:
-        import_module("pydicom")
-    except ImportError:
-        raise OutputError(f"Cannot write {path}: that takes the Python package pydicom. Install it: pip install pydicom.") from None
+    if find_spec("pydicom") is None:
+        raise OutputError(f"Cannot write {path}: that takes the Python package pydicom. Install it: pip install pydicom.")
     if np.dtype(dtype).name not in (*CLASSES, "bool"):
-        raise OutputError(
-            f"Cannot write {path}: DICOM holds whole numbers of 8 or 16 bits here; got {np.dtype(dtype).name}. Choose a .nrrd file for it."
-        )
+        got = np.dtype(dtype).name
+        raise OutputError(f"Cannot write {path}: DICOM holds whole numbers of 8 or 16 bits here; got {got}. Choose a .nrrd file.")
 
 
 def _of_study(study: Path) -> Dataset:
     pydicom = import_module("pydicom")
     files = files_in(study, "**/*") if study.is_dir() else [study]
     for file in files:
-        try:
-            found = pydicom.dcmread(file, stop_before_pixels=True, specific_tags=[*OF_THE_STUDY])
-        except (pydicom.errors.InvalidDicomError, OSError, ValueError, EOFError):
-            continue
-        if "StudyInstanceUID" in found:
-            return found
+        with suppress(pydicom.errors.InvalidDicomError, OSError, ValueError, EOFError):
+            found: Dataset = pydicom.dcmread(file, stop_before_pixels=True, specific_tags=[*OF_THE_STUDY])
+            if "StudyInstanceUID" in found:
+                return found
     raise FileFormatError(f"{study}: no DICOM file that names its study. Give a file of the CT's series, or its folder.")
 
 
@@ -88,23 +86,17 @@ def _described(volume: Volume, array: np.ndarray[Any, Any], study: Dataset | Non
     data.file_meta.MediaStorageSOPClassUID = data.SOPClassUID = kind
     data.file_meta.MediaStorageSOPInstanceUID = data.SOPInstanceUID = generate_uid()
     data.file_meta.TransferSyntaxUID = LITTLE_ENDIAN
-    for name in OF_THE_STUDY:
-        setattr(data, name, "" if study is None else study.get(name, ""))
+    taken = {name: "" if study is None else study.get(name, "") for name in OF_THE_STUDY}
+    for name, value in {**SAID, **taken}.items():
+        setattr(data, name, value)
     data.StudyInstanceUID = data.StudyInstanceUID or generate_uid()
-    data.FrameOfReferenceUID = generate_uid()
-    data.SeriesInstanceUID, data.SeriesNumber, data.InstanceNumber = generate_uid(), 9001, 1
-    data.SpecificCharacterSet, data.Modality, data.ConversionType, data.Manufacturer = "ISO_IR 192", "US", "WSD", "AIFRecon"
-    data.ManufacturerModelName, data.SeriesDescription = "AIFRecon", "AIFRecon 3D ultrasound, derived, research use"
-    data.ImageType, data.DerivationDescription = ["DERIVED", "SECONDARY", "VOLUME", "NONE"], DERIVED
-    data.BurnedInAnnotation, data.PositionReferenceIndicator = "NO", ""
+    data.FrameOfReferenceUID, data.SeriesInstanceUID = generate_uid(), generate_uid()
     data.ContentDate = data.SeriesDate = now.strftime("%Y%m%d")
     data.ContentTime = data.SeriesTime = now.strftime("%H%M%S")
-    data.ImageComments = "\n".join([DERIVED, *(f"{key}: {text}" for key, text in volume.fields.items())])[:10240]
+    data.ImageComments = "\n".join([SAID["DerivationDescription"], *(f"{key}: {text}" for key, text in volume.fields.items())])[:10240]
     data.NumberOfFrames, data.Rows, data.Columns = array.shape
-    data.SamplesPerPixel, data.PhotometricInterpretation, data.PixelRepresentation = 1, "MONOCHROME2", 0
     data.BitsAllocated = data.BitsStored = 8 * array.dtype.itemsize
     data.HighBit = data.BitsStored - 1
-    data.PresentationLUTShape, data.RescaleIntercept, data.RescaleSlope, data.RescaleType = "IDENTITY", "0", "1", "US"
     _place(data, LPS_FROM_RAS @ volume.ijk_to_reference, len(array))
     data.PixelData = np.ascontiguousarray(array.astype(array.dtype.newbyteorder("<"))).tobytes() + b"\0" * (array.nbytes % 2)
     return data
@@ -122,11 +114,9 @@ def _place(data: Dataset, ijk_to_lps: np.ndarray[Any, Any], frames: int) -> None
     measures.SliceThickness = measures.SpacingBetweenSlices = decimal(spacing[2])
     shared.PlaneOrientationSequence, shared.PixelMeasuresSequence = [orientation], [measures]
     data.SharedFunctionalGroupsSequence = [shared]
-    each = []
-    for k in range(frames):
-        frame, position, content = Dataset(), Dataset(), Dataset()
+    data.PerFrameFunctionalGroupsSequence = [Dataset() for _ in range(frames)]
+    for k, frame in enumerate(data.PerFrameFunctionalGroupsSequence):
+        position, content = Dataset(), Dataset()
         position.ImagePositionPatient = [decimal(v) for v in ijk_to_lps[:3, 3] + k * ijk_to_lps[:3, 2]]
         content.StackID, content.InStackPositionNumber = "1", k + 1
         frame.PlanePositionSequence, frame.FrameContentSequence = [position], [content]
-        each.append(frame)
-    data.PerFrameFunctionalGroupsSequence = each

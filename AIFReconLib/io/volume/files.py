@@ -24,7 +24,7 @@ from ..metafile.payload import check_payload
 from .dicom_writer import SUFFIX as DICOM_SUFFIX
 from .dicom_writer import check_dicom, write_dicom
 from .itk_images import to_sitk
-from .itk_reading import StoredVolume, nifti_header, read_metafile_volume, read_nifti
+from .itk_reading import StoredVolume, read_metafile_volume, read_nifti
 
 NIFTI_SUFFIXES = (".nii", ".nii.gz")
 READABLE_SUFFIXES = METAIMAGE_SUFFIXES + NRRD_SUFFIXES + NIFTI_SUFFIXES
@@ -52,10 +52,7 @@ def read_volume(path: str | Path) -> Volume:
     """
     path = Path(path)
     array, ijk_to_lps, fields = _read_stored(path)
-    if array.ndim != 3:
-        raise VolumeFormatError(
-            f"{path}: its voxels must be single numbers; got {array.shape[3]} each ({array.dtype}). Export a scalar volume."
-        )
+    _require_single(path, array)
     return _as_volume(path, array, ijk_to_lps, fields)
 
 
@@ -65,13 +62,15 @@ def label_volume(path: Path) -> Volume:
     Raises VolumeFormatError as `read_volume`, and when a voxel is not a whole number or is negative.
     """
     array, ijk_to_lps, fields = _read_stored(path)
-    if array.ndim != 3:
-        if not any(key.startswith("Segment") for key in fields):
-            raise VolumeFormatError(
-                f"{path}: its voxels must be single labels; got {array.shape[3]} numbers each ({array.dtype}). Export a label volume."
-            )
+    if array.ndim != 3 and any(key.startswith("Segment") for key in fields):
         array = np.asarray((array > 0).any(axis=-1), dtype=np.uint8)
+    _require_single(path, array)
     return _as_volume(path, _as_labels(path, array), ijk_to_lps, fields)
+
+
+def _require_single(path: Path, array: Numbers) -> None:
+    if array.ndim != 3:
+        raise VolumeFormatError(f"{path}: its voxels must be single numbers; got {array.shape[3]} each. Export a scalar or label volume.")
 
 
 def write_volume(volume: Volume, path: str | Path, study: str | Path | None = None) -> None:
@@ -100,9 +99,7 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
     try:
         image = to_sitk(volume)
     except GeometryError as error:
-        raise OutputError(
-            f"Cannot write {path}: volume files cannot hold {volume.array.dtype}. Convert the volume to another type."
-        ) from error
+        raise OutputError(f"Cannot write {path}: volume files cannot hold {volume.array.dtype}. Convert the volume.") from error
     for key, text in volume.fields.items():
         image.SetMetaData(key, text)
     pair = suffix == ".mhd"
@@ -117,15 +114,13 @@ def write_volume(volume: Volume, path: str | Path, study: str | Path | None = No
                 beside[0].write_text(json.dumps(dict(volume.fields), indent=2) + "\n", encoding="utf-8")
             # A full disk can pass unnoticed by SimpleITK; a file that is not all there must not get its name.
             if suffix in NIFTI_SUFFIXES:
-                nifti_header(temporary, VolumeFormatError)
+                read_nifti(temporary)
             else:
                 check_payload(read_metafile(temporary, VolumeFormatError))
         except FileFormatError as error:
             raise OutputError(f"Cannot write {path}: the file came out incomplete. Check that the disk is not full.") from error
         except RuntimeError as error:
-            raise OutputError(
-                f"Cannot write {path}: {short_cause(error)}. Check that the disk is not full, or choose another path."
-            ) from error
+            raise OutputError(f"Cannot write {path}: {short_cause(error)}. Check that the disk is not full.") from error
 
 
 def _split(whole: Path, header: Path, data: Path) -> None:
@@ -171,13 +166,8 @@ def suffix_of(path: Path) -> str:
 def _read_stored(path: Path) -> StoredVolume:
     suffix = suffix_of(path)
     if suffix not in READABLE_SUFFIXES:
-        raise VolumeFormatError(
-            f"{path}: its suffix must be one of {', '.join(READABLE_SUFFIXES)}. Export the volume in one of these formats."
-        )
-    if suffix not in NIFTI_SUFFIXES:
-        return read_metafile_volume(path)
-    array, ijk_to_lps, _ = read_nifti(path)
-    return array, ijk_to_lps, _beside(sidecar_of(path))
+        raise VolumeFormatError(f"{path}: its suffix must be one of {', '.join(READABLE_SUFFIXES)}. Export the volume as one.")
+    return (*read_nifti(path), _beside(sidecar_of(path))) if suffix in NIFTI_SUFFIXES else read_metafile_volume(path)
 
 
 def sidecar_of(path: Path) -> Path:
@@ -187,10 +177,10 @@ def sidecar_of(path: Path) -> Path:
 
 def _beside(path: Path) -> dict[str, str]:
     """The fields in a JSON file, where it is there and is one of ours."""
-    found: object = {}
     with contextlib.suppress(VolumeFormatError):
         found = read_table(path, VolumeFormatError)
-    return {key: text for key, text in found.items() if isinstance(text, str)} if isinstance(found, dict) else {}
+        return {key: text for key, text in found.items() if isinstance(text, str)} if isinstance(found, dict) else {}
+    return {}
 
 
 def _as_volume(path: Path, array: Numbers, ijk_to_lps: Matrix, fields: dict[str, str]) -> Volume:
@@ -205,16 +195,10 @@ def _as_volume(path: Path, array: Numbers, ijk_to_lps: Matrix, fields: dict[str,
 def _as_labels(path: Path, array: Numbers) -> Numbers:
     """Whole numbers; floating-point voxels that are whole but for their rounding become int32."""
     if array.dtype.kind == "f":
-        labels = np.empty(array.shape, np.int32)
-        for k, plane in enumerate(array):
-            whole = np.rint(plane)
-            if not ((np.abs(plane - whole) <= ROUNDED) & (np.abs(whole) < 2**31)).all():
-                text = f"{path}: labels must be whole numbers; got fractions or NaN."
-                if np.nanmax(array) > 1:
-                    raise VolumeFormatError(f"{text} Export them without smoothing, as whole numbers.")
-                raise VolumeFormatError(text, TAKE_AS_PROBABILITY)
-            labels[k] = whole
-        array = labels
+        if not all(((np.abs(plane - np.rint(plane)) <= ROUNDED) & (np.abs(plane) < 2**31)).all() for plane in array):
+            advice = "Export them without smoothing, as whole numbers." if np.nanmax(array) > 1 else TAKE_AS_PROBABILITY
+            raise VolumeFormatError(f"{path}: labels must be whole numbers; got fractions or NaN.", advice)
+        array = np.stack([np.rint(plane).astype(np.int32) for plane in array])
     if array.min() < 0:
         raise VolumeFormatError(f"{path}: labels must not be negative; got {array.min()}.", TAKE_AS_CT)
     return array

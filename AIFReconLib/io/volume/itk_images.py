@@ -22,9 +22,7 @@ def to_sitk(volume: Volume) -> sitk.Image:
     try:
         image = sitk.GetImageFromArray(array)
     except (TypeError, KeyError, RuntimeError) as error:
-        raise GeometryError(
-            f"Input voxels must be of a type that SimpleITK has; got {array.dtype}. Convert the volume to another type."
-        ) from error
+        raise GeometryError(f"Input voxels must be of a type that SimpleITK has; got {array.dtype}. Convert the volume.") from error
     image.SetSpacing(spacing.tolist())
     image.SetDirection((ijk_to_lps[:3, :3] / spacing).ravel().tolist())
     image.SetOrigin(ijk_to_lps[:3, 3].tolist())
@@ -36,10 +34,9 @@ def from_sitk(image: object) -> Volume:
 
     Raises GeometryError when it is another thing: a picture, a series, colors, complex numbers.
     """
-    if not isinstance(image, sitk.Image):
-        raise GeometryError(f"Input image must be a SimpleITK.Image; got {type(image).__name__}.")
-    if image.GetDimension() != 3:
-        raise GeometryError(f"Input image must be a 3D volume; got {image.GetDimension()} dimensions.")
+    if not isinstance(image, sitk.Image) or image.GetDimension() != 3:
+        got = f"{image.GetDimension()} dimensions" if isinstance(image, sitk.Image) else type(image).__name__
+        raise GeometryError(f"Input image must be a SimpleITK.Image of a 3D volume; got {got}.")
     if image.GetNumberOfComponentsPerPixel() != 1 or "complex" in image.GetPixelIDTypeAsString():
         raise GeometryError(f"Input image must have one real number a voxel; got {image.GetPixelIDTypeAsString()}. Take one component.")
     array: Numbers = sitk.GetArrayFromImage(image)
@@ -61,7 +58,7 @@ def array_of(image: sitk.Image) -> Numbers:
     return array
 
 
-def ijk_to_lps(image: sitk.Image) -> Matrix:
+def ijk_to_lps(image: sitk.Image | sitk.ImageFileReader) -> Matrix:
     """Where a 3D image places its voxels, (4, 4), mm."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.array(image.GetDirection()).reshape(3, 3) * np.array(image.GetSpacing())

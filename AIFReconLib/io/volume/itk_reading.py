@@ -16,7 +16,7 @@ import scipy
 import SimpleITK as sitk
 
 from ...arrays import Matrix, Numbers
-from ...errors import FileFormatError, VolumeFormatError
+from ...errors import VolumeFormatError
 from ...geometry.transforms import LPS_FROM_RAS
 from ...machine.memory import available_memory, require_bytes
 from ...message import shorten
@@ -25,7 +25,7 @@ from ..metafile.header import RAW
 from ..metafile.metafile import Metafile
 from ..metafile.opening import METAIMAGE_SUFFIXES, read_metafile
 from ..metafile.payload import check_payload
-from ..metafile.text_values import parse_numbers
+from ..metafile.text_values import NotANumberError, finite_numbers
 from .itk_images import array_of, ijk_to_lps
 
 logger = logging.getLogger(__name__)
@@ -33,11 +33,8 @@ logger = logging.getLogger(__name__)
 FORMS_APART = 0.5
 """mm between the places of a voxel by qform and sform that are worth a note; both are rounded."""
 
-_NIFTI_COPIES = 2
-"""What SimpleITK reads from the file, and the image that it makes of it."""
-
-_PIECE = 2**20
-"""Bytes that are decoded at a time."""
+_NIFTI_TYPES = {2: "u1", 4: "i2", 8: "i4", 16: "f4", 64: "f8", 256: "i1", 512: "u2", 768: "u4", 1024: "i8", 1280: "u8"}
+"""What NIfTI calls the voxels that are single real numbers."""
 
 _UNIT_MM = {1: 1e3, 3: 1e-3}
 """By NIfTI's number of a unit: meters and microns; all others are taken as mm."""
@@ -56,46 +53,48 @@ StoredVolume = tuple[Numbers, Matrix, dict[str, str]]
 """Voxels [k, j, i], or [k, j, i, n] for several values each, their place in LPS (not checked yet, mm), and the file's own fields."""
 
 
-def read_nifti(path: Path) -> StoredVolume:
-    """The volume in a .nii or .nii.gz file.
+def read_nifti(path: Path) -> tuple[Numbers, Matrix]:
+    """The voxels in a .nii or .nii.gz file, and their place in LPS.
 
     Raises VolumeFormatError when it is damaged, or no 3D volume of real numbers; InsufficientMemoryError.
     """
-    header = nifti_header(path, VolumeFormatError)
-    image = _read(path, "NiftiImageIO")
-    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(image), image.GetSize())
-    return array_of(image), ijk_to_lps(image), {}
-
-
-def nifti_header(path: Path, error: type[FileFormatError]) -> dict[str, str]:
-    """What the header says, by SimpleITK's names, if the file is complete: SimpleITK takes what is missing for zeros.
-
-    Raises
-    ------
-    FileFormatError
-        Of the class given.
-    """
     reader = sitk.ImageFileReader()
     reader.SetImageIO("NiftiImageIO")
-    with itk_reads(path, error, "Export the volume again, as NIfTI-1 or .nrrd.") as name:
+    with itk_reads(path, VolumeFormatError, "Export the volume again, as NIfTI-1 or .nrrd.") as name:
         reader.SetFileName(name)
         reader.ReadImageInformation()
-    header = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
-    sizes = [int(header[f"dim[{n}]"]) for n in range(1, int(header["dim[0]"]) + 1)]
-    promised = int(float(header["vox_offset"])) + (math.prod(sizes) * int(header["bitpix"]) + 7) // 8
-    require_bytes(path, _NIFTI_COPIES * promised, available_memory())
-    there = path.stat().st_size
-    if path.suffix.lower() == ".gz":
-        try:
-            with gzip.open(path) as file:
-                there = sum(map(len, iter(lambda: file.read(_PIECE), b"")))
-        except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
-            raise error(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
-    if there < promised:
-        raise error(
-            f"{path}: the voxels are cut short: the header promises {promised} bytes, there are {there}. Copy or export the file again."
-        )
-    return header
+        header = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
+        _require_real(path, reader)
+        voxels = _nifti_voxels(path, reader, header)
+    _note_contradiction(path, header, LPS_FROM_RAS @ ijk_to_lps(reader), reader.GetSize())
+    return voxels, ijk_to_lps(reader)
+
+
+def _nifti_voxels(path: Path, reader: sitk.ImageFileReader, header: dict[str, str]) -> Numbers:
+    """The voxels [k, j, i] of the type and scaled as SimpleITK would: it holds them twice, and takes what is missing for zeros."""
+    stored, sizes = _NIFTI_TYPES.get(int(header["datatype"])), reader.GetSize()
+    if stored is None or (count := reader.GetNumberOfComponents()) != 1:
+        got = "colors" if stored is None else f"{count} each"
+        raise VolumeFormatError(f"{path}: its voxels must be single numbers; got {got}. Export a scalar or label volume.")
+    of_itk = sitk.GetArrayFromImage(sitk.Image((1, 1, 1), reader.GetPixelID())).dtype
+    require_bytes(path, math.prod(sizes) * of_itk.itemsize, available_memory())
+    slope, offset = (float(np.float32(header[key])) for key in ("scl_slope", "scl_inter"))
+    slope, array = slope or 1.0, np.empty(sizes[::-1], of_itk)
+    try:
+        with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
+            little = int.from_bytes(file.read(4), "little") in (348, 540)
+            file.seek(int(float(header["vox_offset"])))
+            for number, plane in enumerate(array):
+                there = file.read(plane.size * int(stored[1]))
+                if len(there) < plane.size * int(stored[1]):
+                    raise EOFError(f"of {len(array)} slices {number} are whole")
+                here = np.frombuffer(there, ("<" if little else ">") + stored).reshape(plane.shape)
+                plane[...] = here if (slope, offset) == (1.0, 0.0) else here * slope + offset
+            while file.read(2**20):
+                pass  # only a file that is decoded to its end is known to be whole
+    except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
+        raise VolumeFormatError(f"{path}: the voxels are cut short or corrupt ({cause}). Copy or export the file again.") from cause
+    return array
 
 
 def read_metafile_volume(path: Path) -> StoredVolume:
@@ -107,9 +106,7 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     is_metaimage = path.suffix.lower() in METAIMAGE_SUFFIXES
     kinds = metafile.kinds or ("domain",) * len(metafile.size)
     if sum(kind in ("domain", "space") for kind in kinds) != 3 or "time" in kinds or len(kinds) > 4:
-        raise metafile.failure(
-            f"it must be one 3D volume; got axes of the kinds {' '.join(kinds)}. If it is a sequence of frames, give it as a sequence."
-        )
+        raise metafile.failure(f"it must be one 3D volume; got axes of the kinds {' '.join(kinds)}. Give a sequence as a sequence.")
     require_bytes(path, metafile.pixel_bytes, available_memory())
     if is_metaimage:
         _check_metaimage(metafile)
@@ -128,11 +125,15 @@ def _read(path: Path, reader: str, *beside: Path) -> sitk.Image:
     with itk_reads(path, VolumeFormatError, "Export the volume again.", *beside) as name:
         # Left to look for a reader itself, it asks others too
         image = sitk.ReadImage(name, imageIO=reader)
+    _require_real(path, image)
+    return image
+
+
+def _require_real(path: Path, image: sitk.Image | sitk.ImageFileReader) -> None:
     if image.GetDimension() != 3:
         raise VolumeFormatError(f"{path}: it must be a 3D volume; got {image.GetDimension()} dimensions. Export one 3D volume.")
-    if "complex" in image.GetPixelIDTypeAsString():
+    if "complex" in sitk.GetPixelIDValueAsString(image.GetPixelID()):
         raise VolumeFormatError(f"{path}: its voxels must be real numbers; got complex ones. Export the magnitude.")
-    return image
 
 
 def _check_metaimage(metafile: Metafile) -> None:
@@ -140,28 +141,22 @@ def _check_metaimage(metafile: Metafile) -> None:
     if metafile.encoding != RAW and not int(metafile.entries.get("CompressedDataSize") or 0):
         raise metafile.failure("CompressedDataSize is missing, without which ITK reads other voxels. Save the volume from Slicer again.")
     for key in _METAIMAGE_NUMBERS.keys() & metafile.entries.keys():
-        text, count = metafile.entries[key], _METAIMAGE_NUMBERS[key]
-        numbers: list[float] = []
-        with contextlib.suppress(ValueError):
-            numbers = parse_numbers(text)
-        if len(numbers) != count or not np.isfinite(numbers).all():
-            raise metafile.failure(f"{key} must be {count} finite numbers; got {shorten(text)!r}. Correct the header.")
-        if key in ("ElementSpacing", "ElementSize") and min(numbers) <= 0:
-            raise metafile.failure(f"{key} must be positive; got {numbers}. Correct the header.")
+        try:
+            numbers = finite_numbers(metafile.entries[key], _METAIMAGE_NUMBERS[key])
+        except NotANumberError as error:
+            raise metafile.failure(f"{key} must be {_METAIMAGE_NUMBERS[key]} finite numbers; {error}. Correct the header.") from error
+        if key in ("ElementSpacing", "ElementSize") and numbers.min() <= 0:
+            raise metafile.failure(f"{key} must be positive; got {metafile.entries[key]}. Correct the header.")
 
 
 def _check_nrrd(metafile: Metafile) -> None:
     """Return if the header says which way the volume lies, where it says a place; a note tells of a frame that is not named."""
     directions, space = metafile.entries.get("space directions"), metafile.entries.get("space")
     if directions is None and {"space origin", "axis mins", "axis maxs"} & metafile.entries.keys():
-        raise metafile.failure(
-            "it has a place but no space directions, so which way it lies is not known. Save the volume from Slicer again."
-        )
+        raise metafile.failure("it has a place but no space directions, so which way it lies is not known. Save it from Slicer again.")
     if directions is not None and directions.count("(") != 3:
-        raise metafile.failure(
-            f"space directions must be a vector for each axis in space, none for others; got {shorten(directions)!r}. Save the volume "
-            "from Slicer again."
-        )
+        must = "space directions must be a vector for each axis in space, none for others"
+        raise metafile.failure(f"{must}; got {shorten(directions)!r}. Save the volume from Slicer again.")
     if not _SPACE.fullmatch(space or ""):
         _note_no_frame(metafile.path, f"says {shorten(space)!r}" if space else "does not say which", "LPS, as ITK does")
 

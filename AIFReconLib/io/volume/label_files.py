@@ -19,11 +19,11 @@ from ...geometry.solid import inside_of_surface
 from ...geometry.transforms import LPS_FROM_RAS, transform_points
 from ...geometry.volume import Volume, VoxelGrid
 from ...message import listed, message_of
-from ...remedies import TAKE_AS_CT
+from ...remedies import CHOOSE_LABELS, TAKE_AS_CT
 from ..disk.regular_files import files_in
 from ..metafile.opening import NRRD_SUFFIXES, read_metafile
 from .files import NIFTI_SUFFIXES, READABLE_SUFFIXES, label_volume, suffix_of
-from .label_names import SOFT, ask_for_bones, bone_name, kind_of, mixed, name_by_code, out_of_order, with_known_names
+from .label_names import SOFT, bone_name, kind_of, mixed, name_by_code, out_of_order, some, with_known_names
 from .models import MODEL_SUFFIXES, RAS, read_model
 
 LABEL_SUFFIXES = (*READABLE_SUFFIXES, *MODEL_SUFFIXES)
@@ -73,17 +73,17 @@ def read_labels(
         When none of the labels is of that name, or neither names nor numbers tell which are bone.
     """
     given = [Path(path)] if isinstance(path, str | Path) else [Path(one) for one in path]
-    files = [file for one in given for file in (_within(one) if one.is_dir() else [one])]
+    inside = {one: [file for file in files_in(one) if suffix_of(file) in LABEL_SUFFIXES] for one in given if one.is_dir()}
+    files = [file for one in given for file in inside.get(one, [one])]
+    for folder in (folder for folder, found in inside.items() if not found):
+        raise VolumeFormatError(f"{folder}: it holds no labels. Give a folder of masks or models ({listed(LABEL_SUFFIXES)}).")
     if not files:
         raise VolumeFormatError("No file of labels was given. Name one, several or a folder.")
     if files == given and len(files) == 1 and suffix_of(files[0]) not in MODEL_SUFFIXES:
         found = _known(files[0], _labels_in(files[0]), labels)
     else:
         found = _masks(files, labels, space, unit)
-    if not labels and not found.array.any():
-        return found
-    doubt = out_of_order(found)
-    return found if doubt is None else replace(found, notes=(*found.notes, doubt))
+    return replace(found, notes=(*found.notes, *out_of_order(found)))
 
 
 def _known(file: Path, labels: Labels, choice: str | None) -> Labels:
@@ -103,37 +103,20 @@ def read_label_names(path: str | Path) -> dict[int, str]:
     path = Path(path)
     if suffix_of(path) in NIFTI_SUFFIXES:
         return _nifti_names(path)
-    if suffix_of(path) not in NRRD_SUFFIXES:
-        return {}
-    fields = read_metafile(path, VolumeFormatError).fields
+    fields = read_metafile(path, VolumeFormatError).fields if suffix_of(path) in NRRD_SUFFIXES else {}
     segments = [key.removesuffix("_Name") for key in fields if re.fullmatch(r"Segment\d+_Name", key)]
     if any(fields.get(f"{segment}_Layer", "0").strip() != "0" for segment in segments):
         return {}  # of several layers `read_labels` keeps no numbers
     numbers = {segment: fields.get(f"{segment}_LabelValue", "").strip() for segment in segments}
-    return {
-        int(number): name_by_code(fields[f"{segment}_Name"], fields.get(f"{segment}_Tags", ""))
-        for segment, number in numbers.items()
-        if re.fullmatch("[0-9]{1,20}", number)  # no voxel can hold a longer one
-    }
+    known = {segment: int(number) for segment, number in numbers.items() if re.fullmatch("[0-9]{1,20}", number)}
+    return {number: name_by_code(fields[f"{each}_Name"], fields.get(f"{each}_Tags", "")) for each, number in known.items()}
 
 
 def _nifti_names(path: Path) -> dict[int, str]:
-    """The table of labels in the extension of a NIfTI header, between the header and the voxels."""
-    try:
-        with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
-            head = file.read(1 << 17)
-    except (OSError, EOFError):
-        return {}
-    found = re.findall(rb'<Label Key="(\d{1,9})"[^>]*><!\[CDATA\[([^\]]{1,200})\]\]>', head)
+    """The table of labels in the extension of a NIfTI header, between the header and the voxels, of a file that was read."""
+    with gzip.open(path) if path.suffix.lower() == ".gz" else open(path, "rb") as file:
+        found = re.findall(rb'<Label Key="(\d{1,9})"[^>]*><!\[CDATA\[([^\]]{1,200})\]\]>', file.read(1 << 17))
     return {int(number): name.decode("utf-8", "replace") for number, name in found}
-
-
-def _within(folder: Path) -> list[Path]:
-    """The files of labels in a folder, in the order of their names."""
-    found = [file for file in files_in(folder) if suffix_of(file) in LABEL_SUFFIXES]
-    if not found:
-        raise VolumeFormatError(f"{folder}: it holds no labels. Give a folder of masks or models ({listed(LABEL_SUFFIXES)}).")
-    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,16 +135,15 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
     names = {file: file.name[: -len(suffix_of(file))].removesuffix(".seg") for file in files}
     no_bone = [] if choice else [file for file in files if kind_of(names[file]) == SOFT]
     if no_bone:
-        told = listed(names[file] for file in no_bone[:6]) + (", ..." if len(no_bone) > 6 else "")
-        notes.append(f"{len(no_bone)} files are no bone by their names and left out: {told}.")
+        notes.append(f"{len(no_bone)} files are no bone by their names and left out: {some([names[file] for file in no_bone])}.")
     guessed = False
     single: dict[Path, _Bone] = {}
     many: list[tuple[Path, Labels]] = []
     for file in (file for file in files if file not in no_bone):
         name = bone_name(names[file])
         if suffix_of(file) in MODEL_SUFFIXES:
-            single[file], is_known = _of_model(file, name, space, unit)
-            guessed |= not is_known
+            single[file], is_guess = _of_model(file, name, space, unit)
+            guessed |= is_guess
             continue
         try:
             labels = _labels_in(file)
@@ -174,9 +156,9 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
             many.append((file, labels))
         elif labels.boxes:
             single[file] = _of_mask(labels, name, next(iter(labels.boxes)))
-    unknown = [] if choice else mixed(names[file] for file in single)
-    if unknown:
-        raise ask_for_bones(f"{files[0].parent}: its files {listed(unknown[:6])} may be bone or not; their names do not tell.")
+    if not choice and (unknown := mixed(names[file] for file in single)):
+        told = f"{files[0].parent}: its files {some(unknown)} may be bone or not; their names do not tell."
+        raise GeometryError(told, CHOOSE_LABELS)
     if len(many) == 1 and not single:
         found = _known(*many[0], choice)
         return replace(found, notes=(*notes, *found.notes))
@@ -186,8 +168,7 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
         notes += known.notes
         bones += [(file, _of_mask(known, known.names.get(number, f"{names[file]} {number}"), number)) for number in known.boxes]
     if not bones:
-        others = f"; left out by their names are {listed(names[file] for file in no_bone[:6])}" if no_bone else ""
-        raise VolumeFormatError(f"{files[0].parent}: no mask of a bone has voxels above 0{others}. Give the folder that holds the bones.")
+        raise VolumeFormatError(" ".join([f"{files[0].parent}: no mask of a bone has voxels above 0. Give the folder of bones.", *notes]))
     grid = _common_grid([bone for _, bone in bones])
     array = np.zeros(grid.shape, np.uint8 if len(bones) < 256 else np.uint16)
     called: dict[int, str] = {}
@@ -196,9 +177,9 @@ def _masks(files: list[Path], choice: str | None, space: str | None, unit: str |
         mask = bone.on(grid)
         if np.count_nonzero(array[mask]) * 2 > np.count_nonzero(mask):
             twice[file.name] += 1
-            continue
-        called[len(called) + 1] = bone.name
-        array[mask & (array == 0)] = len(called)
+        else:
+            called[len(called) + 1] = bone.name
+            array[mask & (array == 0)] = len(called)
     notes += [f"{count} bones of {name} lie where other files have theirs, and are left out." for name, count in twice.items()]
     if guessed:
         notes.append(f"{SPACE_UNKNOWN}LPS, as Slicer takes it.")
@@ -228,7 +209,7 @@ def _of_mask(labels: Labels, name: str, number: int) -> _Bone:
 
 
 def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tuple[_Bone, bool]:
-    """A model, and whether it is known what its coordinates are in."""
+    """A model, and whether it is a guess what its coordinates are in."""
     model = read_model(file, unit)
     stated = model.space or space
     points = model.points if stated == RAS else transform_points(LPS_FROM_RAS, model.points)
@@ -239,7 +220,7 @@ def _of_model(file: Path, name: str, space: str | None, unit: str | None) -> tup
         except GeometryError as error:
             raise VolumeFormatError(f"{file}: {error} Export the closed surface of the bone.") from error
 
-    return _Bone(name, points[model.triangles.ravel()], on), stated is not None
+    return _Bone(name, points[model.triangles.ravel()], on), stated is None
 
 
 def _common_grid(bones: list[_Bone]) -> VoxelGrid:
@@ -269,20 +250,19 @@ def doubts(labels: Labels, ct: Volume | None = None) -> list[str]:
         share = np.count_nonzero(mask) / labels.array.size
         coarse = np.pad(mask[tuple(slice(None, None, int(n)) for n in steps)], 1)
         depth = float(scipy.ndimage.distance_transform_edt(coarse, labels.spacing[::-1] * steps).max())
-        dense = None if ct is None else _dense(mask, box, labels, ct)
-        if dense is not None and dense < LEAST_HU:
-            found.append(f"{labels.called(number)} is soft in the CT: nine tenths of it are below {dense:.0f} HU.")
-        elif depth > DEEPEST:
-            found.append(f"{labels.called(number)} is {2 * depth:.0f} mm thick and fills {share:.0%} of the volume.")
-        elif share > LARGEST_SHARE:
-            found.append(f"{labels.called(number)} fills {share:.0%} of the volume.")
-    return [f"{doubt} Is it bone?" for doubt in found]
+        dense = np.inf if ct is None else _dense(mask, box, labels, ct)
+        if dense < LEAST_HU:
+            found.append(f"{labels.called(number)} is soft in the CT: nine tenths of it are below {dense:.0f} HU. Is it bone?")
+        elif depth > DEEPEST or share > LARGEST_SHARE:
+            size = f"is {2 * depth:.0f} mm thick and fills {share:.0%} of the volume"
+            found.append(f"{labels.called(number)} {size}. Is it bone?")
+    return found
 
 
-def _dense(mask: Mask, box: tuple[slice, ...], labels: Labels, ct: Volume) -> float | None:
-    """The HU that nine tenths of a label's voxels are below; None where the CT does not reach it."""
+def _dense(mask: Mask, box: tuple[slice, ...], labels: Labels, ct: Volume) -> float:
+    """The HU that nine tenths of a label's voxels are below; infinite where the CT does not reach it."""
     kji = np.argwhere(mask)
     kji = kji[:: max(len(kji) // 20000, 1)] + [part.start for part in box]
     ijk = np.rint(transform_points(ct.grid.reference_to_ijk @ labels.ijk_to_reference, kji[:, ::-1].astype(np.float64))).astype(int)
     ijk = ijk[((ijk >= 0) & (ijk < ct.grid.size)).all(axis=1)]
-    return float(np.percentile(ct.array[ijk[:, 2], ijk[:, 1], ijk[:, 0]], 90)) if len(ijk) else None
+    return float(np.percentile(ct.array[ijk[:, 2], ijk[:, 1], ijk[:, 0]], 90)) if len(ijk) else np.inf

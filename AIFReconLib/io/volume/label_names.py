@@ -11,7 +11,6 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -46,10 +45,7 @@ _LEVELS = [f"{letter}{n}" for letter, last in (("C", 7), ("T", 13), ("L", 6), ("
 _LEVEL = re.compile(r"(?<![A-Za-z0-9])(C|Th?|L|S)(\d{1,2})(?![A-Za-z0-9])", re.IGNORECASE)
 
 
-@cache
-def _tables() -> dict[str, Any]:
-    tables: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
-    return tables
+_TABLES: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").read_text("utf-8"))
 
 
 class _Program(NamedTuple):
@@ -61,9 +57,7 @@ class _Program(NamedTuple):
     marks: list[int]  #: Numbers that are in all of its files
 
 
-@cache
-def _programs() -> tuple[_Program, ...]:
-    return tuple(_Program(**{**each, "labels": {int(n): name for n, name in each["labels"].items()}}) for each in _tables()["programs"])
+_PROGRAMS = [_Program(**{**each, "labels": {int(n): name for n, name in each["labels"].items()}}) for each in _TABLES["programs"]]
 
 
 def _levels(names: Mapping[int, str]) -> dict[int, int]:
@@ -95,9 +89,9 @@ def bone_name(name: str) -> str:
 def kind_of(name: str) -> str | None:
     """BONE or SOFT by the whole words of a name; None where it tells neither."""
     words = {word.lower() for word in re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", name)}
-    if words & set(_tables()[SOFT]):
+    if words & set(_TABLES[SOFT]):
         return SOFT
-    return BONE if words & set(_tables()[BONE]) or _LEVEL.search(name.replace("_", " ")) else None
+    return BONE if words & set(_TABLES[BONE]) or _LEVEL.search(name.replace("_", " ")) else None
 
 
 def name_by_code(name: str, tags: str) -> str:
@@ -105,13 +99,8 @@ def name_by_code(name: str, tags: str) -> str:
     found = re.search(r"TerminologyEntry:[^~|]*~[^~|]*~[^~^|]*\^([^~^|]*)\^([^~^|]*)", tags)
     if found is None or kind_of(name) is not None:
         return name
-    meaning: str = _tables()["codes"].get(found[1], found[2])
+    meaning: str = _TABLES["codes"].get(found[1], found[2])
     return meaning if kind_of(meaning) is not None else name
-
-
-def ask_for_bones(what: str) -> GeometryError:
-    """The question which labels are bone, after a sentence that says why."""
-    return GeometryError(what, CHOOSE_LABELS)
 
 
 def with_known_names(labels: Labels, choice: str | None = None, file: str = "") -> Labels:
@@ -132,21 +121,26 @@ def with_known_names(labels: Labels, choice: str | None = None, file: str = "") 
     soft = [n for n in there if SOFT in kinds[n] and BONE not in kinds[n]]
     unknown = [n for n in there if n not in (*bones, *soft)] if bones or programs else []
     if unknown:
-        raise ask_for_bones(f"Labels {_told(labels, unknown)} may be bone or not: neither their names nor their numbers tell.")
+        raise GeometryError(f"Labels {_told(labels, unknown)} may be bone or not: neither names nor numbers tell.", CHOOSE_LABELS)
     called = {n: {bone_name(names.get(n, "")) for names in readings} for n in there if n not in soft}
     named = replace(labels, names={n: next(iter(names)) for n, names in called.items() if len(names) == 1 and "" not in names})
     if not soft:
         return named
     by = f"the numbers of {programs[0].name}" if programs else "their names"
     if len(soft) == len(there):
-        raise ask_for_bones(f"None of its labels is bone by {by}: {_told(labels, soft)}.")
+        raise GeometryError(f"None of its labels is bone by {by}: {_told(labels, soft)}.", CHOOSE_LABELS)
     some = f"{len(soft)} labels are" if len(soft) > 1 else "1 label is"
     return named.only(called.keys(), f"{some} no bone by {by} and left out: {_told(labels, soft)}.")
 
 
 def _told(labels: Labels, numbers: Sequence[int]) -> str:
     """Some labels in words."""
-    return listed([labels.names.get(n, str(n)) for n in numbers[:6]]) + (", ..." if len(numbers) > 6 else "")
+    return some([labels.names.get(n, n) for n in numbers])
+
+
+def some(names: Sequence[object]) -> str:
+    """The first of several things, in words."""
+    return listed([*names[:6], *["..."] * (len(names) > 6)])
 
 
 def _chosen(labels: Labels, readings: Sequence[Mapping[int, str]], choice: str) -> Labels:
@@ -159,7 +153,8 @@ def _chosen(labels: Labels, readings: Sequence[Mapping[int, str]], choice: str) 
     if not found:
         return named[0].chosen(choice)  # which says why not
     if any(set(each.boxes) != set(found[0].boxes) for each in found):
-        raise ask_for_bones(f"The labels called {choice} differ between the programs whose numbers these can be. Give numbers.")
+        told = f"The labels called {choice} differ between the programs whose numbers these can be. Give numbers."
+        raise GeometryError(told, CHOOSE_LABELS)
     return found[0]
 
 
@@ -168,7 +163,7 @@ def _programs_of(labels: Labels, there: Sequence[int], file: str, must: bool) ->
 
     Raises GeometryError where they `must` be known, are of no known program, and no user counts so.
     """
-    known = [program for program in _programs() if set(program.marks) <= set(there) <= program.labels.keys()]
+    known = [program for program in _PROGRAMS if set(program.marks) <= set(there) <= program.labels.keys()]
     by_file = [program for program in known if any(word in file.lower() for word in program.files)]
     own = [*there] == [*range(1, len(there) + 1)] and len(there) < OWN_NUMBERS
     if not by_file and (own or not there):
@@ -183,8 +178,8 @@ def _programs_of(labels: Labels, there: Sequence[int], file: str, must: bool) ->
     marked = [program for program in known if program.marks and not _levels(program.labels)]
     alone = [program for program in known if len(_levels(program.labels).keys() & set(there)) == 1]
     if must and not (marked or by_file or alone) and len(there) > 1:
-        numbers = listed(map(str, there[:8])) + (", ..." if len(there) > 8 else "")
-        raise ask_for_bones(f"What its labels {numbers} are is not said, and they are not numbered as a known program does.")
+        told = f"What its labels {_told(labels, there)} are is not said, and they are not numbered as a known program does."
+        raise GeometryError(told, CHOOSE_LABELS)
     return marked or by_file or alone
 
 
@@ -197,17 +192,16 @@ def _centers(labels: Labels) -> dict[int, Floats]:
     return dict(zip(numbers.tolist(), transform_points(labels.ijk_to_reference, middle[:, ::-1]), strict=True))
 
 
-def out_of_order(labels: Labels) -> str | None:
+def out_of_order(labels: Labels) -> list[str]:
     """A doubt where vertebrae do not lie in the order of their names, along the labels' axis toward the head."""
     centers = _centers(labels)
     known = sorted((place, n) for n, place in _levels(labels.names).items() if n in centers)
-    for (_, upper), (_, lower) in pairwise(known):
-        if centers[lower][2] > centers[upper][2] + LEAST_STEP:
-            return f"{labels.called(lower)} lies above {labels.called(upper)}: the names, or the axes of the labels, may be wrong."
-    return None
+    wrong = ((lower, upper) for (_, upper), (_, lower) in pairwise(known) if centers[lower][2] > centers[upper][2] + LEAST_STEP)
+    told = "the names, or the axes of the labels, may be wrong."
+    return [f"{labels.called(lower)} lies above {labels.called(upper)}: {told}" for lower, upper in wrong][:1]
 
 
 def mixed(names: Iterable[str]) -> list[str]:
     """Names that tell neither bone nor soft tissue, where others tell bone."""
     kinds = {name: kind_of(name) for name in names}
-    return [name for name, kind in kinds.items() if kind is None] if BONE in kinds.values() else []
+    return [name for name, kind in kinds.items() if kind is None and BONE in kinds.values()]

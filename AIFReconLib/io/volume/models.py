@@ -72,15 +72,10 @@ def read_model(path: Path, unit: str | None = None) -> SurfaceModel:
     points, triangles = _triangles(path, surface)
     across = float(np.ptp(points, axis=0).max())
     if unit is None and not SMALLEST <= across <= LARGEST:
-        sizes = [
-            f"in {_IN_WORDS.get(name, name)} it would be {across * mm:.3g} mm"
-            for name, mm in UNITS.items()
-            if SMALLEST <= across * mm <= LARGEST_BONE
-        ]
-        raise VolumeFormatError(
-            f"{path}: it is {across:.3g} across, which is hardly bone in mm{''.join(f'; {size}' for size in sizes)}.",
-            "Say with {bone_unit} what it is in (mm, cm, m or in), or export it in mm.",
-        )
+        likely = {name: across * mm for name, mm in UNITS.items() if SMALLEST <= across * mm <= LARGEST_BONE}
+        sizes = "".join(f"; in {_IN_WORDS.get(name, name)} it would be {size:.3g} mm" for name, size in likely.items())
+        told = f"{path}: it is {across:.3g} across, which is hardly bone in mm{sizes}."
+        raise VolumeFormatError(told, "Say with {bone_unit} what it is in (mm, cm, m or in), or export it in mm.")
     return SurfaceModel(points * UNITS[unit or "mm"], triangles, stated)
 
 
@@ -126,12 +121,9 @@ def _by_vtk(path: Path) -> tuple[vtkPolyData, str | None]:
         surface = reader.GetOutput()
         if told() or surface is None or reader.GetErrorCode():
             raise _unreadable(path)
-    field = surface.GetFieldData().GetAbstractArray("SPACE")
-    if isinstance(field, vtkStringArray):
-        return surface, _space_in(" ".join(field.GetValue(n) for n in range(field.GetNumberOfValues())))
-    if suffix == ".ply":
-        comments = reader.GetComments()
-        return surface, _space_in("\n".join(comments.GetValue(n) for n in range(comments.GetNumberOfValues())))
+    texts = reader.GetComments() if suffix == ".ply" else surface.GetFieldData().GetAbstractArray("SPACE")
+    if isinstance(texts, vtkStringArray):
+        return surface, _space_in("\n".join(map(texts.GetValue, range(texts.GetNumberOfValues()))))
     stated = {".obj": "GetComment", ".vtk": "GetHeader"}.get(suffix)
     return surface, _space_in(getattr(reader, stated)() or "") if stated else None
 
@@ -156,12 +148,10 @@ def _triangles(path: Path, surface: vtkPolyData) -> tuple[Floats, Integers]:
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkCleanPolyData, vtkPolyDataNormals, vtkTriangleFilter
 
-    for cells in (surface.GetPolys(), surface.GetStrips()):
-        places = vtk_to_numpy(cells.GetConnectivityArray())
-        if len(places) and not 0 <= places.min() <= places.max() < surface.GetNumberOfPoints():
-            raise VolumeFormatError(f"{path}: its points are not all there. Export the model again.")
-    if surface.GetNumberOfPoints() and not np.isfinite(vtk_to_numpy(surface.GetPoints().GetData())).all():
-        raise VolumeFormatError(f"{path}: its points are no numbers. Export the model again.")
+    count = surface.GetNumberOfPoints()
+    corners = np.concatenate([vtk_to_numpy(cells.GetConnectivityArray()) for cells in (surface.GetPolys(), surface.GetStrips())])
+    if not ((corners >= 0) & (corners < count)).all() or (count and not np.isfinite(vtk_to_numpy(surface.GetPoints().GetData())).all()):
+        raise VolumeFormatError(f"{path}: its points are not all there, or no numbers. Export the model again.")
     split, joined, alike = vtkTriangleFilter(), vtkCleanPolyData(), vtkPolyDataNormals()
     split.PassVertsOff()
     split.PassLinesOff()

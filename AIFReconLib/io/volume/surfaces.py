@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arrays import Floats, Numbers
+from ...arrays import Numbers
 from ...errors import OutputError
 from ...geometry.level_surface import padded_image, triangles_of
 from ...geometry.transforms import transform_points
@@ -98,10 +98,7 @@ def polydata(points: Numbers, cells: Numbers) -> vtkPolyData:
     places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
     members.SetData(cells.shape[1], numpy_to_vtkIdTypeArray(cells.astype(np.int64).ravel(), deep=True))
     surface.SetPoints(places)
-    if cells.shape[1] == 3:
-        surface.SetPolys(members)
-    else:
-        surface.SetVerts(members)
+    (surface.SetPolys if cells.shape[1] == 3 else surface.SetVerts)(members)
     return surface
 
 
@@ -123,12 +120,6 @@ def write_labels_surface(labels: Volume, path: str | Path) -> None:
     preservation of sharp boundaries, Journal of Computer Graphics Techniques 11(1)) and are smoothed by at most half a voxel.
     """
     check_surface_path(path)
-    points, triangles, label = _surface_nets(labels)
-    write_surface(path, points, triangles, label=label)
-
-
-def _surface_nets(labels: Volume) -> tuple[Floats, Numbers, Numbers]:
-    """Points (n, 3) in Reference, triangles (m, 3), and the label at each point (n,)."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkSurfaceNets3D
 
@@ -147,12 +138,11 @@ def _surface_nets(labels: Volume) -> tuple[Floats, Numbers, Numbers]:
     nets.Update()
     surface = nets.GetOutput()
     ijk, triangles = triangles_of(surface)
-    if not len(triangles):
-        return ijk, triangles, np.empty(0, np.int32)
-    sides = vtk_to_numpy(surface.GetCellData().GetScalars()).astype(np.int32)
-    # Each triangle has a label on either side; the one that is not nothing owns it, where two meet the higher one
     owner = np.zeros(len(ijk), np.int32)
-    np.maximum.at(owner, triangles.ravel(), np.repeat(sides.max(1), 3))
+    if len(triangles):
+        sides = vtk_to_numpy(surface.GetCellData().GetScalars()).astype(np.int32)
+        # Each triangle has a label on either side; the one that is not nothing owns it, where two meet the higher one
+        np.maximum.at(owner, triangles.ravel(), np.repeat(sides.max(1), 3))
     if np.linalg.det(labels.ijk_to_reference[:3, :3]) < 0:
         triangles = triangles[:, ::-1]
-    return transform_points(labels.ijk_to_reference, ijk.astype(float)), triangles, owner
+    write_surface(path, transform_points(labels.ijk_to_reference, ijk.astype(float)), triangles, label=owner)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -87,7 +88,7 @@ class ImagePlacement:
         self._configured = configuration.transforms
         self._named = image_to_reference
         self.wanted, _ = chain_ends(configuration, image_to_reference, reference)
-        self._ways: dict[tuple[str, str, frozenset[TransformName], str | None], Ways | TransformError] = {}
+        self._look_up = lru_cache(100)(self._looked_up)
         self._first: dict[TransformName, Matrix] = {}
         self._moving: set[TransformName] = set()
 
@@ -212,16 +213,11 @@ class ImagePlacement:
         found = self._look_up(source, target, names, named)
         return found if isinstance(found, Ways) else None
 
-    def _look_up(self, source: str, target: str, names: frozenset[TransformName], named: str | None) -> Ways | TransformError:
-        key = (source, target, names, named)
-        if key not in self._ways:
-            if len(self._ways) > 100:
-                self._ways.clear()
-            try:
-                self._ways[key] = image_ways(TransformName(source, target), named, sorted(names, key=str), self._static(names))
-            except TransformError as error:
-                self._ways[key] = error
-        return self._ways[key]
+    def _looked_up(self, source: str, target: str, names: frozenset[TransformName], named: str | None) -> Ways | TransformError:
+        try:
+            return image_ways(TransformName(source, target), named, sorted(names, key=str), self._static(names))
+        except TransformError as error:
+            return error
 
     def _static(self, names: Iterable[TransformName]) -> dict[TransformName, TransformSample]:
         """The configuration's transforms but for those that are sent, whichever way round."""
@@ -240,7 +236,7 @@ class ImagePlacement:
         ways = self._look_up(source, target, frozenset(transforms), named)
         if isinstance(ways, TransformError):
             self._tell(message_of(ways), transforms)
-            return None, f"no transform leads from {source} to {target}", transforms
+            return None, f"nothing says where {source} lies in {target}", transforms
         if not transforms.keys() & set(ways.names):
             self._tell(f"By the configuration alone {source} is fixed to {target}, so all images would lie in one plane.", transforms)
             return None, f"{source} is fixed to {target}", transforms

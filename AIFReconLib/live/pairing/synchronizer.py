@@ -121,17 +121,21 @@ class Synchronizer:
         by_image = given.time_offset == 0.0 and "," not in (given.image_to_reference or "")
         configuration = configuration or NO_CONFIGURATION
         self._placement = ImagePlacement(configuration, given.image_to_reference, given.reference, by_image, given.trust_image_pose)
-        self._histories: dict[TransformName, PoseHistory] = {}
-        self._expected: frozenset[TransformName] = frozenset()
         self._waiting: deque[_Waiting] = deque()
         self._arrival = self._image_arrival = 0
+        self._whole: dict[str | TransformName, float] = {}
+        self._known_times: deque[float] = deque(maxlen=REMEMBERED_TIMES)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Nothing is known of the server."""
+        self._histories: dict[TransformName, PoseHistory] = {}
+        self._expected: frozenset[TransformName] = frozenset()
         self._image_time: float | None = None
         self._decided_time: float | None = None
         self._lesser: set[TransformName] = set()
         self._stamps: dict[str | TransformName, float] = {}
-        self._whole: dict[str | TransformName, float] = {}
-        self._known_times: deque[float] = deque(maxlen=REMEMBERED_TIMES)
-        self._times_before: frozenset[float] = frozenset()
+        self._times_before = frozenset(self._known_times)
 
     @property
     def reference(self) -> str:
@@ -186,19 +190,12 @@ class Synchronizer:
 
     def flush(self) -> list[LiveFrame]:
         """Decide every waiting image as it stands: the stream is over."""
-        frames = [frame for waiting in self._waiting if (frame := self._decide(waiting, True)) is not None]
-        self._waiting.clear()
-        return frames
+        return self.expire(math.inf)
 
     def _start_over(self) -> list[LiveFrame]:
         """A new connection: what was learned of the server no longer holds."""
         frames = self.flush()
-        self._histories.clear()
-        self._lesser.clear()
-        self._stamps.clear()
-        self._expected = frozenset()
-        self._image_time = self._decided_time = None
-        self._times_before = frozenset(self._known_times)
+        self._begin()
         return frames
 
     def _take_image(self, message: ImageMessage) -> list[LiveFrame]:

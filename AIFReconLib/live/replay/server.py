@@ -6,7 +6,6 @@ import asyncio
 import errno
 import logging
 import socket
-import sys
 import threading
 import time
 from collections.abc import Sequence
@@ -323,29 +322,16 @@ def _listen(host: str, port: int) -> socket.socket:
     Raises LiveConnectionError when there can be none.
     """
     try:
-        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-    except (OSError, UnicodeError):
+        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        return socket.create_server(address[:2], family=family)
+    except (socket.gaierror, UnicodeError):
         raise LiveConnectionError(f"Host {host!r} cannot be found. Give 127.0.0.1, 0.0.0.0 or an address of this machine.") from None
-    listener = socket.socket(family, kind, protocol)
-    try:
-        # Elsewhere this frees a port that a server has just left; on Windows it would let two servers share one
-        if sys.platform == "win32":
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
-        else:
-            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(address)
-        listener.listen()
     except OSError as error:
-        listener.close()
-        raise LiveConnectionError(_why_not_served(error, host, port)) from None
-    return listener
-
-
-def _why_not_served(error: OSError, host: str, port: int) -> str:
-    if error.errno == errno.EADDRINUSE:
-        return f"Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes any free one)."
-    if error.errno == errno.EADDRNOTAVAIL:
-        return f"{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses."
-    if error.errno == errno.EACCES:
-        return f"Port {port} needs special rights. Choose one above 1023; Plus uses {PLUS_PORT}."
-    return f"Port {port} on {host} cannot be served ({error.strerror}). Choose another port."
+        why = {
+            errno.EADDRINUSE: f"Port {port} is in use by another program, perhaps a PlusServer. Stop it, or choose another port (0 takes "
+            "any free one).",
+            errno.EADDRNOTAVAIL: f"{host} is no address of this machine. Give 127.0.0.1, 0.0.0.0 or one of its addresses.",
+            errno.EACCES: f"Port {port} needs special rights. Choose one above 1023; Plus uses {PLUS_PORT}.",
+        }
+        other = f"Port {port} on {host} cannot be served ({error.strerror}). Choose another port."
+        raise LiveConnectionError(why.get(error.errno or 0, other)) from None

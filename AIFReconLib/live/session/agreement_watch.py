@@ -32,13 +32,10 @@ class _LiveState:
         None while they have shown too little bone.
     has_fallen : bool
         CT and patient agreed in this scan and do so no longer.
-    problem : str or None
-        Why nothing can be told.
     """
 
     agreement: Agreement | None = None
     has_fallen: bool = False
-    problem: str | None = None
 
 
 class AgreementWatch(Watch):
@@ -70,7 +67,8 @@ class AgreementWatch(Watch):
         return recent if has_fallen and len(seen) < len(recent) else seen
 
     def _tell_problem(self, problem: str) -> None:
-        self.state = _LiveState(None, self.state.has_fallen, problem)
+        super()._tell_problem(problem)
+        self.state = _LiveState(None, self.state.has_fallen)
 
     def _move(self, labels_to_reference: Floats) -> None:
         self._labels_to_reference = labels_to_reference
@@ -94,4 +92,4 @@ class AgreementWatch(Watch):
         agreement, has_fallen = live.agreement(), live.has_fallen()
         # What was seen before is of a patient who lay elsewhere
         self._echoes = ([] if has_fallen and not self.state.has_fallen else scan), live.echoes()
-        self.state = _LiveState(agreement, has_fallen)
+        self.state, self.problem = _LiveState(agreement, has_fallen), None

@@ -51,8 +51,6 @@ class BoneWatch(Watch):
         In which bone was looked for, or for which a prediction came.
     unmatched : int
         Predictions that belong to no frame.
-    problem : str or None
-        Why nothing, or no more, is known.
 
     Notes
     -----
@@ -78,7 +76,6 @@ class BoneWatch(Watch):
         self._waiting: list[ImageMessage] = []
         self._full = 1.0
         self.frames = self.unmatched = 0
-        self.problem: str | None = None
         self._spreading = _Spreading(session, bone, self._tell_problem)
         self._start()
 
@@ -97,9 +94,6 @@ class BoneWatch(Watch):
         if recorder is not None and wait_for_it:
             self.recorded = recorder.finish()
             self.problem = recorder.failure or self.problem
-
-    def _tell_problem(self, problem: str) -> None:
-        self.problem = problem
 
     def _breathe(self) -> bool:
         """Wait for a frame, unless one has come meanwhile; where insertion is behind, rest as others do. False when the end has come."""

@@ -115,7 +115,7 @@ class MotionWatch(Watch):
                 self._found[number] = self._echoes_of(imaging, frames[number], number)
                 yield number / len(frames), "Looking for bone in the sweep"
         echoes = SweepEchoes.joined(list(self._found.values()))
-        passes = Passes(np.where(numbers < finished, numbers, -1), times)
+        passes = Passes(np.where(numbers < finished, numbers, -1), times, poses)
         sure = echoes[(echoes.scores >= LEAST_SCORE) & (passes.numbers[echoes.frames] >= 0)]
         if len(sure) < FEWEST:
             return

@@ -21,7 +21,6 @@ from ...sweep.multi_sweep import JoinedImages
 from ...sweep.poses import SweepPoses
 from ..pairing.pose_history import LARGEST_SPEED
 from ..pairing.synchronizer import LiveFrame
-from .statistics import FrameCounters
 
 SCOUTED = "seen while scouting"
 
@@ -43,15 +42,15 @@ class ScoutedFrames:
 
     def __init__(self) -> None:
         self.usable = 0
-        self._kept: list[tuple[LiveFrame, FrameCounters]] = []
-        self._others: dict[tuple[str, FrameCounters], array[int]] = {}
+        self._kept: list[LiveFrame] = []
+        self._others: dict[str, array[int]] = {}
         self._poses: list[Matrix] = []
         self._times: list[tuple[float, float]] = []
         self.notes: tuple[str, ...] = ()
         self._left = MOST_BYTES
 
-    def add(self, frame: LiveFrame, meter: FrameCounters) -> None:
-        """Keep a frame, and what it is counted by."""
+    def add(self, frame: LiveFrame) -> None:
+        """Keep a frame."""
         if frame.status == "OK":
             image, image_to_reference = frame.placed()
             self.usable += 1
@@ -59,11 +58,11 @@ class ScoutedFrames:
             self._times.append((frame.timestamp, frame.received))
             self._left -= image.nbytes
         if frame.status == "OK" and self._left >= 0:
-            self._kept.append((frame, meter))
+            self._kept.append(frame)
         else:
             # Hours may pass before there is a volume, so only their numbers are kept
             status = SCOUTED if frame.status == "OK" else frame.status
-            self._others.setdefault((status, meter), array("q")).append(frame.number)
+            self._others.setdefault(status, array("q")).append(frame.number)
 
     def _reachable(self, middles: Floats) -> list[int]:
         """Numbers of the poses of which each can be reached from the one before; of several such tracks, the longest. Middles are in mm."""
@@ -81,11 +80,10 @@ class ScoutedFrames:
         elapsed = min(max(abs(stamped_now - stamped), received_now - received), LONGEST_REACH)
         return distance <= FARTHEST_STEP + LARGEST_SPEED * elapsed
 
-    def __iter__(self) -> Iterator[tuple[LiveFrame, FrameCounters]]:
-        """Every frame and what it is counted by: first those without an image, by reason, then the usable ones in order of arrival."""
-        for (status, meter), numbers in self._others.items():
-            for number in numbers:
-                yield LiveFrame(None, None, status=status, number=number), meter
+    def __iter__(self) -> Iterator[LiveFrame]:
+        """Every frame: first those without an image, by reason, then the usable ones in order of arrival."""
+        for status, numbers in self._others.items():
+            yield from (LiveFrame(None, None, status=status, number=number) for number in numbers)
         yield from self._kept
 
     def clear(self) -> None:
@@ -98,7 +96,7 @@ class ScoutedFrames:
 
         Raises NoUsableFramesError when there is none.
         """
-        placed = [(*frame.placed(), frame.timestamp) for frame, _ in self._kept]
+        placed = [(*frame.placed(), frame.timestamp) for frame in self._kept]
         if not placed:
             raise NoUsableFramesError("Not one tracked frame was seen yet. Check that the probe and the reference are visible, then scan.")
         first, _, _ = placed[0]
@@ -125,12 +123,8 @@ class ScoutedFrames:
         (columns, rows), poses = self.sequence()[0].frame_size, np.stack(self._poses)
         poses = poses[self._reachable((poses @ (columns / 2, rows / 2, 0.0, 1.0))[:, :3])]
         if astray := self.usable - len(poses):
-            self.notes = (
-                (
-                    f"{astray} of {self.usable} frames seen while scouting lie where no hand reaches between two frames: the box is "
-                    "that of others."
-                ),
-            )
+            lie = f"{astray} of {self.usable} frames seen while scouting lie where no hand reaches between two frames"
+            self.notes = (f"{lie}: the box is that of others.",)
         scale = depth_scale(settings, imaging.region.mask(columns, rows), imaging.probe, pixel_spacing(poses[0]))
         spacing = settings.spacing_xyz()
         grid = grid_around_sweep(poses, (columns, rows), imaging.region, spacing, bytes_per_voxel, scale, fits_spacing)

@@ -96,6 +96,11 @@ class LiveSession:
         When the frames that wait to be inserted will take longer than this, some are left out, evenly, and counted. None: none is ever left
         out; the source then has to wait or to drop messages.
 
+    Attributes
+    ----------
+    earlier : iterable of (LiveFrame, bool)
+        To be set before `start`: frames that are recorded already and come before those of the source, and whether each counts.
+
     Raises
     ------
     SettingsError
@@ -180,7 +185,7 @@ class LiveSession:
         self._paused = self._prepared = self._started = self._closed = False
         self._heard, self._still = StreamHealth(), StillImages()
         self._collect_error: Exception | None = None
-        self._earlier: Iterable[tuple[LiveFrame, bool]] = ()
+        self.earlier: Iterable[tuple[LiveFrame, bool]] = ()
         self._collector = threading.Thread(target=self._collect, name="aifrecon live reception", daemon=True)
 
     # ---- control
@@ -205,10 +210,6 @@ class LiveSession:
         with self._lock:
             self._start_inserting()
         return (self._inserter.ready if self._made_before else self._inserter.warm).wait(timeout)
-
-    def take_up(self, earlier: Iterable[tuple[LiveFrame, bool]]) -> None:
-        """Before `start`: let these frames, which are recorded already, come before those of the source; not all of them count."""
-        self._earlier = earlier
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
@@ -350,7 +351,7 @@ class LiveSession:
                 self._look_from = frames[-1].number + FRAMES_LOOKED_AT
                 latest = ScoutedFrames()
                 for frame in frames:
-                    latest.add(frame, self._meter)
+                    latest.add(frame)
                 self._seen_imaging = self._look(latest, self._known, need_probe=True)
             return self._seen_imaging
 
@@ -417,7 +418,7 @@ class LiveSession:
 
     def _collect(self) -> None:
         try:
-            for frame, counts in self._earlier:
+            for frame, counts in self.earlier:
                 self._synchronizer.frames = frame.number + 1
                 self._take_one(frame, live=False, counts=counts)
             while not self.finished.is_set():
@@ -455,21 +456,21 @@ class LiveSession:
             self.recent.append(self.latest)
         with self._lock:
             self._meter.receive(frame.received)
-            self._hand_on(frame, self._meter, live, counts and not (live and self._paused))
+            self._hand_on(frame, live, counts and not (live and self._paused))
 
-    def _hand_on(self, frame: LiveFrame, meter: FrameCounters, live: bool, counts: bool) -> None:
+    def _hand_on(self, frame: LiveFrame, live: bool, counts: bool) -> None:
         if not counts:
-            meter.skip(WHILE_PAUSED)
+            self._meter.skip(WHILE_PAUSED)
         elif frame.number % (self.settings.skip or 1):
-            meter.skip(LEFT_OUT)
+            self._meter.skip(LEFT_OUT)
         elif self._phase in (SCOUTING, LOOKING):
-            self._scouted.add(frame, meter)
+            self._scouted.add(frame)
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
                 self._begin(self._grid)
         else:
-            self._put(frame, meter, live)
+            self._put(frame, live)
 
-    def _put(self, frame: LiveFrame, meter: FrameCounters, live: bool) -> None:
+    def _put(self, frame: LiveFrame, live: bool) -> None:
         """Hand over a frame where it lies now, and keep it as it was recorded where motion is to be taken out."""
         if self.kept is not None and frame.image is not None and frame.status == "OK":
             alike = not self.kept or all(getattr(frame.image, name) == getattr(self.kept[0].image, name) for name in ("shape", "dtype"))
@@ -477,7 +478,7 @@ class LiveSession:
                 self.kept = None
             elif alike:
                 self.kept.append(frame)
-        self._inserter.put(_moved(frame, self._motion), meter, live)
+        self._inserter.put(_moved(frame, self._motion), self._meter, live)
 
     def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was scouted first."""
@@ -494,8 +495,8 @@ class LiveSession:
         else:
             self._inserter.begin(grid, imaging)
         self._forget_motion()
-        for frame, meter in frames:
-            self._put(frame, meter, live=False)
+        for frame in frames:
+            self._put(frame, live=False)
         self._phase = RECONSTRUCTING
 
     def _forget_motion(self) -> None:
@@ -507,8 +508,8 @@ class LiveSession:
         with self._lock:
             if self._grid is not None and self._phase == LOOKING and self._scouted.usable:
                 self._begin(self._grid)
-            for frame, meter in self._scouted:
-                meter.skip(SCOUTED if frame.status == "OK" else frame.status)
+            for frame in self._scouted:
+                self._meter.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()
 
     def _find_imaging(self, scouted: ScoutedFrames) -> Imaging:

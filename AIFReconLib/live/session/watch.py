@@ -37,6 +37,11 @@ class Watch(ABC):
     period : float, s
         Between two looks at least.
 
+    Attributes
+    ----------
+    problem : str or None
+        Why nothing, or no more, can be told.
+
     Notes
     -----
     Work begins when a frame was just inserted and none waits: until the next one comes, cores, memory and interpreter are free. Who works
@@ -53,6 +58,7 @@ class Watch(ABC):
         self._closing = threading.Event()
         self._resumed = time.monotonic()
         self._logged: str | None = None
+        self.problem: str | None = None
 
     def _start(self) -> None:
         self._running = self._session.pool.submit(self._run)
@@ -72,9 +78,9 @@ class Watch(ABC):
     def _look(self, frame: LiveFrame | None) -> Iterable[object]:
         """Look at a frame with image and pose that was not seen before (None: there is no new one); what takes longer is done in steps."""
 
-    @abstractmethod
     def _tell_problem(self, problem: str) -> None:
         """Say why nothing can be told."""
+        self.problem = problem
 
     def _ask(self, what: str, change: Callable[[], None]) -> None:
         """Have something done before the next look, in the place of what was asked under the same name."""

@@ -16,11 +16,11 @@ from dataclasses import replace
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
 from ...message import message_of
 from .connection import check_port, open_connection
-from .decoding import READING_TYPES, codec, decode
+from .decoding import codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Framer, RawMessage
 from .messages import EventKind, StreamEvent
-from .sources import CONNECTED, DEVICES, ENDED, InPlace, QueueSource, StreamStatistics
+from .sources import CONNECTED, DEVICES, ENDED, QueueSource, StreamStatistics
 
 logger = logging.getLogger(__name__)
 
@@ -34,6 +34,8 @@ EVENT_INTERVAL = 1.0
 
 OTHERS = "(others)"
 
+IN_THE_MIDDLE = " in the middle of a message"
+
 STOP_TIMEOUT = 0.8
 RESOLVING_TIMEOUT = 10.0
 
@@ -41,14 +43,12 @@ RESOLVING_TIMEOUT = 10.0
 class OpenIGTLinkClient(QueueSource):
     """Receives from a server, in a thread of its own, until it is stopped.
 
-    Nine parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
+    Eight parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
 
     Parameters
     ----------
     port : int
         Plus listens on 18944.
-    in_place : callable or None
-        What makes poses of messages of numbers, as `JointPoses`; without, those are left out.
     queue_size : int
         Messages that wait to be taken; beyond it the oldest are dropped and counted.
     queue_bytes : int
@@ -78,7 +78,6 @@ class OpenIGTLinkClient(QueueSource):
         host: str,
         port: int,
         *,
-        in_place: InPlace | None = None,
         queue_size: int = 512,
         queue_bytes: int = 256 * 2**20,
         size_limit: int = SIZE_LIMIT,
@@ -90,7 +89,7 @@ class OpenIGTLinkClient(QueueSource):
             raise SettingsError(f"Input host must be a host name or an IP address; got {host!r}.")
         if queue_size < 1 or queue_bytes < 1 or size_limit < 1 or stall_after <= 0 or connect_timeout <= 0 or not retry_delays:
             raise SettingsError("Input limits and times of a client must be positive, and retry_delays must not be empty.")
-        super().__init__(queue_size, queue_bytes, in_place)
+        super().__init__(queue_size, queue_bytes)
         self.host = host.strip()
         self.port = check_port(port)
         self._size_limit = size_limit
@@ -229,8 +228,7 @@ class OpenIGTLinkClient(QueueSource):
             ended = self._receive_all(connection, framer, stopping)
         except OSError as error:
             ended = f"The connection was lost ({error.strerror or 'the network failed'})"
-        pending = framer.describe_pending()
-        return f"{ended} in the middle of {pending}." if pending else f"{ended}."
+        return f"{ended}{IN_THE_MIDDLE * framer.is_within}."
 
     def _receive_all(self, connection: socket.socket, framer: Framer, stopping: threading.Event) -> str:
         """Receive until the stream ends, makes no sense any more or the client is stopped, and say which."""
@@ -250,8 +248,7 @@ class OpenIGTLinkClient(QueueSource):
             if messages:
                 last, stalled = now, False
             elif not stalled and now - last > self._stall_after:
-                stalled, pending = True, framer.describe_pending()
-                seen = f"nothing arrived in the middle of {pending}" if pending else "nothing arrived"
+                stalled, seen = True, f"nothing arrived{IN_THE_MIDDLE * framer.is_within}"
                 self._emit("stalled", f"For {now - last:.1f} s {seen}. Waiting; check {self.host}, and the network.", logging.WARNING)
         return "The client was stopped"
 
@@ -265,8 +262,6 @@ class OpenIGTLinkClient(QueueSource):
         with self._lock:
             key = message.device, message.kind
             self._received[key if key in self._received or len(self._received) < DEVICES else (OTHERS, OTHERS)] += 1
-        if message.kind in READING_TYPES and self._in_place is None:
-            return  # who does not ask for them is not told of those that make no sense
         try:
             for content in decode(message, now):
                 self.put(content)

@@ -1,6 +1,6 @@
-"""Whole messages -> images, transforms and readings.
+"""Whole messages -> images and transforms.
 
-pyigtl's message classes decode IMAGE, TRANSFORM and STRING; POSITION, TDATA, QTDATA and SENSOR are small enough to be decoded here. A
+pyigtl's message classes decode IMAGE and TRANSFORM; POSITION, TDATA and QTDATA are small enough to be decoded here. A
 message that is whole and still makes no sense is the sender's mistake, and is refused with the reason.
 """
 
@@ -19,21 +19,15 @@ from ...errors import LiveConnectionError, LiveMessageError
 from ...geometry.transform_graph import TransformStatus
 from ...geometry.transforms import LPS_FROM_RAS
 from ...imaging.images import luminance
-from ...io.metafile.text_values import NotANumberError, parse_number
 from .framing import RawMessage
-from .messages import ImageMessage, ReadingsMessage, TransformMessage
+from .messages import ImageMessage, TransformMessage
 
 MOST_TOOLS = 1000
 """Tools in one message of tracking data; each of them becomes a message of its own, far larger than its bytes."""
 
-_SENSOR_START = 10
-"""Bytes of a SENSOR message before its numbers: how many they are, a status, and the unit."""
-
 _MATRIX_TOOL, _QUATERNION_TOOL = struct.Struct(">20sBB12f"), struct.Struct(">20sBB7f")
-MOST_READINGS = 64
-"""Numbers in one message of readings."""
 
-Decoded = ImageMessage | TransformMessage | ReadingsMessage
+Decoded = ImageMessage | TransformMessage
 
 
 def codec() -> ModuleType:
@@ -50,7 +44,7 @@ def codec() -> ModuleType:
 
 
 def decode(raw: RawMessage, received: float = 0.0) -> tuple[Decoded, ...]:
-    """What a message holds: one image, transform or readings; nothing if it is not used; for TDATA and QTDATA a transform for each tool.
+    """What a message holds: one image or transform; nothing if it is not used; for TDATA and QTDATA a transform for each tool.
 
     Raises LiveMessageError when the body is damaged or does not make sense, or is an image that is not 2D, gray or color.
 
@@ -149,25 +143,6 @@ def _tracking_data(raw: RawMessage, received: float) -> tuple[TransformMessage, 
     return tuple(messages)
 
 
-def _string(raw: RawMessage, received: float) -> tuple[ReadingsMessage, ...]:
-    """The numbers of a text that holds nothing else."""
-    words = _unpack(raw).string.replace(",", " ").replace(";", " ").split(maxsplit=MOST_READINGS)
-    try:
-        values = tuple(map(parse_number, words))
-    except NotANumberError:
-        return ()
-    return (ReadingsMessage(raw.device, raw.timestamp, values, received),) if values else ()
-
-
-def _sensor(raw: RawMessage, received: float) -> tuple[ReadingsMessage]:
-    content, _metadata = _content(raw)
-    count = content[0]
-    if len(content) != _SENSOR_START + 8 * count:
-        raise LiveMessageError(f"{_describe(raw)} holds {len(content)} bytes, not those of {count} numbers. It is left out.")
-    values = struct.unpack_from(f">{count}d", content, _SENSOR_START)
-    return (ReadingsMessage(raw.device, raw.timestamp, values, received),)
-
-
 def _matrix_of(x: float, y: float, z: float, *quaternion: float) -> Matrix:
     """The (4, 4) pose of a position in mm and a quaternion, its real part last; NaN where that is none."""
     matrix = np.eye(4)
@@ -209,9 +184,6 @@ _DECODERS: dict[str, Callable[[RawMessage, float], tuple[Decoded, ...]]] = {
     "QTRANS": _position,
     "TDATA": _tracking_data,
     "QTDATA": _tracking_data,
-    "STRING": _string,
-    "SENSOR": _sensor,
 }
 
 USED_TYPES = frozenset(_DECODERS)
-READING_TYPES = frozenset(kind for kind, decoder in _DECODERS.items() if decoder in (_string, _sensor))

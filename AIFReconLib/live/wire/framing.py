@@ -96,15 +96,10 @@ class Framer:
             messages.append(message)
         return messages
 
-    def describe_pending(self) -> str | None:
-        """The message that has begun to arrive, in words: ``an IMAGE of Image_Reference (300 of 505192 bytes)``; None without one."""
-        have = len(self._buffer)
-        if have == 0 or self.problem is not None:
-            return None
-        header = parse_header(self._buffer) if have >= HEADER_SIZE else None
-        if header is None:
-            return f"a header ({have} of {HEADER_SIZE} bytes)"
-        return f"{'an' if header.kind[0] in 'AEIOU' else 'a'} {header} ({have - HEADER_SIZE} of {header.size} bytes)"
+    @property
+    def is_within(self) -> bool:
+        """Whether a message has begun to arrive."""
+        return bool(self._buffer) and self.problem is None
 
     def _next(self) -> RawMessage | None:
         if len(self._buffer) < HEADER_SIZE or self.problem is not None:

@@ -75,23 +75,6 @@ class TransformMessage:
 
 
 @dataclass(frozen=True, eq=False)
-class ReadingsMessage:
-    """Numbers that a device reads, as the joints of an arm, by STRING or SENSOR.
-
-    Parameters
-    ----------
-    timestamp : float, s since 1970 (UTC)
-    values : tuple of float
-    received : float, s of `time.monotonic`
-    """
-
-    device: str
-    timestamp: float
-    values: tuple[float, ...]
-    received: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
 class StreamEvent:
     """Something that happened to the stream itself.
 
@@ -110,4 +93,4 @@ class StreamEvent:
     received: float = 0.0
 
 
-StreamMessage = ImageMessage | TransformMessage | ReadingsMessage | StreamEvent
+StreamMessage = ImageMessage | TransformMessage | StreamEvent

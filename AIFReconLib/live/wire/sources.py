@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -22,9 +21,6 @@ DEVICES = 1000
 
 REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
-
-InPlace = Callable[[StreamMessage], list[StreamMessage]]
-"""From a message to those that come in its place, often itself."""
 
 
 @dataclass(frozen=True)
@@ -106,8 +102,6 @@ class QueueSource:
         Messages that wait to be taken; beyond it the oldest are dropped and counted.
     byte_limit : int
         Bytes of pixels and of metadata that wait to be taken.
-    in_place : callable or None
-        What is put in the place of a message, as `JointPoses` are.
 
     Attributes
     ----------
@@ -115,8 +109,8 @@ class QueueSource:
         Images that whoever puts them has replaced by newer ones before they could be put: they were dropped, too.
     """
 
-    def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20, in_place: InPlace | None = None):
-        self._limit, self._byte_limit, self._in_place = limit, byte_limit, in_place
+    def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20):
+        self._limit, self._byte_limit = limit, byte_limit
         self._changed = threading.Condition()
         self._begin_anew()
 
@@ -151,10 +145,6 @@ class QueueSource:
 
     def put(self, message: StreamMessage) -> None:
         """Add a message; one that comes after `stop` is dropped."""
-        for each in [message] if self._in_place is None else self._in_place(message):
-            self._add(each)
-
-    def _add(self, message: StreamMessage) -> None:
         with self._changed:
             if not self._open:
                 self._late += not isinstance(message, StreamEvent)

@@ -65,7 +65,7 @@ def test_a_dry_run_lists_what_is_wrong_and_writes_nothing(table, tmp_path, capsy
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--workers", "0"], "must be at least 1"),
+        (["--workers", "0"], "a whole number of 1 or more"),
         (["--memory", "-1"], "must be a positive size such as 1.5GB"),
         (["--memory", "0.5"], "must be at least 0.75 GB"),
         (["--scheduler", "tcp://h:1", "--workers", "2"], "a cluster has its own"),

@@ -82,7 +82,7 @@ def test_a_table_as_spreadsheets_save_it_is_read(folder, delimiter, encoding):
         (",accept", "P2,sweep.igs.mha,,yes", "row 3, accept", "under register"),
         (",bone_transform", "P2,sweep.igs.mha,,CTToReference.tfm", "row 3, bone_transform", "Give bone_labels"),
         (",bone_labels,bone_probability", "P2,sweep.igs.mha,,labels.nrrd,labels.nrrd", "row 3, bone_probability", "bone_labels is given"),
-        (",beam_thickness", "P2,sweep.igs.mha,,-1", "row 3, beam_thickness", "positive mm"),
+        (",beam_thickness", "P2,sweep.igs.mha,,-1", "row 3, beam_thickness", "a number above 0"),
         (",settings", "P2,sweep.igs.mha,,sweep.igs.mha", "row 3, settings", "does not say how it was made"),
         (",bone_from_sweep,speed_of_sound", "P2,sweep.igs.mha,,yes,1480", "row 3, bone_from_sweep", "Leave out speed_of_sound"),
     ],

@@ -106,7 +106,7 @@ def test_a_robot_that_tilts_about_one_axis_does_not_give_the_image_a_false_turn_
     left = [name for name, value in zip(PARAMETERS, found.values, strict=True) if value == 0.0]
     assert "turn in the image" in left
     assert left == named(~found.held)
-    assert any(line.startswith("Not determined by this sweep, and left as given: ") for line in findings(found))
+    assert any(line.startswith("This sweep does not show these, and they stay as they were: ") for line in findings(found))
 
 
 def test_the_ct_of_another_patient_is_refused():

@@ -110,4 +110,6 @@ def test_what_tilts_about_one_axis_leave_open_is_said_and_stays_as_given():
     open_numbers = ASKED & ~found.held
     assert open_numbers.any()
     assert as_vector(found.correction)[open_numbers] == pytest.approx(0.0)
-    assert any("Not determined by this sweep, and left as given: " in line for line in [*crossing_findings(found), found.refusal or ""])
+    assert any(
+        "This sweep does not show these, and they stay as they were: " in line for line in [*crossing_findings(found), found.refusal or ""]
+    )

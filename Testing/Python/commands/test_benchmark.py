@@ -15,7 +15,6 @@ from AIFReconLib.commands.benchmark import answer
 from AIFReconLib.commands.parser import main
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.compounding.reconstructor import Reconstructor
-from AIFReconLib.compounding.state import unpacked
 from AIFReconLib.geometry.transforms import image_plane_axes
 from AIFReconLib.imaging.beams import ProbeGeometry
 from AIFReconLib.machine.threads import optional_module
@@ -96,11 +95,11 @@ def test_the_limit_enters_the_pixels_of_the_engine():
     sweep = turned(fan_sweep(2, speed.COLUMNS, speed.ROWS), 25.0)
     grid = turned_grid((3.0, 3.0, 3.0), (40, 50, 60))
     voxels, pixels = limits.in_order(sweep, grid)
-    state = np.zeros(grid.voxels, np.uint32)
-    LOOPS.add_packed(voxels, pixels, state)
+    hits = np.zeros(grid.voxels, np.uint32)
+    LOOPS.hit(voxels, pixels, np.zeros(grid.voxels, np.uint8), hits)
     reconstructor = Reconstructor(grid, ReconstructionSettings(method="average", hole_limit=0.0))
     reconstructor.insert(sweep)
-    np.testing.assert_array_equal(unpacked(state)[1].reshape(grid.shape), reconstructor.finish().hits.array)
+    np.testing.assert_array_equal(hits.reshape(grid.shape), reconstructor.finish().hits.array)
 
 
 SMALL = ("--size", "64", "48", "--frames", "2", "--repeats", "1", "--spacing", "4")
@@ -119,9 +118,9 @@ def test_the_command_answers_for_every_method(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--rate", "0"], "--rate must be above 0"),
-        (["--rate", "nan"], "--rate must be above 0"),
-        (["--spacing", "-1"], "--spacing must be above 0"),
+        (["--rate", "0"], "--rate: must be a number above 0"),
+        (["--rate", "nan"], "--rate: must be a number above 0"),
+        (["--spacing", "-1"], "--spacing: must be a number above 0"),
         (["--size", "0", "480"], "--size must be 16 to"),
         (["--frames", "1"], "at least 2 --frames"),
     ],

@@ -230,15 +230,6 @@ def test_coverage_takes_an_output_as_its_siblings_do(patient, results):
     assert "labels" in json.loads((results / "c.json").read_text())
 
 
-def test_a_shell_is_told_how_a_line_may_go_on(tmp_path):
-    pytest.importorskip("argcomplete", reason="argcomplete is not installed")
-    line, answer = "aifrecon rec", tmp_path / "answer"
-    asked = {"_ARGCOMPLETE": "1", "_ARGCOMPLETE_STDOUT_FILENAME": str(answer), "COMP_LINE": line, "COMP_POINT": str(len(line))}
-    program = "from AIFReconLib.commands.parser import main; main()"
-    subprocess.run([sys.executable, "-c", program], env={**os.environ, **asked}, capture_output=True)
-    assert answer.read_text().strip() == "reconstruct"
-
-
 @pytest.mark.parametrize(("given", "expected"), [(None, "1"), ("3", "3")])
 def test_small_products_take_one_thread_unless_the_user_says_otherwise(given, expected, monkeypatch):
     """Two for each of them took longer than one, and the cores from the threads that work."""

@@ -243,21 +243,7 @@ def _other_name(folder):
     return ["convert", patient.sweep, folder / "other.igs.mha"]
 
 
-def _mechanism(folder):
-    file = folder / "array.toml"
-    file.write_text("")
-    return [
-        "live",
-        "--mechanism",
-        f"ProbeToBase={folder / 'array.toml'}",
-        "--output",
-        folder / "v.nrrd",
-        "--save-settings",
-        folder / "array.toml",
-    ]
-
-
-@pytest.mark.parametrize("case", [_acquisition, _slices, _other_name, _mechanism])
+@pytest.mark.parametrize("case", [_acquisition, _slices, _other_name])
 def test_what_is_read_beside_the_named_files_is_not_overwritten(case, tmp_path, results, capsys):
     words = case(tmp_path)
     before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
 from AIFReconLib.commands.parser import main
-from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.volume.files import read_volume
 
 pytest.importorskip("matplotlib", reason="matplotlib is not installed")
 
@@ -32,22 +29,6 @@ def test_volumes_are_drawn_beside_each_other_and_the_bone(volumes, patient, resu
     if suffix == ".svg":
         text = drawn.read_text("utf-8")
         assert all(word in text for word in ("one", "other", "sagittal", "$x_1"))
-
-
-def test_volumes_that_show_something_else_are_told(volumes, results, capsys):
-    first = read_volume(volumes[0])
-    moved, other = results / "moved.nrrd", results / "other.nrrd"
-    aside = np.eye(4)
-    aside[0, 3] = 900.0
-    Volume(first.array, aside @ first.ijk_to_reference).write(moved)
-    Volume(first.array[::-1], first.ijk_to_reference).write(other)
-    drawn = str(results / "figure.png")
-    assert main(["compare", *volumes, "--output", drawn]) == 0
-    assert "WARNING" not in capsys.readouterr().out
-    assert main(["compare", volumes[0], str(moved), str(other), "--output", drawn.replace("figure", "second")]) == 0
-    out = capsys.readouterr().out
-    assert "WARNING: moved.nrrd hardly shows any of what average.nrrd shows" in out
-    assert "WARNING: other.nrrd shows something else than average.nrrd in the same place" in out
 
 
 def test_without_bone_no_letters_of_a_patient_are_drawn(volumes, results):

@@ -196,7 +196,7 @@ def test_slicers_sequences_become_one_recording(tmp_path):
         (["--every", "0"], "every must be 1 or more; got 0"),
         (["--crop", "0", "0", "10", "10"], "cropping moves the first pixel"),
         (["--crop", "35", "0", "10", "10"], "within the image of 40 x 30 pixels; got X 35, Y 0, W 10, H 10"),
-        (["--rename", "Probe"], "rename must be A=B"),
+        (["--rename", "Probe"], "rename: must be A=B"),
         (["--rename", "Robe=Needle"], "must name a frame of the recording; it has Probe, Reference, Tracker"),
         (
             ["--rename", "RobeToTracker=NeedleToTracker"],
@@ -208,7 +208,7 @@ def test_slicers_sequences_become_one_recording(tmp_path):
         (["--orientation", "FM"], "orientation must be MF, MN, UF or UN; got 'FM'"),
         (["--wrong-calibration", "x.xml"], "Say with --calibration"),
         (["--calibration", "missing.txt"], "no such file"),
-        (["--transform-sequence", "t.seq.mha"], "takes NAME=FILE"),
+        (["--transform-sequence", "t.seq.mha"], "must be NAME=FILE"),
         (["--transform-sequence", "Transform=t.seq.mha"], "one 'To' before an upper-case letter"),
     ],
 )

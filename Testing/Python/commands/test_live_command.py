@@ -32,7 +32,6 @@ from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.encoding import encode_message
 from AIFReconLib.recipe.recipe import Recipe
 from AIFReconLib.reconstruction import reconstruct
-from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.terminal.status_line import StatusLine, status_text
 
 LONG = PATIENCE
@@ -164,7 +163,7 @@ def test_images_whose_pose_nothing_confirms_are_explained(live, results, capsys)
     ("options", "words"),
     [
         (["--bone-frames", "said.mha"], "--bone-frames belongs to a recorded sweep"),
-        (["--bone-image", "Bone", "--bone-from-sweep"], "--bone-image is a source of bone, and so is --bone-from-sweep"),
+        (["--bone-image", "Bone", "--bone-from-sweep"], "not allowed with argument"),
         (["--bone-image", "Bone", "--image", "Bone"], "two devices; got 'Bone' for both"),
         (["--bone-image", "Bone", "--bone-transform", "T.tfm"], "--bone-image needs none"),
     ],
@@ -350,26 +349,3 @@ def test_trouble_is_said_once_in_a_line_of_its_own():
     for _ in range(40):
         line.show(Troubled)
     assert stream.getvalue().count("Nothing has arrived for 2 s.\n") == 1
-
-
-def test_a_mechanism_places_the_images_by_their_fields(live, results, tmp_path, capsys):
-    (tmp_path / "array.json").write_text('{"axis": [{"name": "Slide", "kind": "shift", "direction": [0, 0, 1]}]}')
-    matrix = "1 0 0 -9 0 1 0 -8 0 0 1 -6 0 0 0 1"
-    (tmp_path / "probe.xml").write_text(
-        "<PlusConfiguration><CoordinateDefinitions>"
-        f'<Transform From="Image" To="Probe" Matrix="{matrix}"/></CoordinateDefinitions></PlusConfiguration>'
-    )
-    images = np.random.default_rng(0).integers(1, 256, (12, 17, 19), np.uint8)
-    records = [FrameRecord(0.05 * number, fields={"Slide": str(number)}) for number in range(12)]
-    server = ReplayServer(TrackedSequence(images, records), port=0, rate=60.0, loop=True)
-    server.start()
-    try:
-        line = [*live(server, "--frames", "12", "--output", results / "v.nrrd", "--hole-limit", "0"), "--reference", "Base"]
-        line[line.index("--config") + 1] = str(tmp_path / "probe.xml")
-        assert main([*line, "--mechanism", f"ProbeToBase={tmp_path / 'array.json'}"]) == 0
-        capsys.readouterr()
-        assert main([*line, "--mechanism", "array.json"]) == 2
-        assert "--mechanism must be NAME=FILE" in capsys.readouterr().err
-    finally:
-        server.stop()
-    np.testing.assert_array_equal(read_volume(results / "v.nrrd").array[:12], images)

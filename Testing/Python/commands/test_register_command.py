@@ -168,7 +168,7 @@ def test_a_start_that_scales_is_exit_code_2_and_leaves_nothing(patient, tmp_path
 @pytest.mark.parametrize(
     ("transform", "words", "then"),
     [
-        ("right", "CT and sweep agree", "Tolerance around the CT's bone: 1 mm"),
+        ("right", "CT and sweep agree", "Bone is believed up to 1 mm beside the CT's"),
         ("wrong", "WARNING", "Bone is taken from the sweep's own echoes, as the CT does not lie on them."),
     ],
 )

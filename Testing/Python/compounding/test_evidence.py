@@ -28,7 +28,7 @@ def evidence(image, probe, region=None, gray_levels=AS_RECORDED):
     layout = PixelLayout.build((columns, rows), SPACING, region, probe)
     judged = ScanLines(layout, probe).evidence(layout.values(image), gray_levels)
     images = np.full((2, rows, columns), np.nan, np.float32)
-    images[:, region.mask(columns, rows)] = judged.reach, judged.onset
+    images[:, region.mask(columns, rows)] = judged
     return images
 
 
@@ -119,7 +119,7 @@ def test_of_two_echoes_of_a_scan_line_the_ct_decides_which_is_bone():
     for middle in (62, 92):
         probability = np.exp(-0.5 * ((np.arange(ROWS) - middle) / 6.0) ** 2).astype(np.float32)
         expected = lines.expected(np.tile(probability[:, None], (1, 1, COLUMNS)), np.eye(4))
-        onset = lines.evidence(layout.values(image), AS_RECORDED, expected).onset.reshape(image.shape)
+        onset = lines.evidence(layout.values(image), AS_RECORDED, expected)[1].reshape(image.shape)
         found = np.flatnonzero(onset[:, 60])
         assert found.size
         assert np.abs(found - middle).max() <= 4

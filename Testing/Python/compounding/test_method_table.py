@@ -10,7 +10,7 @@ import pytest
 from sweeps import oblique_frames, sphere_bone, turned_grid
 
 from AIFReconLib.compounding.engine import Job
-from AIFReconLib.compounding.methods.table import _TABLE, BONE_METHODS, COMPARED_METHODS, METHODS, built_in, method_named
+from AIFReconLib.compounding.methods.table import _TABLE, BONE_METHODS, COMPARED_METHODS, METHODS, method_named
 from AIFReconLib.compounding.numpy_engine import NumpyEngine
 from AIFReconLib.compounding.reconstructor import Reconstructor
 from AIFReconLib.compounding.state import VoxelState, bytes_per_voxel
@@ -25,11 +25,10 @@ UNKNOWN = "brightest"
     "ask",
     [
         method_named,
-        built_in,
         lambda name: VoxelState.empty(8, name, best_cosine=False),
         lambda name: bytes_per_voxel(name, map_on_grid=False, best_cosine=False),
     ],
-    ids=["table", "built in", "state", "memory"],
+    ids=["table", "state", "memory"],
 )
 def test_a_name_that_is_not_in_the_table_is_refused_wherever_it_comes_in(ask):
     with pytest.raises(MethodError, match=r"Method brightest is not known. Choose one of average, latest"):

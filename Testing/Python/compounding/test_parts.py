@@ -19,7 +19,6 @@ from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.holes.filling import KINDS, HoleFilling
 from AIFReconLib.imaging.beams import ProbeGeometry
-from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.machine.threads import optional_module
 from AIFReconLib.recipe.recipe import ReconstructionSettings
@@ -130,33 +129,6 @@ def test_only_what_was_asked_for_is_made(monkeypatch):
         made = volumes_of(sweep, wanted, grid, cuts, monkeypatch, beside=())[0]
         assert made[2:4] == [None, None]
         np.testing.assert_array_equal(made[0], everything[0])
-
-
-class Counted:
-    """Images that are read one by one, and how often that is."""
-
-    def __init__(self, images):
-        self.shape, self.dtype, self._images, self.read = images.shape, images.dtype, images, 0
-
-    def __len__(self):
-        return len(self._images)
-
-    def __getitem__(self, number):
-        self.read += 1
-        return self._images[number].copy()
-
-
-@pytest.mark.parametrize("left", [True, False])
-def test_frames_are_read_once_where_they_fit_beside_the_parts(left, monkeypatch):
-    sweep, grid = sequence(9), turned_grid(size=(12, 11, PLANES))
-    # Nothing is learned from the images, which would be read for that, too
-    wanted = ReconstructionSettings(method="weighted", gray_levels=STANDARD)
-    whole = volumes_of(sweep, wanted, grid, [], monkeypatch)
-    counted = replace(sweep, images=Counted(sweep.images))
-    images = sweep.images.nbytes
-    monkeypatch.setattr(workflow, "left_beside", lambda *_: images if left else images - 1)
-    assert_same(volumes_of(counted, wanted, grid, [3, 6], monkeypatch), whole)
-    assert (counted.images.read == len(sweep)) == left
 
 
 COSTS = Costs(whole=28, results=2, part=28)

@@ -76,7 +76,7 @@ def evidence_images(frames, region, probe, maximum, bone, grid):
         expected = lines.expected(bone.map_probability, bone.ijk_to_map @ (grid.reference_to_ijk @ frame.image_to_reference))
         judged = lines.evidence(layout.values(frame.image), GrayLevels.as_recorded(float(maximum)), expected)
         images.append([np.zeros((rows, columns), np.float32) for _ in range(2)])
-        images[-1][0][mask], images[-1][1][mask] = judged.reach, judged.onset
+        images[-1][0][mask], images[-1][1][mask] = judged
     return images
 
 

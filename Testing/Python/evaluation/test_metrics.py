@@ -9,7 +9,7 @@ import pytest
 from scipy import ndimage
 from sweeps import rigid
 
-from AIFReconLib.evaluation.metrics import evaluate, shown_points
+from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.quantities import BoneMetrics
 from AIFReconLib.evaluation.surface import bone_surface
 from AIFReconLib.evaluation.visibility import REACHED, SHADOWED, BoneTruth, SweepBeams, bone_truth
@@ -166,17 +166,6 @@ def test_coverage_weighs_by_area(uvs, truth):
     uneven = replace(truth, surface=replace(truth.surface, areas=heavier))
     found = measures(TISSUE + ridge(uvs[2]) * (uvs[0] > 0.5), uneven).bone
     assert found.coverage == pytest.approx(3 * 12 / (3 * 12 + 13), abs=0.02)
-
-
-def test_the_points_that_are_shown_are_those_that_coverage_counts(uvs, truth):
-    gray = volume(speckle() / 2 + ridge(uvs[2], height=200.0) * (uvs[0] > 0.5))
-    unreached = replace(truth, best_cosine=np.where(truth.border, np.nan, truth.best_cosine))
-    for known in (truth, unreached):
-        shown = shown_points(gray, known)
-        areas, counted = known.surface.areas, np.isfinite(known.best_cosine)
-        assert areas[shown].sum() / areas[counted].sum() == pytest.approx(evaluate(gray, known).bone.coverage, rel=1e-12)
-        assert (transform_points(np.linalg.inv(TURN), known.surface.points_reference)[shown, 0] > -1.0).all()
-    assert not shown_points(gray, unreached)[truth.border].any()
 
 
 @pytest.mark.parametrize("seed", range(3))

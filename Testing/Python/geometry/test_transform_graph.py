@@ -104,7 +104,7 @@ def test_a_loop_elsewhere_does_not_make_a_path_ambiguous():
 def test_a_missing_path_says_what_each_end_is_connected_to():
     with pytest.raises(
         TransformError,
-        match=r"from Ct to Reference\..* Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker",
+        match=r"where Ct lies in Reference\..* Ct is connected to Phantom, Reference to Image, Probe, Stylus, Tracker",
     ):
         ways([*CHAIN, "CtToPhantom"], "Ct")
 

@@ -222,7 +222,7 @@ def test_a_volume_goes_through_simpleitk_and_comes_back(kind):
 @pytest.mark.parametrize(
     ("image", "words"),
     [
-        ("ct.nrrd", "must be a SimpleITK.Image; got str"),
+        ("ct.nrrd", "must be a SimpleITK.Image of a 3D volume; got str"),
         (sitk.Image(4, 4, sitk.sitkUInt8), "got 2 dimensions"),
         (sitk.Image([4, 4, 4], sitk.sitkVectorUInt8, 3), "one real number a voxel"),
         (sitk.Image([4, 4, 4], sitk.sitkComplexFloat32), "one real number a voxel"),

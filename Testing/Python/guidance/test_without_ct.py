@@ -200,7 +200,7 @@ def moved(steps, pose) -> tuple[np.ndarray, np.ndarray]:
             turn = np.radians(degrees)
             right, into = np.cos(turn) * right + np.sin(turn) * into, np.cos(turn) * into - np.sin(turn) * right
         elif words[0] == "slide":
-            way = {"right": right, "left": -right, "into": into, "out": -into}[words[5] if words[3] == "to" else words[3]]
+            way = {"right": right, "left": -right, "away": into, "toward": -into}[words[5] if words[3] == "to" else words[3]]
             gone = gone + float(words[1]) * way
     return np.stack([right, into]), gone
 
@@ -228,7 +228,7 @@ def test_a_tilt_is_told_by_where_the_beam_turns_to_in_the_image(now_deg, there_d
     *turns, last = directions(now, there, knows_head=False)
     (right, into), _ = moved(turns, probe.pose(now))
     beam = probe.pose(there)[:3, 1] / IMAGES.spacing[1]
-    expected = {"right": right, "left": -right, "into": into, "out": -into}
+    expected = {"right": right, "left": -right, "away": into, "toward": -into}
     told = next(name for name in expected if name in str(last.words))
     assert beam @ expected[told] > 0.3
     assert last.arrow == {words: arrow for arrow, words in IMAGE}[str(last.words).split(" more ")[1]]

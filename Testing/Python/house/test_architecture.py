@@ -37,7 +37,6 @@ EVERYWHERE = {"numpy", "scipy", "AIFReconLib"}
 PACKAGES = {
     "batch": {"distributed", "jinja2", "pandas", "psutil", "pyarrow"},
     "bone": {"onnxruntime"},
-    "commands": {"argcomplete"},
     "evaluation": {"jinja2", "matplotlib", "vtk"},
     "geometry": {"vtkmodules"},
     "inspection": {"vtkmodules"},

@@ -26,7 +26,6 @@ from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.volume.files import check_volume_path, read_volume
 from AIFReconLib.live.session.recording import Recorder
-from AIFReconLib.machine.threads import in_parts
 from AIFReconLib.terminal.console import ProgressBar
 from AIFReconLib.terminal.signals import heard_in_pauses, orderly_end
 
@@ -116,22 +115,6 @@ def test_a_signal_that_the_caller_ignores_stays_ignored():
 
 
 @posix
-@pytest.mark.parametrize("number", [signal.SIGTERM])
-@pytest.mark.parametrize(("file", "function"), [("llvmlite/callback.py", "called_back"), ("<frozen importlib._bootstrap>", "cb")])
-def test_a_signal_where_it_would_be_swallowed_comes_again(number, file, function):
-    words = {"signal": signal, "time": time, "number": number}
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        exec(compile(f"def {function}():\n    signal.raise_signal(number)", file, "exec"), words)
-        with orderly_end() as end, pytest.raises(KeyboardInterrupt):
-            exec(f"{function}()\ncalled = True\nwhile True: time.sleep(0.01)", words)
-        assert words["called"]
-        assert end.exit_code == 128 + number
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@posix
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("waits", [True, False])
 def test_a_scan_hears_an_interrupt_where_it_holds_nothing(number, waits):
@@ -181,22 +164,9 @@ def no_threads(*_):
     raise RuntimeError("can't start new thread")
 
 
-def test_without_threads_all_parts_are_done_all_the_same(monkeypatch):
-    monkeypatch.setattr(threading.Thread, "start", no_threads)
-    done = []
-    in_parts(done.append, 5, 3)
-    assert done == [0, 1, 2, 3, 4]
-
-
 def test_a_command_that_needs_threads_says_that_there_are_none(patient, monkeypatch, capsys, results):
     monkeypatch.setattr(threading.Thread, "start", no_threads)
     assert "no more threads" in refused(["replay", patient.sweep, "--config", patient.config, "--port", "0"], capsys, results)
-
-
-def test_too_little_memory_to_start_is_said_before_the_libraries_fail(monkeypatch, capsys):
-    monkeypatch.setattr(entry, "_address_space", lambda: 100 * 2**20)
-    assert entry.main() == 2
-    assert "may use 100 MiB of address space" in capsys.readouterr().err
 
 
 def test_a_library_that_cannot_be_loaded_is_one_line(monkeypatch, capsys):

@@ -82,7 +82,7 @@ def far_away(number: int) -> np.ndarray:
 
 
 def test_a_recording_without_calibration(here, said):
-    assert quoted("aifrecon: sweep.igs.mha: No transform leads") in said("reconstruct", "sweep.igs.mha", *OUTPUT)
+    assert quoted("aifrecon: sweep.igs.mha: Nothing says where") in said("reconstruct", "sweep.igs.mha", *OUTPUT)
 
 
 def test_a_recording_that_holds_image_poses_read_with_the_calibration(here, said):

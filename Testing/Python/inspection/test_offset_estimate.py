@@ -13,7 +13,6 @@ from sweeps import rigid
 from AIFReconLib.errors import OperationCanceled
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample
 from AIFReconLib.inspection.offset_estimate import estimate_time_offset
-from AIFReconLib.message import advised
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
@@ -78,18 +77,6 @@ def test_a_sweep_that_says_nothing_is_said_to(make, reason):
     assert found.time_offset is None
     assert reason in found.to_text()
     assert "cannot be told" in found.to_text()
-
-
-@pytest.mark.parametrize("late", [0.0, 1.3, -0.9])
-def test_a_tool_that_begins_to_move_when_images_do_not_is_told_with_the_option_that_mends_it(late):
-    found = estimate(sweep(lambda t: one_way(4.0 * max(t - 2.0, 0.0)), late=late))
-    assert found.time_offset is None
-    if late:
-        assert found.begins_late == pytest.approx(late, abs=0.15)
-        assert f"move {found.begins_late:+.2f} s after the images begin to change. If that is one" in advised(found.to_text())
-        assert f"time_offset={found.begins_late:.2f}" in advised(found.to_text())
-    else:
-        assert found.begins_late is None
 
 
 def test_frames_without_times_say_nothing():

@@ -70,9 +70,9 @@ def test_the_vertebra_that_does_not_agree_is_named():
     assert agreeing().finding == "CT agrees: 94% of the echoes lie on its bone, 0.4 mm off in the median"
 
 
-def covered(move="", **shares) -> Verdict:
+def covered(**shares) -> Verdict:
     """The verdict on vertebrae of which so much shows, and as much was met."""
-    return coverage_verdict(shares, shares, move)
+    return coverage_verdict(shares, shares)
 
 
 def test_coverage_is_as_good_as_the_worst_vertebra():

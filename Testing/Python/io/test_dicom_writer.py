@@ -81,10 +81,7 @@ def test_what_dicom_does_not_hold_is_refused_before_the_work(tmp_path, dtype):
 
 
 def test_without_pydicom_a_sentence_says_how_to_get_it(tmp_path, monkeypatch):
-    def missing(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(dicom_writer, "import_module", missing)
+    monkeypatch.setattr(dicom_writer, "find_spec", lambda name: None)
     with pytest.raises(OutputError, match="pip install pydicom"):
         check_volume_path(tmp_path / "v.dcm")
 

@@ -162,8 +162,8 @@ def test_regions_of_one_pixel_size_that_cover_the_image_tell_it(dicom, tmp_path,
     [
         ([(0.2, (0, 0, 7, 11)), (0.4, (8, 0, 16, 11))], "regions of different pixel sizes .0.2 x 0.2 mm and 0.4 x 0.4 mm"),
         ([(0.2, ()), (0.4, ())], "regions of different pixel sizes"),
-        ([(0.2, (0, 0, 639, 479))], "columns 0 to 639 and rows 0 to 479, which are not those of the image, of 17 x 12 pixels"),
-        ([(0.2, (0, 0, 7, 11))], "0.2 x 0.2 mm is the size of pixels in columns 0 to 7 and rows 0 to 11, which are not those"),
+        ([(0.2, (0, 0, 639, 479))], "columns 0 to 639 and rows 0 to 479, not of the whole image, of 17 x 12 pixels"),
+        ([(0.2, (0, 0, 7, 11))], "0.2 x 0.2 mm is the size of pixels in columns 0 to 7 and rows 0 to 11, not of the whole"),
     ],
 )
 def test_regions_that_do_not_tell_the_size_of_all_pixels_say_why(dicom, tmp_path, boxes, expected):
@@ -184,9 +184,9 @@ def test_files_that_do_not_agree_on_the_size_of_a_pixel_are_named(dicom, tmp_pat
 @pytest.mark.parametrize(
     ("first", "second", "expected"),
     [
-        ({}, {"InstanceNumber": 2}, "InstanceNumber is missing in 1 of 2 files"),
-        ({"InstanceNumber": None}, {"InstanceNumber": None}, "InstanceNumber is missing in 2 of 2 files"),
-        ({"InstanceNumber": 2}, {"InstanceNumber": 2}, "InstanceNumber 2 occurs more than once"),
+        ({}, {"InstanceNumber": 2}, "InstanceNumber is missing, or occurs more than once"),
+        ({"InstanceNumber": None}, {"InstanceNumber": None}, "InstanceNumber is missing, or occurs more than once"),
+        ({"InstanceNumber": 2}, {"InstanceNumber": 2}, "InstanceNumber is missing, or occurs more than once"),
         (
             {"InstanceNumber": 1, "SeriesInstanceUID": "1.2"},
             {"InstanceNumber": 2, "SeriesInstanceUID": "1.3"},

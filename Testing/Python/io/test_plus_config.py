@@ -182,7 +182,7 @@ def test_hole_filling_elements_are_read_in_their_order(read, elements, holes):
         (BY_HITS.replace('Stdev="1.5" ', ""), "HoleFillingElement[1]@Stdev is missing"),
         (INVERSE.replace('Size="3" ', ""), "HoleFillingElement[1]@Size is missing"),
         (GAUSSIAN.replace("0.1", "3"), "ratio of known voxels must be 0 to 1; got 3.0"),
-        (CUBE.replace('"7"', '"7.5"'), "HoleFillingElement[1]@Size must be whole; got '7.5'"),
+        (CUBE.replace('"7"', '"7.5"'), "HoleFillingElement[1]@Size must be whole and of 32 bits; got '7.5'"),
     ],
 )
 def test_a_hole_filling_element_that_cannot_be_used_is_named(refusal, element, expected):

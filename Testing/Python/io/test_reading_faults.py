@@ -6,6 +6,7 @@ import errno
 import mmap
 import os
 import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -43,16 +44,10 @@ def array_file(tmp_path):
     return tmp_path / "a.npy"
 
 
-def test_an_array_that_is_cut_after_it_was_opened_is_refused_frame_by_frame(array_file):
+@pytest.mark.parametrize("damage", [lambda file: os.truncate(file, file.stat().st_size // 2), Path.unlink], ids=["cut", "gone"])
+def test_an_array_that_is_cut_or_vanishes_is_refused_frame_by_frame(array_file, damage):
     stack = open_images([array_file]).stack
-    os.truncate(array_file, array_file.stat().st_size // 2)
-    with pytest.raises(FileFormatError, match="has changed since it was opened"):
-        stack[5]
-
-
-def test_an_array_that_vanishes_is_named(array_file):
-    stack = open_images([array_file]).stack
-    array_file.unlink()
+    damage(array_file)
     with pytest.raises(FileFormatError, match="frame 5 cannot be read"):
         stack[5]
 
@@ -75,16 +70,6 @@ def test_pictures_are_not_mapped_into_memory(tmp_path, monkeypatch, suffix):
     image.fromarray(FRAMES[0]).save(tmp_path / f"p{suffix}")
     monkeypatch.setattr(mmap, "mmap", fail)
     np.testing.assert_array_equal(open_images([tmp_path / f"p{suffix}"]).stack[0], FRAMES[0])
-
-
-def test_pages_of_two_pictures_are_not_mixed(tmp_path):
-    image = pytest.importorskip("PIL.Image")
-    pages = [image.fromarray(frame) for frame in FRAMES]
-    pages[0].save(tmp_path / "p.tif", save_all=True, append_images=pages[1:])
-    stack = open_images([tmp_path / "p.tif"]).stack
-    pages[5].save(tmp_path / "p.tif", save_all=True, append_images=pages[:5])
-    with pytest.raises(FileFormatError, match="has changed since it was opened"):
-        stack[3]
 
 
 @pytest.mark.parametrize("compress", [False, True])
@@ -137,15 +122,16 @@ def test_a_disk_that_goes_away_shows_as_an_error_of_the_file_even_when_it_is_clo
 def test_a_volume_that_is_written_to_while_it_is_read_is_refused(tmp_path, monkeypatch, suffix):
     path = tmp_path / f"v{suffix}"
     Volume(np.ones((3, 4, 5), np.uint8), np.eye(4)).write(path)
-    read_image = sitk.ReadImage
+    of, name = (sitk.ImageFileReader, "ReadImageInformation") if suffix == ".nii" else (sitk, "ReadImage")
+    read = getattr(of, name)
 
     def meanwhile(*given, **named):
-        image = read_image(*given, **named)
+        image = read(*given, **named)
         with open(path, "ab") as file:
             file.write(b"\0")
         return image
 
-    monkeypatch.setattr(sitk, "ReadImage", meanwhile)
+    monkeypatch.setattr(of, name, meanwhile)
     with pytest.raises(VolumeFormatError, match="changed while it was read"):
         read_volume(path)
 
@@ -175,13 +161,6 @@ def test_a_transform_that_came_out_incomplete_does_not_get_its_name(tmp_path, mo
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_transform_that_came_out_different_does_not_get_its_name(tmp_path, monkeypatch):
-    write_original = sitk.WriteTransform
-    monkeypatch.setattr(sitk, "WriteTransform", lambda _, name: write_original(sitk.TranslationTransform(3, (1, 2, 3)), name))
-    with pytest.raises(OutputError, match="came out different"):
-        write_transform(np.eye(4), tmp_path / "t.tfm")
-
-
 def test_a_recording_needs_no_folder_for_temporary_files(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "missing"))
     synchronizer = Synchronizer()
@@ -204,14 +183,6 @@ class TestKeptCodeOfKernels:
 
         return compiled(double)
 
-    @pytest.mark.parametrize("step", ["load_overload", "save_overload"])
-    def test_a_cache_that_fails_costs_time_and_nothing_else(self, kernel, monkeypatch, step):
-        monkeypatch.setattr(kernel._cache._cache, step, fail)
+    def test_a_disk_that_is_full_costs_time_and_nothing_else(self, kernel, monkeypatch):
+        monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", fail)
         assert kernel(21) == 42
-
-    def test_a_damaged_cache_is_emptied(self, kernel, monkeypatch):
-        emptied = []
-        monkeypatch.setattr(kernel._cache._cache, "load_overload", fail)
-        monkeypatch.setattr(kernel._cache._cache, "flush", lambda: emptied.append(True))
-        kernel(21)
-        assert emptied == [True]

@@ -78,7 +78,7 @@ def test_frames_that_the_tracker_did_not_see_have_no_pose(tmp_path):
     ("damage", "message"),
     [
         (lambda base: Path(f"{base}.fts").write_text("1\n2\n"), r"\.fts: there must be a time for each frame; got 2 for 6 frames"),
-        (lambda base: Path(f"{base}.fts").write_text("1\nx\n"), r"\.fts: it must hold numbers alone; 'x' is not a number"),
+        (lambda base: Path(f"{base}.fts").write_text("1\nx\n"), r"\.fts: it must hold finite numbers alone; 'x' is not a number"),
         (lambda base: Path(f"{base}.fp").write_text("1 2 3\n"), r"\.fp: poses must have three rows of four numbers; got 3"),
         (lambda base: Path(f"{base}.fp").write_text(three_rows(POSES[:2])), r"\.fp: there must be a pose for each frame; got 2"),
         (lambda base: without(base, "*.fp", "*.tp"), r"\.fp: neither this file nor \.tp and \.tts"),

@@ -229,7 +229,7 @@ def test_a_transform_that_the_file_lacks_is_refused_with_those_it_has(tmp_path):
     [
         ("Seq_Frame0001_ImageToReferenceTransform =1 2 3", "frame 1, ImageToReferenceTransform must be 16 numbers; got 3"),
         ("Seq_Frame0001_ImageToReferenceTransform =1 2 x", "frame 1, ImageToReferenceTransform must be 16 numbers; 'x' is not a number"),
-        ("Seq_Frame0001_Timestamp = soon", "frame 1, Timestamp must be a number of seconds; got 'soon'"),
+        ("Seq_Frame0001_Timestamp = soon", "frame 1, Timestamp must be a number of seconds; 'soon' is not a number"),
     ],
 )
 def test_a_damaged_transform_sequence_is_explained(tmp_path, line, expected):

@@ -152,7 +152,7 @@ def test_a_ct_placed_by_its_transform_lies_where_slicer_shows_it(tmp_path):
     [
         (sitk.BSplineTransform(3), "must be linear"),
         (sitk.DisplacementFieldTransform(sitk.Image([3, 3, 3], sitk.sitkVectorFloat64)), "must be linear"),
-        (sitk.Euler2DTransform(), "must be 3D"),
+        (sitk.Euler2DTransform(), "must be linear and 3D"),
         (sitk.ScaleTransform(3, (1.0, 1.0, 0.0)), "singular"),
     ],
 )

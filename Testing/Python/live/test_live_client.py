@@ -17,7 +17,7 @@ from igtl_streams import DEADLINE, Inbox, ScriptedServer, image_bytes, picture, 
 from AIFReconLib.errors import LiveConnectionError, SettingsError
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.connection import open_connection
-from AIFReconLib.live.wire.encoding import encode_message, encode_status_request
+from AIFReconLib.live.wire.encoding import encode_status_request
 from AIFReconLib.live.wire.messages import StreamEvent, TransformMessage
 from AIFReconLib.live.wire.sources import QueueSource
 
@@ -84,16 +84,6 @@ def test_images_and_transforms_arrive_in_order(server, connect):
     inbox.until(lambda inbox: len(inbox.transforms()) == 5)
     assert [type(message).__name__ for message in inbox.messages[1:]] == ["ImageMessage", "TransformMessage"] * 5
     assert [image.timestamp for image in inbox.images()] == [1, 2, 3, 4, 5]
-
-
-@pytest.mark.parametrize("takes", [False, True])
-def test_readings_come_where_they_are_asked_for_and_trouble_nobody_else(server, connect, takes):
-    inbox = connect(in_place=(lambda message: [message]) if takes else None)
-    whole, short = (encode_message("SENSOR", "Slide", 1.0, bytes([1, 0, *bytes(8)]) + bytes(size), version=2) for size in (8, 3))
-    server.send(whole, short, transform_bytes(device="Last"))
-    inbox.until_transform("Last")
-    kinds = [type(message).__name__ for message in inbox.messages[1:]]
-    assert kinds == (["ReadingsMessage", "StreamEvent", "TransformMessage"] if takes else ["TransformMessage"])
 
 
 def test_a_client_knows_the_devices_and_their_types(server, connect):
@@ -195,13 +185,13 @@ def test_a_stall_between_messages_is_reported_once(server, connect):
         assert not isinstance(message, StreamEvent)
 
 
-@pytest.mark.parametrize(("arrived", "where"), [(30, "a header (30 of 58 bytes)"), (78, "an IMAGE of Image_Reference (20 of 107 bytes)")])
-def test_a_stall_within_a_message_is_reported_and_survived(server, connect, arrived, where):
+@pytest.mark.parametrize("arrived", [30, 78])
+def test_a_stall_within_a_message_is_reported_and_survived(server, connect, arrived):
     inbox = connect(stall_after=0.1)
     data = image_bytes()
     server.send(transform_bytes(device="Before"), data[:arrived])
     inbox.until_transform("Before")
-    assert f"in the middle of {where}" in next_stall(inbox)
+    assert "in the middle of a message" in next_stall(inbox)
     server.send(data[arrived:])
     inbox.until(lambda inbox: inbox.images())
     assert np.array_equal(inbox.images()[0].image, picture())
@@ -221,7 +211,7 @@ def test_an_end_in_the_middle_of_a_message_says_so(server, connect):
     inbox = connect()
     server.send(image_bytes()[:78])
     server.hang_up()
-    assert "in the middle of an IMAGE of Image_Reference (20 of 107 bytes)" in inbox.until_event("disconnected").detail
+    assert "in the middle of a message." in inbox.until_event("disconnected").detail
 
 
 def test_a_server_that_is_killed_and_restarted_is_found_again():

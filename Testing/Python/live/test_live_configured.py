@@ -171,7 +171,7 @@ def test_a_scouted_box_has_the_spacing_along_z_that_fits(margin):
     frames = oblique_frames(count=6)
     scouted = ScoutedFrames()
     for frame in frames:
-        scouted.add(LiveFrame(frame.image, frame.image_to_reference, number=frame.number), 0)
+        scouted.add(LiveFrame(frame.image, frame.image_to_reference, number=frame.number))
     poses = np.stack([frame.image_to_reference for frame in frames])
     offline = grid_around_sweep(poses, (34, 26), ImageRegion(), (1.0, 1.0, 1.0), fits_spacing=True)
     grid = scouted.grid(Imaging(ImageRegion(), None), ReconstructionSettings(spacing=1.0), 1, margin, fits_spacing=True)

@@ -376,12 +376,12 @@ def test_equal_times_are_moved_apart_so_that_no_two_frames_are_mixed_up():
 
 
 def test_a_transform_that_cannot_be_derived_is_refused(sequence):
-    with pytest.raises(TransformError, match="No transform leads from Needle to Reference"):
+    with pytest.raises(TransformError, match="Nothing says where Needle lies in Reference"):
         ReplayFrames(sequence, transforms=["NeedleToReference"])
 
 
 def test_a_chain_that_was_asked_for_and_is_not_there_is_refused(patient):
-    with pytest.raises(TransformError, match="No transform leads from Image to Reference"):
+    with pytest.raises(TransformError, match="Nothing says where Image lies in Reference"):
         ReplayFrames(read_sequence(patient.sweep), image_to_reference="ImageToReference")
 
 

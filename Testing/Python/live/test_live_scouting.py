@@ -13,7 +13,6 @@ from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.statistics import FrameCounters
 from AIFReconLib.live.wire.sources import QueueSource
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
@@ -26,7 +25,7 @@ def box(places: list[float], times: list[float] | None = None) -> tuple[VoxelGri
     scouted = ScoutedFrames()
     for number, z in enumerate(places):
         time = number / 20 if times is None else times[number]
-        scouted.add(LiveFrame(PIXELS, image_pose(translation=(0.0, 0.0, z)), time, number=number, received=number / 20), FrameCounters())
+        scouted.add(LiveFrame(PIXELS, image_pose(translation=(0.0, 0.0, z)), time, number=number, received=number / 20))
     return scouted.grid(Imaging(WHOLE, None), ReconstructionSettings(spacing=1.0), 16), scouted
 
 

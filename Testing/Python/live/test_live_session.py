@@ -325,15 +325,15 @@ def test_a_ct_that_was_placed_anew_weights_the_next_volume_and_not_the_one_that_
 
 def test_frames_that_cannot_be_used_wait_for_a_box_without_filling_the_memory():
     """An hour with the probe out of view is 100 000 of them."""
-    scouted, meter = ScoutedFrames(), FrameCounters()
+    scouted = ScoutedFrames()
     tracemalloc.start()
     for number in range(20_000):
         record = FrameRecord(transforms={TransformName("Probe", "Tracker"): TransformSample(np.eye(4), TransformStatus.OUT_OF_VIEW)})
-        scouted.add(LiveFrame(np.zeros((4, 4)), None, status="ProbeToTracker OUT_OF_VIEW", number=number, record=record), meter)
+        scouted.add(LiveFrame(np.zeros((4, 4)), None, status="ProbeToTracker OUT_OF_VIEW", number=number, record=record))
     size, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert size < 500_000
-    assert [frame.number for frame, _ in scouted] == list(range(20_000))
+    assert [frame.number for frame in scouted] == list(range(20_000))
 
 
 def test_region_and_probe_are_told_to_whoever_looks_at_frames(session_of):

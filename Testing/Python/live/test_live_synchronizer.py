@@ -181,7 +181,7 @@ def test_a_whole_matrix_goes_before_a_quaternion():
 @pytest.mark.parametrize("name", ["ImageToReference", "ReferenceToImage"])
 def test_a_quaternion_does_not_place_an_image_for_it_holds_no_size_of_a_pixel(name):
     messages = [[image(t, "Image"), replace(transform(t, name), from_quaternion=True)] for t in (1.0, 2.0)]
-    assert set(statuses([m for group in messages for m in group])) == {"no transform leads from Image to Reference"}
+    assert set(statuses([m for group in messages for m in group])) == {"nothing says where Image lies in Reference"}
 
 
 def test_a_transform_that_is_called_as_the_image_is_no_tool():
@@ -236,7 +236,7 @@ def test_without_calibration_the_missing_link_is_named():
     synchronizer = Synchronizer()
     for message in chained(1.0):
         synchronizer.feed(message)
-    assert [frame.status for frame in synchronizer.flush()] == ["no transform leads from Image to Reference"]
+    assert [frame.status for frame in synchronizer.flush()] == ["nothing says where Image lies in Reference"]
     assert synchronizer.problem.settings == ("config",)
 
 

@@ -64,7 +64,7 @@ def test_every_script_of_the_library_is_packaged():
     library = REPOSITORY / "AIFReconLib"
     assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_SCRIPTS")) == relative(library, library.rglob("*.py"))
     assert sorted(listed(library / "CMakeLists.txt", "MODULE_PYTHON_RESOURCES")) == relative(
-        library, (path for kind in ("*.json", "*.css", "*.html") for path in library.rglob(kind))
+        library, (path for kind in ("*.json", "*.css", "*.html", "*.pyi") for path in library.rglob(kind))
     )
 
 

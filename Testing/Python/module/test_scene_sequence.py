@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,7 +22,6 @@ from AIFReconLib.reconstruction import reconstruct  # noqa: E402
 from AIFReconLib.sweep.configuration import PlusConfiguration  # noqa: E402
 from AIFReconLib.sweep.frames import FrameRecord, TrackedSequence  # noqa: E402
 from AIFReconLib.sweep.poses import sweep_poses  # noqa: E402
-from AIFReconLib.sweep.record_text import record_from  # noqa: E402
 
 IMAGE_TO_PROBE = TransformName("Image", "Probe")
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
@@ -142,11 +140,6 @@ def test_what_the_user_should_know_of_the_recording_comes_back(scene):
 
     told = replace(sweep(), notes=("Images were turned to MF.",))
     assert sweep_poses(back(browserFromSequence(told, "Sweep"))).notes == ("Images were turned to MF.",)
-
-
-def test_sentences_of_scenes_that_were_saved_with_their_values_apart_are_read():
-    kept = {"@": "Message", "template": "{name} is late by {share:.1f}%, {other}", "values": {"name": "a", "share": 2.5}}
-    assert record_from(json.dumps({"@": "dict", "items": [["said", kept]]}))["said"] == "a is late by 2.5%, {other}"
 
 
 def test_reconstruction_from_the_scene_gives_the_same_voxels(converted):

@@ -77,4 +77,4 @@ def test_the_library_is_imported_when_a_self_test_runs_and_not_before():
 def test_sample_data_layouts_and_icon_are_there_where_the_module_is_loaded_while_slicer_runs():
     done = run("-c", LOAD_LATER)
     assert done.returncode == 0, done.stderr[-3000:]
-    assert {"samples: 1", "layouts: True", "icon: True"} <= set(done.stdout.splitlines())
+    assert {"samples: 2", "layouts: True", "icon: True"} <= set(done.stdout.splitlines())

@@ -85,10 +85,10 @@ def test_motion_is_taken_out_of_the_poses_and_the_header_says_so(rest, moving, b
 
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
-def test_where_nothing_is_asked_nothing_is_moved(moving, bone):
-    left_open, off = (reconstruct(moving, Recipe(spacing=2.0, motion=motion), bone) for motion in (None, "off"))
-    assert "motion" not in settings_of(left_open.intensity)
-    assert np.array_equal(left_open.intensity.array, off.intensity.array)
+def test_the_weighted_method_takes_motion_out_and_a_header_says_so(moving, bone):
+    left_open, asked = (reconstruct(moving, Recipe(spacing=2.0, motion=motion), bone) for motion in (None, "auto"))
+    assert settings_of(left_open.intensity)["motion"] == "auto"
+    assert np.array_equal(left_open.intensity.array, asked.intensity.array)
 
 
 def test_of_a_patient_at_rest_every_voxel_stays(rest, bone):
@@ -112,9 +112,9 @@ def test_a_scan_that_moved_is_registered(moving, bone):
     assert found.accepted
     assert found.motion is not None
     assert found.motion.applied
-    left_open = register(moving, bone.labels, bone.place)
-    assert not left_open.accepted
-    assert left_open.motion is None
+    left_in = register(moving, bone.labels, bone.place, recipe=Recipe(motion="off"))
+    assert not left_in.accepted
+    assert left_in.motion is None
 
 
 def test_the_page_of_an_average_tells_and_draws_it(files, tmp_path, capsys):

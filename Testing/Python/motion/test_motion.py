@@ -35,7 +35,12 @@ def in_passes(echoes: SweepEchoes) -> tuple[SweepEchoes, Passes]:
     count = int(owners.max()) + 1
     numbers = np.repeat(np.arange(count), PASS_FRAMES)
     times = np.arange(count * PASS_FRAMES) / RATE + GAP * numbers
-    return replace(echoes, frames=frames), Passes(numbers, times)
+    poses = np.tile(np.eye(4), (count * PASS_FRAMES, 1, 1))
+    poses[frames, :3, 1] = echoes.beams
+    across = np.cross(echoes.beams, [0.0, 0.0, 1.0])
+    poses[frames, :3, 0] = across / np.linalg.norm(across, axis=1, keepdims=True)
+    poses[frames, :3, 2] = [0.0, 0.0, 1.0]
+    return replace(echoes, frames=frames), Passes(numbers, times, poses)
 
 
 @pytest.fixture(scope="module")
@@ -111,6 +116,23 @@ def test_a_ct_that_lies_off_is_no_motion_of_the_patient(scan, bone):
     assert not motion_of(*scan, off).applied
 
 
+def test_a_calibration_that_is_off_is_no_motion_of_the_patient(scan, bone):
+    echoes, passes = scan
+    wrong = replace(MotionCurve.none(passes, echoes), calibration=rigid((1.0, 2.0, -1.0), (1.2, -0.8, 1.0)))
+    shown = wrong.moved(echoes)
+    for known in (None, bone):
+        found = motion_of(shown, passes, known)
+        assert found.is_calibration
+        assert found.curve.calibration_off == pytest.approx(wrong.calibration_off, abs=0.5)
+        assert found.lines[0].startswith("WARNING: The patient lay still, but the calibration is ")
+        assert left(found, shown, echoes, as_one=known is None) < 0.3
+    both = wrong.moved(moved(scan, breathing=3.0))
+    found = motion_of(both, passes, bone)
+    assert found.applied
+    assert not found.is_calibration
+    assert left(found, both, echoes, as_one=False) < 0.5
+
+
 def test_frames_that_no_motion_explains_are_said_to_contradict_each_other(scan):
     rest = MotionCurve.none(scan[1], scan[0])
     assert PatientMotion(rest, 1.9, 1.9, False).lines[0].startswith("WARNING: Passes show the bone 1.9 mm apart, and no motion")
@@ -123,7 +145,7 @@ def test_along_a_rod_nothing_is_moved_and_that_is_said():
     around = np.stack([np.sin(angle), -np.cos(angle), np.zeros_like(z)], axis=1)
     points = 8.0 * around + z[:, None] * [0.0, 0.0, 1.0] + 0.1 * rng.standard_normal((6000, 3))
     numbers, frames = np.repeat(np.arange(4), 40), rng.integers(0, 160, 6000)
-    passes = Passes(numbers, np.arange(160) / RATE + GAP * numbers)
+    passes = Passes(numbers, np.arange(160) / RATE + GAP * numbers, np.tile(np.eye(4), (160, 1, 1)))
     by = np.array([[0.0, 0.0, 0.0], [2.0, 1.0, 3.0], [-2.0, 0.0, -4.0], [1.0, -2.0, 2.0]])
     shown = SweepEchoes(points + by[numbers[frames]], -around, np.ones(6000, np.float32), frames)
     found = motion_of(shown, passes)
@@ -168,7 +190,7 @@ def test_the_motion_is_taken_out_of_what_leads_to_reference_and_of_nothing_else(
     passes = passes_in([sweep])
     echoes = SweepEchoes(rng.standard_normal((60, 3)), np.tile([0.0, 1.0, 0.0], (60, 1)), np.ones(60, np.float32), np.arange(60) % 30)
     curve = MotionCurve.none(passes, echoes)
-    curve = curve.stepped(rng.standard_normal(3 * (len(curve.turns) + len(curve.shifts))))
+    curve = curve.stepped(rng.standard_normal(3 * (len(curve.turns) + len(curve.shifts)) + 6))
     mended = taken_out(sweep, PatientMotion(curve, 1.0, 0.2, True))
     before, after = sweep_poses(sweep), sweep_poses(mended)
     placed = [n for n in range(30) if n != 7]
@@ -181,7 +203,7 @@ def test_the_motion_is_taken_out_of_what_leads_to_reference_and_of_nothing_else(
 def test_a_curve_moves_echoes_as_its_matrices_do_and_turns_about_the_middle_of_a_pass(scan):
     echoes, passes = scan
     rest = MotionCurve.none(passes, echoes)
-    step = np.zeros(3 * (len(rest.turns) + len(rest.shifts)))
+    step = np.zeros(3 * (len(rest.turns) + len(rest.shifts)) + 6)
     step[2] = math.radians(10.0) * rest.lever
     turned = rest.stepped(step)
     first = passes.numbers[echoes.frames] == 0

@@ -236,7 +236,7 @@ def test_a_problem_does_not_make_it_forget_that_the_patient_moved(watching, scan
     show(session, watch, [*scan.at(0.0), *scan.at(20.0, MOVED)])
     assert until(lambda: watch.state.has_fallen)
     session.latest = replace(scan.at(30.0)[0], image=np.zeros((0, 0), np.uint8))
-    assert until(lambda: watch.state.problem is not None)
+    assert until(lambda: watch.problem is not None)
     assert watch.state.has_fallen
 
 
@@ -253,6 +253,6 @@ def test_what_goes_wrong_is_told_and_the_watch_goes_on(watching, scan, monkeypat
     frames = scan.at(0.0)
     broken = replace(frames[0], image=np.zeros((0, 0), np.uint8))
     session.latest = broken
-    assert until(lambda: watch.state.problem is not None)
+    assert until(lambda: watch.problem is not None)
     show(session, watch, frames[1:])
-    assert watch.state.problem is None
+    assert watch.problem is None

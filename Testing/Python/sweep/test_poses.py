@@ -208,7 +208,7 @@ def test_a_named_transform_and_a_named_reference_go_together():
 
 
 def test_a_recording_without_a_calibration_says_how_to_give_it():
-    with pytest.raises(TransformError, match="No transform leads from Image to Reference"):
+    with pytest.raises(TransformError, match="Nothing says where Image lies in Reference"):
         sweep_poses(sweep(record(), calibration=False))
 
 

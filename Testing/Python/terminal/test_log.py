@@ -82,7 +82,7 @@ def test_a_log_that_cannot_be_written_is_one_clear_line(patient, tmp_path, capsy
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits the size of files")
-def test_a_log_that_the_disk_no_longer_takes_is_told_once_and_the_work_is_done(patient, tmp_path):
+def test_the_work_is_done_although_the_disk_no_longer_takes_the_log(patient, tmp_path):
     limited = (
         "import resource, signal, sys; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
         "from AIFReconLib.commands.parser import main; import AIFReconLib.commands.info;"
@@ -90,8 +90,7 @@ def test_a_log_that_the_disk_no_longer_takes_is_told_once_and_the_work_is_done(p
     )
     words = ["info", str(patient.sweep), "--config", str(patient.config), "--log", str(tmp_path / "log.txt")]
     done = subprocess.run([sys.executable, "-c", limited, *words], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr.count("\n")) == (0, 1), done.stderr
-    assert "cannot be written any more" in done.stderr
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_program_that_asks_for_nothing_is_shown_nothing():

@@ -8,7 +8,8 @@ import pytest
 
 from AIFReconLib.commands.parser import COMMANDS, main, options_of, parser_of
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.terminal.arguments import Options, explained
+from AIFReconLib.recipe.rules import explained
+from AIFReconLib.terminal.arguments import Options
 
 
 def help_of(capsys, monkeypatch, *words) -> str:
@@ -44,7 +45,7 @@ def test_the_whole_help_has_every_option(command, capsys, monkeypatch):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_option_is_explained(command):
     assert [name for name, each in parser_of(command).declared.items() if not each.words["help"]] == []
-    explained_ones = {name for group in options_of(command).__mro__ if issubclass(group, Options) for name in explained(group)[1]}
+    explained_ones = {name for group in options_of(command).__mro__ if issubclass(group, Options) for name in explained(group).parameters}
     assert explained_ones - set(parser_of(command).declared) == set()
 
 

@@ -18,7 +18,6 @@ from ....message import Sentence, listed, message_of
 from ....remedies import WHICH_MARKER
 from ...disk.small_files import read_bytes
 from ...disk.tables import read_table
-from ...sequence.decoded_images import library
 from ..options import ImportOptions
 from .headings import (
     ANGLES,
@@ -51,9 +50,6 @@ _NO_NUMBERS = (IMAGE, STATUS, OCCLUDED, TOOL, TIME)
 
 _KINDS = {"Rotation", "Position"}
 """What Motive writes above the axes of both."""
-
-_ALSO = {"length_unit": "units", "good_statuses": "status_ok"}
-"""What files of one's own may call options."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +99,10 @@ def read_poses(path: str | Path, form: ImportOptions | None = None) -> PoseTable
         What the file does not say.
     """
     path, form = Path(path), form or ImportOptions()
-    with naming(path):
+    with _naming(path):
         if path.suffix.lower() == ".npy":
             return _of_array(path, form)
-        sheets = read_sheets(path)
+        sheets = _sheets(path)
         if not sheets:
             raise FileFormatError("it holds no poses. Give a file with one pose per frame.")
         for sheet in sheets:
@@ -116,9 +112,8 @@ def read_poses(path: str | Path, form: ImportOptions | None = None) -> PoseTable
             except SettingsError as error:
                 if sheet is sheets[-1] or "known columns" not in str(error):
                     raise
-    others = [f"left out: {len(sheets) - 1} other tables in the file"] if len(sheets) > 1 else []
-    others += [f"left out: {sheet.skipped}"] if sheet.skipped else []
-    return replace(table, understood=(*table.understood, *others))
+    left_out = [f"{len(sheets) - 1} other tables in the file"] * (len(sheets) > 1) + [sheet.skipped] * bool(sheet.skipped)
+    return replace(table, understood=(*table.understood, *(f"left out: {what}" for what in left_out)))
 
 
 def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[str] | None]:
@@ -127,8 +122,8 @@ def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[
     Without headings the table is of times alone. Raises FileFormatError or SettingsError when the times cannot be told.
     """
     path = Path(path)
-    with naming(path):
-        sheet = next(iter(read_sheets(path)), None)
+    with _naming(path):
+        sheet = next(iter(_sheets(path)), None)
         if sheet is None or (sheet.headings is None and sheet.width != 1):
             raise FileFormatError("times of images must be a table with a column 'time', or one number a line.")
         columns = dict(enumerate(map(column_of, sheet.headings or [TIME])))
@@ -140,7 +135,7 @@ def read_times(path: str | Path, unit: str | None = None) -> tuple[Floats, list[
 
 
 @contextlib.contextmanager
-def naming(path: Path) -> Iterator[None]:
+def _naming(path: Path) -> Iterator[None]:
     """Errors within begin with the name of this file."""
     try:
         yield
@@ -148,7 +143,7 @@ def naming(path: Path) -> Iterator[None]:
         raise type(error)(f"{path}: {str(message_of(error)).removeprefix(f'{path}: ')}", error) from None
 
 
-def read_sheets(path: Path) -> list[Sheet]:
+def _sheets(path: Path) -> list[Sheet]:
     """The tables in a file that have rows. Raises FileFormatError where it is no text, or no JSON by its suffix."""
     text = text_of(path)
     return [sheet for sheet in [sheet_of_json(text)] if len(sheet)] if path.suffix.lower() == ".json" else sheets_of(text)
@@ -183,29 +178,22 @@ def _of_sheet(sheet: Sheet, form: ImportOptions) -> PoseTable:
     values = {role: sheet.numbers(place, role) for role, place in track.columns.items() if role not in _NO_NUMBERS}
     length = form.units or _unit(track, tuple(LENGTHS)) or _length_above(sheet.above)
     matrices, how = poses_of(values, form, length or "mm", _unit(track, ANGLES), sheet.place)
-    of_patient = track_of(columns, sheet, form.reference_tool, is_known)[0].described if form.reference_tool else {}
-    left = [column for place, column in enumerate(columns) if place not in {*track.described, *of_patient} and column.heading != "-"]
-    unused = in_words_of_the_table(left)
-    another = WHICH_MARKER if is_chosen and not form.reference_tool else ""
-    understood = [f"{len(matrices)}, {how}", *([f"as {layout['maker']} writes"] if is_known else []), *told, *told_rows]
-    understood += [f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else []
-    understood += [Sentence(f"not used: {unused}", another)] if unused else []
-    taken = {place: f"{column.role}_{column.unit}" if column.unit else column.role for place, column in track.described.items()}
-    understood.append(f"columns: {listed((f'{name}={place + 1}' for place, name in taken.items()), ' ')}")
-    table = posed(matrices, track, sheet, form, understood)
-    if table.times is None and FRAME in values and (rate := _rate(sheet)):
-        told_rate = f"time: frame numbers at {rate:g} frames/s, as the file says"
-        table = replace(table, times=(values[FRAME] - values[FRAME][0]) / rate, understood=(*table.understood, told_rate))
-    return replace(table, length_unit=length or "mm", knows_length=length is not None)
-
-
-def posed(matrices: Matrix, track: Track, sheet: Sheet, form: ImportOptions, understood: Sequence[str]) -> PoseTable:
-    """Poses in mm with what the table says beside them."""
     moved = np.asarray(np.isfinite(matrices).all(axis=(1, 2)) & matrices[:, :3, 3].any(axis=1))
     times, told_times = times_of(track.described, sheet, form.time_unit)
+    if times is None and FRAME in values and (rate := _rate(sheet)):
+        times = (values[FRAME] - values[FRAME][0]) / rate
+        told_times.append(f"time: frame numbers at {rate:g} frames/s, as the file says")
     statuses, told_statuses = statuses_in(track, sheet, moved, form.status_ok or ())
+    of_patient = track_of(columns, sheet, form.reference_tool, is_known)[0].described if form.reference_tool else {}
+    unused = [column for place, column in enumerate(columns) if place not in {*track.described, *of_patient} and column.heading != "-"]
+    another = WHICH_MARKER if is_chosen and not form.reference_tool else ""
+    taken = (f"{column.role}_{column.unit or ''}".rstrip("_") + f"={place + 1}" for place, column in track.described.items())
+    understood = [f"{len(matrices)}, {how}", *([f"as {layout['maker']} writes"] if is_known else []), *told, *told_rows]
+    understood += [f"used: {in_words_of_the_table(track.described.values())}"] if sheet.headings else []
+    understood += [Sentence(f"not used: {in_words_of_the_table(unused)}", another)] if unused else []
+    understood += [f"columns: {listed(taken, ' ')}", *told_times, *told_statuses]
     images = tuple(sheet.words(track.columns[IMAGE])) if IMAGE in track.columns else None
-    return PoseTable(matrices, times, images, statuses, (*understood, *told_times, *told_statuses), "mm", True)
+    return PoseTable(matrices, times, images, statuses, tuple(understood), length or "mm", length is not None)
 
 
 def _layout(columns: tuple[str, ...]) -> dict[str, Any]:
@@ -214,10 +202,9 @@ def _layout(columns: tuple[str, ...]) -> dict[str, Any]:
     if not word.lower().endswith(".json"):
         return next((maker for maker in TABLES["makers"] if maker["name"] == word.lower()), {"columns": columns})
     layout: Any = read_table(Path(word), FileFormatError, "Correct the file.")
-    is_one = isinstance(layout, dict) and isinstance(layout.get("columns", ""), str | list)
-    if not is_one or not isinstance(layout.get("headings", {}), dict):
-        raise FileFormatError(f"{word}: it must be an object with columns or headings, in JSON. Correct the file.")
-    return {_ALSO.get(name, name): value for name, value in layout.items()}
+    if not isinstance(layout, dict) or not isinstance(layout.get("columns"), str):
+        raise FileFormatError(f"{word}: it must be an object with columns, in JSON. Correct the file.")
+    return {"units" if name == "length_unit" else name: value for name, value in layout.items()}
 
 
 def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, layout: dict[str, Any]) -> list[Column]:
@@ -229,16 +216,14 @@ def _columns(sheet: Sheet, names: Sequence[str] | None, form: ImportOptions, lay
         if len(names) != sheet.width:
             raise name_the_columns(f"Input columns must name {sheet.width} columns; got {len(names)}.", sheet)
         return [column_of(word) if word != "-" else Column("-") for word in names]
-    headings = sheet.headings or []
-    above = [tuple(dict.fromkeys(group[place] for group in sheet.groups if group[place])) for place in range(len(headings))]
+    headings, roles = sheet.headings or [], layout.get("headings", {})
+    over = [dict.fromkeys(group[place] for group in sheet.groups if group[place]) for place in range(len(headings))]
     # What stands above all columns tells none from another
-    common = set.intersection(*(set(words) for words in above if words)) - _KINDS if any(above) else set()
-    columns = []
-    for heading, words in zip(headings, above):
-        words = tuple(word for word in words if word not in common)
-        column = replace(column_of(heading, words), above=words)
-        role = layout.get("headings", {}).get(plain_word(heading))
-        columns.append(replace(column, role=role, words=(role,)) if role else column)
+    common = set.intersection(*(set(words) for words in over if words)) - _KINDS if any(over) else set()
+    above = [tuple(word for word in words if word not in common) for words in over]
+    columns = [replace(column_of(heading, words), above=words) for heading, words in zip(headings, above)]
+    known = [roles.get(plain_word(heading)) for heading in headings]
+    columns = [replace(column, role=role, words=(role,)) if role else column for column, role in zip(columns, known)]
     return in_blocks(columns, sheet, layout["starts"]) if "starts" in layout else columns
 
 
@@ -271,7 +256,7 @@ def _names_of_numbers(sheet: Sheet, form: ImportOptions) -> Sequence[str]:
 
 def _rate(sheet: Sheet) -> float:
     """Frames per second, which Vicon Nexus writes alone in the line below the title; 0 where no line does."""
-    alone = [cells[0] for cells in sheet.above if len(list(filter(None, cells))) == 1 and is_number(cells[0])]
+    alone = [cells[0] for cells in sheet.above if is_number(cells[0]) and not any(cells[1:])]
     return float(alone[-1].replace(",", ".")) if alone else 0.0
 
 
@@ -282,8 +267,8 @@ def _in_single_rows(sheet: Sheet) -> Sheet:
     height = 4 if count % 4 == 0 and (count % 3 or (lines[3::4] == (0.0, 0.0, 0.0, 1.0)).all()) else 3
     if count % height:
         raise FileFormatError(f"lines of four numbers must come in fours or threes, one matrix each; got {count} lines. Export it again.")
-    frame = library("pandas", "Tables of poses").DataFrame(lines.reshape(-1, 4 * height))
-    return replace(sheet, cells=frame, lines=sheet.lines[::height])
+    rows = [" ".join(map(str, row)) for row in lines.reshape(-1, 4 * height).tolist()]
+    return replace(sheet, rows=rows, lines=sheet.lines[::height], separator=None)
 
 
 def _unit(track: Track, units: Sequence[str]) -> str | None:

@@ -87,9 +87,8 @@ class Column:
 
 def in_words_of_the_table(columns: Collection[Column]) -> str:
     """Columns as the table calls them: by what stands above several, without numbers that identify a body, or by their headings."""
-    above = [" ".join(word for word in column.above if not _IDENTITY.fullmatch(word)) for column in columns]
-    titles = (title if column.role not in (TIME, FRAME) else "" for title, column in zip(above, columns))
-    return shorten(listed(dict.fromkeys(filter(None, (title or column.heading for title, column in zip(titles, columns))))), 400)
+    above = (" ".join(word for word in each.above if not _IDENTITY.fullmatch(word)) * (each.role not in (TIME, FRAME)) for each in columns)
+    return shorten(listed(dict.fromkeys(filter(None, (title or each.heading for title, each in zip(above, columns))))), 400)
 
 
 def layout_of(headings: Sequence[str], above: Sequence[Sequence[str]]) -> dict[str, Any]:
@@ -128,7 +127,7 @@ def column_of(heading: str, above: tuple[str, ...] = ()) -> Column:
 def _takes(field: str, unit: str) -> bool:
     """Whether a column that holds this can be in that unit."""
     if field == TIME:
-        return unit in TIMES or unit in LONG_TIMES
+        return unit in {*TIMES, *LONG_TIMES}
     return unit in (LENGTHS if field in TRANSLATION or field.startswith(("#t", "#pos")) else ANGLES)
 
 

@@ -1,4 +1,4 @@
-"""Poses in JSON as a table: a list of matrices, or of objects whose keys are the headings. pandas lays them out."""
+"""Poses in JSON as a table: a list of matrices, or of objects whose keys are the headings."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import Any
 
 from ....errors import FileFormatError
 from ....message import one_line
-from ...sequence.decoded_images import library
 from .sheet import Sheet
 
 _LISTS = ("frames", "poses", "transforms", "data")
@@ -26,8 +25,9 @@ def sheet_of_json(text: str) -> Sheet:
     if not isinstance(document, list):
         kinds = f"a list of poses, or an object with one under {', '.join(_LISTS)}"
         raise FileFormatError(f"it must hold {kinds}; got {type(document).__name__}. Export it again.")
-    frame = library("pandas", "Tables of poses").DataFrame(rows, dtype=object).fillna("")
-    return Sheet(frame.set_axis(range(frame.shape[1]), axis=1), range(len(rows)), list(map(one_line, frame)), item="pose")
+    headings = list(dict.fromkeys(heading for row in rows for heading in row))
+    lines = ["\t".join(row.get(heading, "") for heading in headings) for row in rows]
+    return Sheet(lines, range(len(rows)), "\t", headings, item="pose")
 
 
 def _flat(heading: str, value: Any) -> dict[str, str]:
@@ -37,4 +37,4 @@ def _flat(heading: str, value: Any) -> dict[str, str]:
     if isinstance(value, list):
         mark = "" if heading[-1:].isdecimal() else " "
         return {name: cell for number, each in enumerate(value) for name, cell in _flat(f"{heading}{mark}{number}", each).items()}
-    return {heading: "" if value is None else str(value)}
+    return {one_line(heading): "" if value is None else one_line(str(value))}

@@ -68,9 +68,8 @@ def poses_of(values: Mapping[str, Floats], form: ImportOptions, length: str, ang
     if len(fields) > 3:
         good &= turns.any(axis=1)  # zeros stand for no pose
     if fields == COUNTED_TURN and form.column_major is None:
-        raise SettingsError(
-            "Nine numbers of a rotation can run along its rows or its columns.", "Say whether they run column by column ({column_major})."
-        )
+        told = "Nine numbers of a rotation can run along its rows or its columns."
+        raise SettingsError(told, "Say whether they run column by column ({column_major}).")
     if len(fields) == 9:
         rotations = turns[good].reshape(-1, 3, 3)
         rotations, how = rotations.transpose(0, 2, 1) if form.column_major else rotations, f"3x3 rotation, {_lines(form)}"
@@ -94,11 +93,9 @@ def _of_quaternion(fields: tuple[str, ...], turns: Floats, good: Mask, form: Imp
         raise SettingsError("The order of the quaternion's numbers is not known.", "Give {quaternion_order}: xyzw or wxyz.")
     with np.errstate(over="ignore", invalid="ignore"):  # then it is infinite, and refused
         lengths = np.linalg.norm(turns, axis=1)
-    wrong = good & ~(np.abs(lengths - 1.0) <= QUATERNION_TOLERANCE)
-    if wrong.any():
-        first = int(np.argmax(wrong))
+    for first in np.flatnonzero(good & ~(np.abs(lengths - 1.0) <= QUATERNION_TOLERANCE)):
         must = f"must have a quaternion of length 1; got {lengths[first]:.4g}. Check which columns hold it."
-        raise FileFormatError(f"{place(first)} {must}")
+        raise FileFormatError(f"{place(int(first))} {must}")
     rotations = scipy.spatial.transform.Rotation.from_quat(turns[good][:, [order.index(axis) for axis in "xyzw"]]).as_matrix()
     how = "quaternion (x, y, z, w by name)" if fields == QUATERNION else f"quaternion in the order {' '.join(order)}"
     return rotations, how
@@ -115,19 +112,15 @@ def _of_angles(
         raise SettingsError("The order of the Euler angles is not known.", WHICH_ORDER, choices=EULER_ORDERS)
     if fields == EULER and order != VECTOR:
         if len(set(order)) < 3:
-            raise SettingsError(
-                f"Angles that are named by axis cannot be turned in the order {order}, which has an axis twice. Name "
-                "them e0 e1 e2, in the order of the turns.",
-                NAME_THE_COLUMNS,
-            )
+            twice = f"Angles that are named by axis cannot be turned in the order {order}, which has an axis twice."
+            raise SettingsError(f"{twice} Name them e0 e1 e2, in the order of the turns.", NAME_THE_COLUMNS)
         fields = tuple(f"r{axis.lower()}" for axis in order)
     turns = np.stack([values[name] for name in fields], axis=1)[good]
     unit = form.angle_unit or unit or ("rad" if fields == ROTATION_VECTOR else None)
     most = float(np.abs(turns).max(initial=0.0))
     if unit is None and most <= _FULL_TURN:
-        raise SettingsError(
-            "The unit of the angles is not known: all are within a full turn in radians, and can be degrees as well.", ANGLE_UNIT
-        )
+        told = "The unit of the angles is not known: all are within a full turn in radians, and can be degrees as well."
+        raise SettingsError(told, ANGLE_UNIT)
     unit = unit or "deg"
     if most > (720.0 if unit == "deg" else 4 * np.pi) + 1e-6:
         raise SettingsError(f"The angles reach {most:.4g} {unit}, more than two turns: is their unit another?", ANGLE_UNIT)
@@ -144,15 +137,12 @@ def _matrices(values: Mapping[str, Floats], form: ImportOptions, place: _Place) 
     poses = np.stack([values.get(name, unsaid + (name == "m33")) for name in MATRIX], axis=1).reshape(-1, 4, 4)
     poses = poses.transpose(0, 2, 1).copy() if form.column_major else poses
     good = np.isfinite(poses).all(axis=(1, 2))
-    wrong = np.asarray(good & ~np.isclose(poses[:, 3], (0, 0, 0, 1), atol=1e-6).all(axis=1))
-    if wrong.any():
-        number = int(np.argmax(wrong))
-        first, by_column = poses[number], np.allclose(poses[number][:, 3], (0, 0, 0, 1))
-        raise FileFormatError(
-            f"{place(number)} must have 0 0 0 1 as its last row; got {' '.join(f'{v:g}' for v in first[3])}."
-            + " They seem to be written column by column." * by_column,
-            "Where matrices are written column by column, give {column_major}." * by_column,
-        )
+    for number in np.flatnonzero(good & ~np.isclose(poses[:, 3], (0, 0, 0, 1), atol=1e-6).all(axis=1)):
+        told = f"{place(int(number))} must have 0 0 0 1 as its last row; got {' '.join(f'{v:g}' for v in poses[number][3])}."
+        if np.allclose(poses[number][:, 3], (0, 0, 0, 1)):
+            advice = "Where matrices are written column by column, give {column_major}."
+            raise FileFormatError(f"{told} They seem to be written column by column.", advice)
+        raise FileFormatError(told)
     poses[:, 3] = (0.0, 0.0, 0.0, 1.0)
     poses[~good] = np.nan
     return poses
@@ -161,7 +151,5 @@ def _matrices(values: Mapping[str, Floats], form: ImportOptions, place: _Place) 
 def in_millimeters(matrices: Matrix, unit: str, takes_pixels: bool) -> Matrix:
     """Poses (n, 4, 4) whose lengths are in `unit`, in mm. Where they take pixels, their axes are lengths too."""
     scaled = matrices.copy()
-    scaled[:, :3, 3] *= LENGTHS[unit]
-    if takes_pixels:
-        scaled[:, :3, :3] *= LENGTHS[unit]
+    scaled[:, :3, 0 if takes_pixels else 3 :] *= LENGTHS[unit]
     return scaled

@@ -1,14 +1,18 @@
-"""A table in text: which lines are its rows, which are headings and units. pandas holds the cells and makes numbers of them."""
+"""A table in text: which lines are its rows, which are headings and units. pandas makes numbers of its cells."""
 
 from __future__ import annotations
 
 import contextlib
+import csv
+import io
 import re
+import string
+import warnings
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import compress, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -23,15 +27,14 @@ from .headings import column_of, unit_of
 
 MAXIMUM_BYTES = 2**30
 
-_MARKS = ("#", "//", "%")
-"""Of comments."""
-
+_COMMENT = re.compile(r"\s*(#|//|%)")
 _NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?|[+-]?inf", re.IGNORECASE)
 _NO_VALUE = ("", "missing", "nan", "null", "none", "n/a", "na", "-", "--")
+_AROUND = string.whitespace + "\"'"
 BAD_FLOAT = -3.697314e28
 """What NDI writes where there is no number."""
 _LOOKED_AT = 400
-"""Lines by which separators are judged."""
+"""Lines in the middle of a text by which separators and widths are judged."""
 _KNOWN_HEADINGS = 3
 """Headings that are known make a line of headings."""
 
@@ -53,10 +56,12 @@ class Sheet:
 
     Parameters
     ----------
-    cells : list of list of str, or pandas' DataFrame
-        By row.
-    lines : sequence of int
-        The number of each row in its file.
+    rows : list of str
+        As they are written.
+    lines : list of int
+        The number of each in its file.
+    separator : str or None
+        Of cells; None: white space.
     headings : list of str or None
         With their units, where a line says them.
     groups : list of list of str
@@ -69,62 +74,76 @@ class Sheet:
         What a row is called in messages.
     """
 
-    cells: Any
+    rows: list[str]
     lines: Sequence[int]
+    separator: str | None = None
     headings: list[str] | None = None
     groups: list[list[str]] = field(default_factory=list)
     above: list[list[str]] = field(default_factory=list)
     skipped: str = ""
     item: str = "line"
 
-    @property
+    @cached_property
     def width(self) -> int:
         """Columns that it should have."""
-        return len(self.headings) if self.headings else len(self.cells[0]) if isinstance(self.cells, list) else self.cells.shape[1]
-
-    @cached_property
-    def frame(self) -> Any:
-        """The cells as pandas' DataFrame. Raises FileFormatError, which names the first row that is too long or too short."""
-        if not isinstance(self.cells, list):
-            return self.cells
-        for number, row in enumerate(self.cells):
-            if not _fits(row, self.width):
-                raise FileFormatError(f"{self.place(number)} must have {self.width} columns; got {len(row)}. Export it again.")
-        return library("pandas", "Tables of poses").DataFrame([row[: self.width] for row in self.cells], dtype=object)
+        return len(self.headings or cells_of(self.rows[0], self.separator))
 
     def __len__(self) -> int:
-        return len(self.cells)
+        return len(self.rows)
 
     def place(self, number: int) -> str:
         """Where a row stands, in words."""
-        row = number if isinstance(self.cells, list) else int(self.cells.index[number])
-        return f"line {self.lines[row]} (frame {row})" if self.item == "line" else f"{self.item} {self.lines[row]}"
+        return f"line {self.lines[number]} (frame {number})" if self.item == "line" else f"{self.item} {self.lines[number]}"
 
     def where(self, mask: Sequence[bool]) -> Sheet:
         """Some of the rows."""
-        return replace(self, cells=self.frame[mask])
+        return replace(self, rows=list(compress(self.rows, mask)), lines=list(compress(self.lines, mask)))
+
+    def _frame(self, **how: Any) -> Any:
+        """The cells as pandas' DataFrame. Raises FileFormatError, which names the first row that is too long or too short."""
+        for number, row in enumerate(self.rows):
+            if len(row.split(self.separator)) != self.width and not _fits(cells := cells_of(row, self.separator), self.width):
+                raise FileFormatError(f"{self.place(number)} must have {self.width} columns; got {len(cells)}. Export it again.")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a separator behind the last cell
+            return library("pandas", "Tables of poses").read_csv(
+                io.StringIO("\n".join(self.rows)),
+                sep=self.separator or r"\s+",
+                names=range(self.width),
+                index_col=False,
+                skipinitialspace=True,
+                skip_blank_lines=False,
+                low_memory=False,
+                quoting=csv.QUOTE_NONE,
+                keep_default_na=False,
+                **how,
+            )
+
+    @cached_property
+    def _numbers(self) -> Any:
+        return self._frame(na_values=[*_NO_VALUE, *map(str.upper, _NO_VALUE), "NaN"])
 
     def words(self, place: int) -> list[str]:
         """A column as it is written."""
-        return list(map(str, self.frame[place]))
+        return [word.strip(_AROUND) for word in self._frame(usecols=[place], dtype=str, na_filter=False)[place]]
 
     def numbers(self, place: int, name: str) -> Floats:
         """A column as numbers, NaN where a cell is blank or says that there is none.
 
         Raises FileFormatError, which names the row and the column.
         """
-        pandas = library("pandas", "Tables of poses")
-        written = self.frame[place].reset_index(drop=True)
-        numbers = pandas.to_numeric(written, errors="coerce").astype(np.float64)
-        odd = written[numbers.isna()].astype(str)
-        numbers[odd.index] = pandas.to_numeric(odd.str.replace(",", ".", regex=False), errors="coerce")
-        wrong = numbers[odd.index].isna() & ~odd.str.lower().isin(_NO_VALUE)
-        if wrong.any():
-            row = int(wrong.idxmax())
-            raise FileFormatError(
-                f"{self.place(row)}, column {name} must be a number; got {shorten(odd[row])!r}. Export it again, with decimal points."
-            )
-        return np.asarray(numbers.where(~np.isclose(numbers, BAD_FLOAT, rtol=1e-4)), np.float64)
+        numbers = self._numbers[place]
+        if numbers.dtype.kind not in "iuf":
+            pandas = library("pandas", "Tables of poses")
+            words = pandas.Series(self.words(place), dtype=object)
+            numbers = pandas.to_numeric(words.str.replace(",", ".", regex=False), errors="coerce")
+            wrong = numbers.isna() & ~words.str.lower().isin(_NO_VALUE)
+            if wrong.any():
+                row = int(wrong.idxmax())
+                must = f"{self.place(row)}, column {name} must be a number; got {shorten(words[row])!r}"
+                raise FileFormatError(f"{must}. Export it again, with decimal points.")
+        values = numbers.to_numpy(np.float64)
+        return np.where(np.isclose(values, BAD_FLOAT, rtol=1e-4), np.nan, values)
 
 
 def has_none(cell: str) -> bool:
@@ -137,53 +156,64 @@ def is_number(cell: str) -> bool:
     return bool(_NUMBER.fullmatch(cell))
 
 
+_Lines = list[tuple[int, str]]
+"""Each with its number in its file."""
+
+
 def sheets_of(text: str) -> list[Sheet]:
     """The tables in a text that have rows, in their order: what stands above headings is no row, and other headings begin another table."""
-    written = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line and not line.isspace()]
-    separator = _separator([line for _, line in written if not _is_comment(line)])
-    lines = [(number, _is_comment(line), _cells(line, separator)) for number, line in written]
-    heads = [place for place, (_, _, cells) in enumerate(lines) if _are_headings(cells)]
+    separator = _separator([line for line in text.splitlines() if line.strip() and not _COMMENT.match(line)])
+    if separator and '"' in text:
+        text = re.sub('"[^"\n]*"', lambda quoted: quoted[0].replace(separator, " "), text)
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), start=1) if line and not line.isspace()]
+    mark = re.escape(separator) if separator else r"\s"
+    with_number = re.compile(rf"(?:^|{mark})[\s\"']*(?:{_NUMBER.pattern})[\s\"']*(?:$|{mark})", re.IGNORECASE).search
+    heads = [place for place, (_, line) in enumerate(lines) if not with_number(line) and _are_headings(cells_of(line, separator))]
     # Names of tools, which may be words that are known, stand above headings
     heads = [place for place in heads if place + 1 not in heads]
     if not heads:
-        return _without_known_headings([line for line in lines if not line[1]])
-    starts = [heads[0], *(place for before, place in pairwise(heads) if lines[place][2] != lines[before][2])]
+        return _without_known_headings([line for line in lines if not _COMMENT.match(line[1])], separator)
+    starts = [heads[0], *(place for before, place in pairwise(heads) if lines[place][1] != lines[before][1])]
     ends = zip([0, *(start + 1 for start in starts)], starts, [*starts[1:], len(lines)])
-    found = (_under(lines[first:start], lines[start][2], lines[start + 1 : end], end == len(lines)) for first, start, end in ends)
+    found = (_under(lines[first : start + 1], lines[start + 1 : end], separator, end == len(lines)) for first, start, end in ends)
     return [sheet for sheet in found if len(sheet)]
 
 
-_Lines = list[tuple[int, bool, list[str]]]
-"""The number of each in its file, whether it is a comment, and its cells."""
-
-
-def _under(over: _Lines, headings: list[str], below: _Lines, is_last: bool) -> Sheet:
-    """The table below a line of headings, with what stands over them."""
-    rows = [(number, cells) for number, is_comment, cells in below if not is_comment and cells != headings]
-    if rows and all(unit_of(cell) is not None for cell in rows[0][1] if cell):
-        headings = [f"{heading} ({unit})" if unit else heading for heading, unit in zip(headings, rows.pop(0)[1])]
-    while rows and not is_last and not _fits(rows[-1][1], len(headings)):
+def _under(over: _Lines, below: _Lines, separator: str | None, is_last: bool) -> Sheet:
+    """The table below a line of headings, the last of those over it."""
+    *before, (_, head) = over
+    headings = cells_of(head, separator)
+    rows = [(number, line) for number, line in below if line != head and not _COMMENT.match(line)]
+    if rows and all(unit_of(cell) is not None for cell in cells_of(rows[0][1], separator) if cell):
+        headings = [f"{name} ({unit})" if unit else name for name, unit in zip(headings, cells_of(rows.pop(0)[1], separator))]
+    while rows and not is_last and not _fits(cells_of(rows[-1][1], separator), len(headings)):
         rows.pop()  # the title of the next table
-    above = [cells for _, _, cells in over]
+    above = [cells_of(line, separator) for _, line in before]
     groups: list[list[str]] = []
     while above and not above[-1][0] and any(above[-1]):
         groups.insert(0, _filled(above.pop(), len(headings)))
-    skipped = f"lines 1 to {over[len(above) - 1][0]}, which are above its headings" if above else ""
-    return Sheet([cells for _, cells in rows], [number for number, _ in rows], headings, groups, above, skipped)
+    skipped = f"lines 1 to {before[len(above) - 1][0]}, which are above its headings" if above else ""
+    return Sheet([line for _, line in rows], [number for number, _ in rows], separator, headings, groups, above, skipped)
 
 
-def _without_known_headings(lines: _Lines) -> list[Sheet]:
+def _without_known_headings(lines: _Lines, separator: str | None) -> list[Sheet]:
     """A table of numbers; a line of words directly above it are its headings."""
-    mostly = [2 * sum(map(is_number, cells)) >= sum(map(bool, cells)) > 0 for _, _, cells in lines]
-    if not any(mostly):
+
+    def numbers_in(line: str) -> int:
+        """How many cells a line of numbers has; 0 for others."""
+        cells = cells_of(line, separator)
+        return len(cells) * (2 * sum(map(is_number, cells)) >= sum(map(bool, cells)) > 0)
+
+    widths = Counter(filter(None, (numbers_in(line) for _, line in _middle(lines)))).most_common(1)
+    if not widths:
         return []
-    width = Counter(len(cells) for is_row, (_, _, cells) in zip(mostly, lines) if is_row).most_common(1)[0][0]
-    first = next(place for place, (_, _, cells) in enumerate(lines) if mostly[place] and _fits(cells, width))
-    above = [cells for _, _, cells in lines[:first]]
+    width = widths[0][0]
+    first = next(n for n, (_, line) in enumerate(lines) if numbers_in(line) and _fits(cells_of(line, separator), width))
+    above = [cells_of(line, separator) for _, line in lines[:first]]
     headings = above.pop() if above and _fits(above[-1], width) and not any(map(is_number, above[-1])) else None
     skipped = f"lines 1 to {lines[len(above) - 1][0]}, which hold no poses" if above else ""
-    rows = lines[first:]
-    return [Sheet([cells for _, _, cells in rows], [number for number, _, _ in rows], headings, above=above, skipped=skipped)]
+    numbers, rows = map(list, zip(*lines[first:]))
+    return [Sheet(rows, numbers, separator, headings, above=above, skipped=skipped)]
 
 
 def _are_headings(cells: Sequence[str]) -> bool:
@@ -199,33 +229,31 @@ def _fits(cells: Sequence[str], width: int) -> bool:
 
 def _filled(cells: list[str], width: int) -> list[str]:
     """Cells of a line above headings; one that stands once over several columns is that of all of them."""
-    filled, last = [], ""
-    for cell in [*cells, *[""] * (width - len(cells))][:width]:
-        last = cell or last
-        filled.append(last)
+    filled = [*cells, *[""] * (width - len(cells))][:width]
+    for place in range(1, width):
+        filled[place] = filled[place] or filled[place - 1]
     return filled
 
 
-def _cells(line: str, separator: str | None) -> list[str]:
+def cells_of(line: str, separator: str | None) -> list[str]:
     """The cells of a line, without quotes around them; a comment over a table may have separators of its own."""
-    if _is_comment(line):
+    if _COMMENT.match(line):
         line = line.strip().lstrip("#%/").strip()
         separator = separator if separator and separator in line else None
-    if separator and '"' in line:
-        line = re.sub(r'"[^"]*"', lambda quoted: quoted[0].replace(separator, " "), line)
-    return [cell.strip().strip("\"'").strip() for cell in line.split(separator)]
+    return [cell.strip(_AROUND) for cell in line.split(separator)]
 
 
-def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(_MARKS)
+def _middle(lines: Sequence[Any]) -> Sequence[Any]:
+    """The lines that are looked at."""
+    first = max(len(lines) - _LOOKED_AT, 0) // 2
+    return lines[first : first + _LOOKED_AT]
 
 
 def _separator(lines: Sequence[str]) -> str | None:
     """What separates the cells: the mark by which most of them are numbers, in lines of equal length. None: white space."""
-    middle = max(len(lines) - _LOOKED_AT, 0) // 2
 
     def worth(separator: str | None) -> tuple[float, float]:
-        rows = [_cells(line, separator) for line in lines[middle : middle + _LOOKED_AT]]
+        rows = [cells_of(line, separator) for line in _middle(lines)]
         width, count = Counter(map(len, rows)).most_common(1)[0]
         cells = [cell for row in rows for cell in row if cell]
         if width < 2 or not cells:

@@ -48,20 +48,17 @@ def statuses_in(track: Track, sheet: Sheet, has_pose: Mask, good: Sequence[str])
     place = track.columns[role]
     heading, words = track.described[place].heading, sheet.words(place)
     known = _OCCLUDED if role == OCCLUDED else _YES_OR_NO if _SAYS_WHETHER.search(heading) else _KNOWN
-    kinds = {word: known.get(plain_word(word)) for word in words}
-    if good:
-        bad = {word: TransformStatus.INVALID if status in (None, TransformStatus.OK) else status for word, status in kinds.items()}
-        kinds = {word: TransformStatus.OK if word.lower() in map(str.lower, good) else bad[word] for word in kinds}
+    kinds = {word: known.get(plain_word(word)) for word in dict.fromkeys(words)}
+    for word, status in kinds.items() if good else ():
+        others = TransformStatus.INVALID if status in (None, TransformStatus.OK) else status
+        kinds[word] = TransformStatus.OK if word.lower() in map(str.lower, good) else others
     if kinds.get("", True) is None and not any(has for word, has in zip(words, has_pose) if not word):
         kinds[""] = TransformStatus.MISSING
     unknown = [shorten(word) or "nothing" for word, status in kinds.items() if status is None]
     if unknown:
-        raise SettingsError(
-            f"What the column {heading} says of a pose is not known: {listed(unknown[:8])}.",
-            'Give the words that mean a valid pose, as in {status_ok:"{word}"}.',
-            word=unknown[0],
-            choices=unknown,
-        )
+        told = f"What the column {heading} says of a pose is not known: {listed(unknown[:8])}."
+        advice = 'Give the words that mean a valid pose, as in {status_ok:"{word}"}.'
+        raise SettingsError(told, advice, word=unknown[0], choices=unknown)
     taken = {word: status.value for word, status in kinds.items() if status is not None}
     told = listed(f"{shorten(word) or 'nothing'} is {status} ({words.count(word)})" for word, status in taken.items())
     return tuple(taken[word] for word in words), [f"status ({heading}): {told}"]

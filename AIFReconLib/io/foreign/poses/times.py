@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....arrays import Floats
-from ....errors import SettingsError
+from ....errors import FileFormatError, SettingsError
 from ....message import listed, shorten
 from ....remedies import NAME_THE_COLUMNS, TIME_UNIT
 from ...sequence.decoded_images import library
@@ -38,17 +38,17 @@ def times_of(columns: dict[int, Column], sheet: Sheet, unit: str | None) -> tupl
     place, column = next(iter(found.items()))
     if len(found) > 1:
         seconds = np.sum([sheet.numbers(place, "time") * known[str(part)] for place, part in parts.items()], axis=0)
-    elif any(not has_none(word) and not is_number(word) for word in sheet.words(place)):
-        seconds, told = _clock(sheet.words(place), column), f"{told}, by date or hour"
     else:
-        numbers = sheet.numbers(place, "time")
-        named = unit or column.unit
-        largest = float(np.abs(numbers).max(initial=0.0, where=np.isfinite(numbers)))
-        by_size = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
-        seconds = numbers * known[named or by_size or "s"]
-        told += f" in {named}" if named else f" in {by_size}, by its size" if by_size not in (None, "s") else ""
-        if not named and not by_size:
-            _require_a_trackers_rate(seconds, column.heading)
+        try:
+            numbers, named = sheet.numbers(place, "time"), unit or column.unit
+            largest = float(np.abs(numbers).max(initial=0.0, where=np.isfinite(numbers)))
+            by_size = next((name for name, low, high in _SINCE_1970 if low <= largest < high), None)
+            seconds = numbers * known[named or by_size or "s"]
+            told += f" in {named}" if named else f" in {by_size}, by its size" if by_size not in (None, "s") else ""
+            if not named and not by_size:
+                _require_a_trackers_rate(seconds, column.heading)
+        except FileFormatError:
+            seconds, told = _clock(sheet.words(place), column), f"{told}, by date or hour"
     missing = int((~np.isfinite(seconds)).sum())
     return (None, [f"{told}: not used, {missing} of {len(seconds)} rows have none"]) if missing else (seconds, [told])
 
@@ -66,11 +66,8 @@ def _clock(words: list[str], column: Column) -> Floats:
             raise ValueError
     except ValueError:
         other = next(word for word in words if not has_none(word) and not is_number(word))
-        raise SettingsError(
-            f"The time (column {column.heading}) must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05; "
-            f"got {shorten(other)!r}.",
-            NAME_THE_COLUMNS,
-        ) from None
+        must = "must be a number, a date as 2026-01-31 12:30:15.05 or an hour as 12:30:15.05"
+        raise SettingsError(f"The time (column {column.heading}) {must}; got {shorten(other)!r}.", NAME_THE_COLUMNS) from None
     found: Floats = since.dt.total_seconds().to_numpy(np.float64)
     known = found[np.isfinite(found)]
     if len(known) and np.ptp(known) > _HALF_A_DAY and known.max() < 2 * _HALF_A_DAY:

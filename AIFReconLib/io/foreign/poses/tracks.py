@@ -24,7 +24,7 @@ from .headings import (
     numbered,
 )
 from .rotations import NEEDED
-from .sheet import Sheet
+from .sheet import Sheet, cells_of
 
 _ROWS_SHOWN = 2
 _MOST_UNREAD = 6
@@ -54,7 +54,7 @@ class Track:
 
 def name_the_columns(why: str, sheet: Sheet) -> SettingsError:
     """The question what the columns are, which shows them and the first rows."""
-    shown = [listed(map(str, row[:20])) for row in sheet.frame.to_numpy()[:_ROWS_SHOWN]]
+    shown = [listed(cells_of(row, sheet.separator)[:20]) for row in sheet.rows[:_ROWS_SHOWN]]
     headings = f" Headings: {listed(sheet.headings[:20])}." if sheet.headings else ""
     return SettingsError(f"{why}{headings} First rows: {shorten(' | '.join(shown), 300)}.", NAME_THE_COLUMNS)
 
@@ -65,8 +65,7 @@ def in_blocks(columns: Sequence[Column], sheet: Sheet, starts: str) -> list[Colu
     blocks = [range(start, end) for start, end in pairwise([*found, len(columns)])]
     ports = [next((sheet.words(place)[0] for place in block if columns[place].role == TOOL), "") for block in blocks]
     names = [match[1] if match.re.groups else port for match, port in zip(found.values(), ports)]
-    if len(set(names)) < len(names):
-        names = [str(number) for number, _ in enumerate(names, start=1)]
+    names = names if len(set(names)) == len(names) else list(map(str, range(1, len(names) + 1)))
     told = list(columns)
     for name, block in zip(names, blocks):
         for place in block:
@@ -93,7 +92,7 @@ def track_of(columns: Sequence[Column], sheet: Sheet, tool: str | None, is_known
     names = _written(tracks)
     number = 0 if len(tracks) == 1 else _chosen(names, tool)
     if number is None:
-        raise _which(f"The table holds poses of {len(names)} tools side by side: {listed(names)}.", names, tool)
+        raise _which(" side by side", names, tool)
     track = tracks[number]
     counts = Counter(column.role for column in track.described.values() if column.role in {*_OF_ONE_TOOL, IMAGE})
     twice = [role for role, count in counts.items() if count > 1]
@@ -119,8 +118,7 @@ def rows_of(track: Track, sheet: Sheet, tool: str | None) -> tuple[Sheet, list[s
         if len(words) > 2 and 2 <= len(names) <= max(len(words) // 2, 2):
             number = _chosen(names, tool, by_place=False)
             if number is None:
-                heading = f"{len(names)} tools, told by its column {column.heading}"
-                raise _which(f"The table holds poses of {heading}: {listed(names[:8])}.", names, tool)
+                raise _which(f", told by its column {column.heading}", names, tool)
             chosen = sheet.where([word == names[number] for word in words])
             which = f"{names[number]}, of {listed(names)} (column {column.heading})"
             return chosen, [f"tool: {which}; {len(chosen)} of {len(words)} rows"]
@@ -130,9 +128,9 @@ def rows_of(track: Track, sheet: Sheet, tool: str | None) -> tuple[Sheet, list[s
     return sheet, []
 
 
-def _which(sentence: str, names: Sequence[str], tool: str | None) -> SettingsError:
-    no_such = "" if tool is None else f" There is none called {tool!r}."
-    return SettingsError(sentence + no_such, WHICH_TOOL, first=names[0], choices=names)
+def _which(how: str, names: Sequence[str], tool: str | None) -> SettingsError:
+    told = f"The table holds poses of {len(names)} tools{how}: {listed(names[:8])}."
+    return SettingsError(told + ("" if tool is None else f" There is none called {tool!r}."), WHICH_TOOL, first=names[0], choices=names)
 
 
 def _written(tracks: Sequence[Track]) -> list[str]:
@@ -148,11 +146,9 @@ def _chosen(names: Sequence[str], tool: str | None, by_place: bool = True) -> in
         return None
     low, asked = [name.lower() for name in names], tool.lower()
     part = "".join(filter(str.isalnum, asked))
-    for having in (
-        [number for number, name in enumerate(low) if name == asked],
-        [number for number, name in enumerate(low) if asked in name.split()],
-        [number for number, name in enumerate(low) if len(part) > 2 and part in "".join(filter(str.isalnum, name))],
-    ):
+    ways = asked.__eq__, lambda name: asked in name.split(), lambda name: len(part) > 2 and part in "".join(filter(str.isalnum, name))
+    for is_meant in ways:
+        having = [number for number, name in enumerate(low) if is_meant(name)]
         if len(having) == 1:
             return having[0]
     is_place = by_place and re.fullmatch("[1-9][0-9]?", tool) and int(tool) <= len(names) and not any(asked in name for name in low)

@@ -16,20 +16,21 @@ import numpy as np
 
 from ....arrays import Floats, Mask, Matrix, Numbers
 from ....errors import ConfigurationError, SequenceFormatError
-from ....geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
+from ....geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from ....recipe.recipe import LONGEST_GAP
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
 from ...disk.regular_files import files_in
 from ...disk.small_files import read_bytes
 from ...disk.xml_tree import parse_xml
-from ...metafile.text_values import NotANumberError, parse_numbers
+from ...metafile.text_values import NotANumberError, finite_numbers
 from ..decoded_images import DecodedImages
 from ..kinds import Recorded, RecordingKind
 from ..metafiles import METAFILES
 
 IMAGE, TOOL = TransformName("Image", "Reference"), TransformName("Tool", "Reference")
 CALIBRATION = TransformName("Image", "Tool")
+OK, LOST = TransformStatus.OK, TransformStatus.MISSING
 NEAR = 0.1
 """s. How far from a pose of the tool CustusX may have gone on with it, where the next is farther than `LONGEST_GAP`."""
 
@@ -70,9 +71,7 @@ def _poses(base: str, times: Floats, spacing: tuple[float, float], image_to_tool
         matrices = _matrices(of_frames) @ to_mm
         _same(of_frames, "a pose for each frame", len(matrices), len(times), "frames")
         seen = np.ones(len(times), bool) if clock is None else _tracked(times, clock)
-        samples = [
-            TransformSample(matrix) if ok else TransformSample(matrix, TransformStatus.MISSING) for matrix, ok in zip(matrices, seen)
-        ]
+        samples = [TransformSample(matrix, OK if ok else LOST) for matrix, ok in zip(matrices, seen)]
         lost = np.count_nonzero(~seen)
         note = f"CustusX went on with the last pose in {lost} frames that the tracker did not see; they are left out."
         return IMAGE, samples, {}, (note,) * bool(lost)
@@ -81,8 +80,7 @@ def _poses(base: str, times: Floats, spacing: tuple[float, float], image_to_tool
     matrices = _matrices(of_tool)
     _same(of_tool, "a time for each pose", len(clock), len(matrices), "poses")
     track = PoseTrack(zip(clock.tolist(), map(TransformSample, matrices)))
-    found = (track.at(float(time))[0] for time in times)
-    samples = [MISSING if matrix is None else TransformSample(matrix) for matrix in found]
+    samples = track.samples(times)
     if image_to_tool is None:
         return TOOL, samples, {}, ("The acquisition does not say where the image lies in the probe (.probedata.xml).",)
     return TOOL, samples, {CALIBRATION: TransformSample(image_to_tool @ to_mm)}, ()
@@ -114,14 +112,15 @@ def _probe(path: Path) -> tuple[tuple[float, float], Matrix] | None:
         image = parse_xml(path).find("configuration/image")
         if image is None:
             return None
-        spacing, origin = (parse_numbers(image.get(name, "")) for name in ("spacing", "origin_p"))
-    except (ConfigurationError, NotANumberError) as error:
+        x, y = finite_numbers(image.get("spacing", ""))[:2].tolist()
+        origin = finite_numbers(image.get("origin_p", ""), 3)
+    except (ConfigurationError, ValueError) as error:
         raise SequenceFormatError(f"{path}: the definition of the probe cannot be read. {error}") from error
-    if len(spacing) < 2 or min(spacing[:2]) <= 0 or len(origin) != 3 or not np.isfinite([*spacing, *origin]).all():
-        raise SequenceFormatError(f"{path}: spacing must be numbers above 0 and origin_p three numbers. Copy the file again.")
+    if min(x, y) <= 0:
+        raise SequenceFormatError(f"{path}: spacing must be numbers above 0. Copy the file again.")
     image_to_tool = np.array([[0.0, 0, -1, 0], [-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-    image_to_tool[:3, 3] = -image_to_tool[:3, :3] @ np.multiply(origin, [*spacing[:2], sum(spacing[:2]) / 2])
-    return (spacing[0], spacing[1]), image_to_tool
+    image_to_tool[:3, 3] = -image_to_tool[:3, :3] @ np.multiply(origin, [x, y, (x + y) / 2])
+    return (x, y), image_to_tool
 
 
 def _frame(path: Path, orientation: str | None) -> tuple[Numbers, tuple[float, float] | None]:
@@ -157,9 +156,7 @@ def _times_of_frames(path: Path) -> Path:
     found = files_in(path, "*.fts")
     if len(found) != 1:
         names = ", ".join(file.name for file in found)
-        raise SequenceFormatError(
-            f"{path}: there are {len(found)} acquisitions of CustusX in this folder ({names}). Give one of these files."
-        )
+        raise SequenceFormatError(f"{path}: there are {len(found)} acquisitions of CustusX here ({names}). Give one of these files.")
     return found[0]
 
 
@@ -167,12 +164,9 @@ def _numbers(path: Path) -> Floats:
     """All numbers of a small file."""
     data = read_bytes(path, None, SequenceFormatError)
     try:
-        numbers = np.array(parse_numbers(data.decode("ascii", "replace")))
+        return finite_numbers(data.decode("ascii", "replace"))
     except NotANumberError as error:
-        raise SequenceFormatError(f"{path}: it must hold numbers alone; {error}. Copy the file again.") from error
-    if not np.isfinite(numbers).all():
-        raise SequenceFormatError(f"{path}: it must hold finite numbers. Copy the file again.")
-    return numbers
+        raise SequenceFormatError(f"{path}: it must hold finite numbers alone; {error}. Copy the file again.") from error
 
 
 def _matrices(path: Path) -> Matrix:
@@ -180,9 +174,8 @@ def _matrices(path: Path) -> Matrix:
     numbers = _numbers(path)
     if len(numbers) % 12:
         raise SequenceFormatError(f"{path}: poses must have three rows of four numbers; got {len(numbers)} numbers. Copy the file again.")
-    matrices = np.tile(np.eye(4), (len(numbers) // 12, 1, 1))
-    matrices[:, :3] = numbers.reshape(-1, 3, 4)
-    return matrices
+    rows = numbers.reshape(-1, 3, 4)
+    return np.concatenate([rows, np.tile([[0.0, 0.0, 0.0, 1.0]], (len(rows), 1, 1))], axis=1)
 
 
 def _files(path: Path) -> list[Path]:

@@ -28,13 +28,10 @@ def _read(path: Path, orientation: str | None) -> Recorded:
     with readable, path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     if {IMAGES, POSES} - arrays.keys():
-        there = ", ".join(arrays) or "none"
-        raise SequenceFormatError(f"{path}: it must hold the arrays {IMAGES} and {POSES}; got {there}. Save them under these names.")
+        raise SequenceFormatError(f"{path}: it must hold the arrays {IMAGES} and {POSES}; got {', '.join(arrays) or 'none'}.")
     stored = arrays[IMAGES]
     if stored.ndim not in (3, 4) or stored.shape[3:] not in ((), (1,), (3,), (4,)) or not stored.size:
-        raise SequenceFormatError(
-            f"{path}: images must have shape (frames, rows, columns) or (frames, rows, columns, 3); got {stored.shape}."
-        )
+        raise SequenceFormatError(f"{path}: images must have shape (frames, rows, columns) or (..., 3); got {stored.shape}.")
     images = DecodedImages(len(stored), stored.__getitem__, lambda n: f"{path}, frame {n}")
     spacing = arrays.get(SPACING)
     try:

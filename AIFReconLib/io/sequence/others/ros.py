@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ....arrays import Matrix, Numbers
+from ....arrays import Numbers
 from ....errors import SequenceFormatError
 from ....geometry.transform_graph import MISSING, TransformName, TransformSample
 from ....message import listed
@@ -31,6 +31,7 @@ IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedIm
 POSE, TRANSFORM = "geometry_msgs/msg/PoseStamped", "geometry_msgs/msg/TransformStamped"
 POSES = (POSE, "geometry_msgs/msg/PoseWithCovarianceStamped", "nav_msgs/msg/Odometry")
 TREES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
+_READ = (IMAGE, COMPRESSED_IMAGE, *POSES, TRANSFORM, *TREES)
 STILL = "tf_static"
 MOST_TOLD = 8
 """Topics that are not read, of which a note tells."""
@@ -41,19 +42,11 @@ _MAY_PLACE = re.compile("Pose|Transform|Odometry|Path|Joint|Twist|tf")
 _PURPOSE = "Bags of ROS"
 MILLIMETERS = 1000.0
 QUATERNION_TOLERANCE = 0.02
-_ENCODINGS = {
-    **dict.fromkeys(("mono8", "8UC1"), ("u1", 1, ())),
-    **dict.fromkeys(("mono16", "16UC1"), ("u2", 1, ())),
-    "16SC1": ("i2", 1, ()),
-    "32SC1": ("i4", 1, ()),
-    "32FC1": ("f4", 1, ()),
-    "64FC1": ("f8", 1, ()),
-    "rgb8": ("u1", 3, (0, 1, 2)),
-    **dict.fromkeys(("bgr8", "8UC3"), ("u1", 3, (2, 1, 0))),
-    "rgba8": ("u1", 4, (0, 1, 2)),
-    **dict.fromkeys(("bgra8", "8UC4"), ("u1", 4, (2, 1, 0))),
-}
-"""Type and number of a pixel's channels, and which are red, green and blue. 8UC3 is OpenCV's, which is blue first."""
+_GRAY = {"mono8": "u1", "8UC1": "u1", "mono16": "u2", "16UC1": "u2", "16SC1": "i2", "32SC1": "i4", "32FC1": "f4", "64FC1": "f8"}
+"""Types of a pixel's number."""
+
+_COLORS = {"rgb8": "RGB", "bgr8": "BGR", "8UC3": "BGR", "rgba8": "RGBA", "bgra8": "BGRA", "8UC4": "BGRA"}
+"""The channels of a pixel, in order; 8UC3 is OpenCV's, which is blue first."""
 
 
 @dataclass
@@ -64,6 +57,11 @@ class _Found:
     frame: str = ""
     tracks: dict[TransformName, list[tuple[float, TransformSample]]] = field(default_factory=dict)
     still: dict[TransformName, TransformSample] = field(default_factory=dict)
+
+    @property
+    def has_poses(self) -> bool:
+        """Whether any can be used."""
+        return bool(self.tracks or self.still)
 
 
 class _Images:
@@ -99,30 +97,24 @@ def _read(path: Path, orientation: str | None) -> Recorded:
         store = types.get_typestore(types.Stores.ROS2_HUMBLE)
         reader = stack.enter_context(highlevel.AnyReader([path], default_typestore=store))
         topics = [connection for connection in reader.connections if connection.msgtype in (IMAGE, COMPRESSED_IMAGE)]
-        names = list(dict.fromkeys(connection.topic for connection in topics))
+        names = list(dict.fromkeys(connection.topic for connection in topics if connection.msgcount))
         if len(names) != 1:
-            others = " ".join(names[1:])
-            remedy = (
-                f"Leave out the others: rosbags-convert --src {path.name} --dst one --exclude-topic {others}." if names else "Record them."
-            )
-            raise SequenceFormatError(f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. {remedy}")
+            leave_out = f"Leave out others: rosbags-convert --src {path.name} --dst one --exclude-topic {' '.join(names[1:])}"
+            raise SequenceFormatError(f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. {leave_out}.")
         found = _found(reader)
-        if not found.times:
-            raise SequenceFormatError(f"{path}: topic {topics[0].topic} holds no image. Record it again.")
         stored = _Images(path, reader, topics)
         stack.callback(stored.close)
         images = DecodedImages(len(found.times), stored.image, lambda n: f"{path}, image {n}")
         weakref.finalize(images, stack.pop_all().close)
-    tracks = {name: PoseTrack(samples) for name, samples in found.tracks.items()}
-    records = [FrameRecord(time, transforms={name: _sample(track.at(time)[0]) for name, track in tracks.items()}) for time in found.times]
+    tracks = {name: PoseTrack(samples).samples(found.times) for name, samples in found.tracks.items()}
+    records = [FrameRecord(time, transforms={name: of[n] for name, of in tracks.items()}) for n, time in enumerate(found.times)]
     return Recorded(images, records, transforms=found.still, notes=_notes(found, reader.connections))
 
 
 def _found(reader: Any) -> _Found:
     """What all messages say, in one pass."""
     found = _Found()
-    read = [connection for connection in reader.connections if connection.msgtype in (IMAGE, COMPRESSED_IMAGE, *POSES, TRANSFORM, *TREES)]
-    for connection, written, raw in reader.messages(connections=read):
+    for connection, written, raw in reader.messages(connections=[each for each in reader.connections if each.msgtype in _READ]):
         message = reader.deserialize(raw, connection.msgtype)
         if connection.msgtype in (IMAGE, COMPRESSED_IMAGE):
             found.times.append(_time(message.header, written))
@@ -131,12 +123,11 @@ def _found(reader: Any) -> _Found:
             of_topic = re.sub("_?(pose|odom(etry)?|stamped|with_?covariance)", "", connection.topic.rstrip("/").lower())
             name = _name(getattr(message, "child_frame_id", "") or of_topic, message.header.frame_id)
             pose = message.pose if connection.msgtype == POSE else message.pose.pose
-            sample = _sample(_matrix_of(pose.position, pose.orientation))
-            found.tracks.setdefault(name, []).append((_time(message.header, written), sample))
+            found.tracks.setdefault(name, []).append((_time(message.header, written), _sample_of(pose.position, pose.orientation)))
         else:
             for item in [message] if connection.msgtype == TRANSFORM else message.transforms:
                 name = _name(item.child_frame_id, item.header.frame_id)
-                sample = _sample(_matrix_of(item.transform.translation, item.transform.rotation))
+                sample = _sample_of(item.transform.translation, item.transform.rotation)
                 if connection.topic.strip("/").endswith(STILL):
                     found.still[name] = sample
                 else:
@@ -144,21 +135,15 @@ def _found(reader: Any) -> _Found:
     return found
 
 
-def _sample(matrix: Matrix | None) -> TransformSample:
-    return MISSING if matrix is None else TransformSample(matrix)
-
-
 def _notes(found: _Found, connections: list[Any]) -> tuple[str, ...]:
     frame = _frame_word(found.frame)
     notes = [f"Images of this bag are of frame {frame}: a calibration ImageTo{frame} places them."] if frame else []
-    others = [each for each in connections if each.msgtype not in (IMAGE, COMPRESSED_IMAGE, *POSES, TRANSFORM, *TREES)]
-    if found.tracks or found.still:
-        others = [each for each in others if _MAY_PLACE.search(each.msgtype)]
+    others = [each for each in connections if each.msgtype not in _READ and (_MAY_PLACE.search(each.msgtype) or not found.has_poses)]
     if others:
         told = [f"{each.msgcount} of {each.msgtype} on {each.topic}" for each in others[:MOST_TOLD]] + ["..."] * (len(others) > MOST_TOLD)
         kinds = listed(kind.rsplit("/", 1)[-1] for kind in (*POSES, TRANSFORM))
         notes.append(f"Messages of this bag that are not read: {listed(told)}. Poses are read as {kinds} and tf.")
-    if not found.tracks and not found.still:
+    if not found.has_poses:
         notes.append("No pose of this bag could be used, so nothing says where the images are.")
     return tuple(notes)
 
@@ -183,31 +168,29 @@ def _image_of(message: Any) -> Numbers:
     if not hasattr(message, "encoding"):
         picture = library("PIL.Image", "Compressed images of ROS").open(io.BytesIO(bytes(message.data)), formats=("PNG", "JPEG"))
         return np.asarray(picture if picture.mode in ("L", "I;16", "I", "RGB") else picture.convert("RGB"))
-    known = _ENCODINGS.get(message.encoding)
-    if known is None:
+    channels = _COLORS.get(message.encoding, "")
+    if not channels and message.encoding not in _GRAY:
         raise SequenceFormatError(f"images of the encoding {message.encoding!r} are not read. Record them as mono8, mono16 or rgb8.")
-    kind, channels, colors = known
-    dtype = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
+    dtype = np.dtype(_GRAY.get(message.encoding, "u1")).newbyteorder(">" if message.is_bigendian else "<")
     data = np.frombuffer(message.data, np.uint8, message.height * message.step).reshape(message.height, message.step)
-    pixels = np.ascontiguousarray(data[:, : message.width * channels * dtype.itemsize]).view(dtype)
-    return pixels.reshape(message.height, message.width, channels)[..., list(colors)] if colors else pixels
+    pixels = np.ascontiguousarray(data[:, : message.width * max(len(channels), 1) * dtype.itemsize]).view(dtype)
+    return pixels.reshape(message.height, message.width, -1)[..., list(map(channels.index, "RGB"))] if channels else pixels
 
 
-def _matrix_of(translation: Any, rotation: Any) -> Matrix | None:
-    """Translation (m) and quaternion as (4, 4) in mm; None where they are no pose."""
+def _sample_of(translation: Any, rotation: Any) -> TransformSample:
+    """Translation (m) and quaternion as a transform in mm; MISSING where they are no pose."""
     quaternion = np.array([rotation.x, rotation.y, rotation.z, rotation.w], dtype=np.float64)
     moved = np.array([translation.x, translation.y, translation.z], dtype=np.float64)
     with np.errstate(over="ignore", invalid="ignore"):
         length = float(np.linalg.norm(quaternion))
     if not np.isfinite([*quaternion, *moved]).all() or not abs(length - 1.0) <= QUATERNION_TOLERANCE:
-        return None
+        return MISSING
     # By hand: what Slicer's own process imports loads no SciPy
     (*vector, w), matrix = quaternion / length, np.eye(4)
-    x, y, z = vector
-    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    across = np.cross(np.eye(3), vector)
     matrix[:3, :3] += 2 * (w * across + across @ across)
     matrix[:3, 3] = MILLIMETERS * moved
-    return matrix
+    return TransformSample(matrix)
 
 
 def _is_folder(path: Path) -> bool:

@@ -13,7 +13,7 @@ import tempfile
 import weakref
 import zipfile
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
@@ -87,9 +87,8 @@ class _Scene:
         for member in (str(self._base / spelled) for spelled in (name, unquote(name))):
             if member in self._archive.NameToInfo:
                 return Path(self._archive.extract(member, self._folder))
-        raise SequenceFormatError(
-            f"{self.path}: the file of {node.get('name')} ({name or 'none'}) is not in it. Save it from Slicer again."
-        )
+        missing = f"the file of {node.get('name')} ({name or 'none'}) is not in it"
+        raise SequenceFormatError(f"{self.path}: {missing}. Save it from Slicer again.")
 
     def replayed(self, browser: Element) -> list[tuple[Element, Element | None]]:
         """Sequences of a browser, each with the node that it is replayed into."""
@@ -102,10 +101,8 @@ def _recorded(scene: _Scene, orientation: str | None) -> Recorded:
     browsers = [scene.replayed(node) for node in scene.nodes.values() if node.tag == "SequenceBrowser"]
     found = [(each, *pair) for each in browsers for pair in each if scene.storage(pair[0]).tag == _PICTURES]
     if len(found) != 1:
-        names = ", ".join(str(sequence.get("name")) for _, sequence, _ in found)
-        raise SequenceFormatError(
-            f"{scene.path}: it must hold one recording of images; got {len(found)}{names and f' ({names})'}. Save a scene with one of them."
-        )
+        names = ", ".join(str(sequence.get("name")) for _, sequence, _ in found) or "none"
+        raise SequenceFormatError(f"{scene.path}: it must hold one recording of images; got {len(found)} ({names}). Save one of them.")
     replayed, pictures, proxy = found[0]
     recorded = METAFILES.read(scene.stored(pictures), orientation)
     sequence_of = {into.get("id"): sequence for sequence, into in replayed if into is not None}
@@ -130,14 +127,12 @@ def _above(scene: _Scene, node: Element | None) -> list[Element]:
 
 def _placed(scene: _Scene, records: Sequence[FrameRecord], chain: list[tuple[Element, Element | None]]) -> list[FrameRecord]:
     """Records whose only transform is the product of all above the image."""
-    product = [TransformSample(np.eye(4))] * len(records)
+    product, name = [TransformSample(np.eye(4))] * len(records), TransformName("Below", "Above")
     for link, sequence in chain:
         if sequence is None:
             samples = [TransformSample(_still(scene, link))] * len(records)
         else:
-            name = TransformName("Below", "Above")
-            paired, _ = pair_transforms(records, {str(name): scene.stored(sequence)})
-            samples = [record.transforms[name] for record in paired]
+            samples = [record.transforms[name] for record in pair_transforms(records, {str(name): scene.stored(sequence)})[0]]
         product = [_times(above, below) for above, below in zip(samples, product)]
     return [replace(record, transforms={IMAGE: sample}) for record, sample in zip(records, product)]
 
@@ -164,11 +159,9 @@ def _still(scene: _Scene, link: Element) -> Matrix:
 def _beside(scene: _Scene, records: Sequence[FrameRecord], moves: list[Element]) -> Sequence[FrameRecord]:
     """Records with the transforms that were recorded beside the images, which are under none of them; those that are named FromToTo."""
     for sequence in moves:
-        try:
+        with suppress(TransformError):
             name = TransformName.parse(str(sequence.get("name")).removesuffix("Transform"))
-        except TransformError:
-            continue
-        records, _ = pair_transforms(records, {str(name): scene.stored(sequence)})
+            records, _ = pair_transforms(records, {str(name): scene.stored(sequence)})
     return records
 
 
