@@ -200,7 +200,7 @@ def plan_scan(
     if candidates == WEARABLE:
         hand = None
         places = wearable_places(bone, bone.surface.points_reference[chosen])
-        options = [wearable_passes(bone, place, turn) for place in places for turn in (0.0, 90.0)]
+        options = [wearable_passes(place, turn) for place in places for turn in (0.0, 90.0)]
     if frames < min(one.least for passes in options for one in passes):
         raise SettingsError(f"Input frames must be enough for one pass, some 6 to 25; got {frames!r}. Give more, or choose another target.")
     nothing = np.zeros(len(bone))
