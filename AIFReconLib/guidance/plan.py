@@ -207,7 +207,8 @@ def plan_scan(
     best: tuple[float, list[tuple[Pass, int]]] = (0.0, [])
     for number, passes in enumerate(options):
         share = part(progress, 0.8 * number / len(options), 0.8 * (number + 1) / len(options))
-        seen = Candidates(passes, bone, probe, target, hand, share)
+        seen = Candidates(passes, bone, probe, target, hand)
+        seen.look(share)
         best = max(best, _greedy(seen, seen.looked(nothing), frames), key=lambda option: option[0])
     if not best[1]:
         raise GeometryError(f"No pass of this probe would show more of {target}.", PLACE_THE_CT)
