@@ -10,7 +10,6 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from ..io.sequence.files import recording_kind
 from ..message import message_of
 from ..terminal.arguments import with_values
 from ..terminal.labels_options import names_labels
+from ..terminal.outputs import paths_in
 from ..terminal.reconstruction_options import check_bone_options, seen_source
 from ..terminal.remedies import in_columns
 from ..terminal.sequence_options import configured
@@ -180,11 +180,10 @@ def _told(problems: list[_Problem], row: int, column: str) -> Iterator[None]:
 
 
 class _Reading:
-    """Rows become cases; a file that many rows name is looked at once."""
+    """Rows become cases."""
 
     def __init__(self, folder: Path, columns: Columns, head: list[str]):
         self._folder, self._columns, self._head = folder, columns, head
-        self._looked_at = cache(_why_not_a_file)
 
     def case(self, row: int, cells: list[str]) -> Case:
         """The case of a row."""
@@ -200,19 +199,19 @@ class _Reading:
                     values[column] = self._columns.read(column, given[column], self._folder)
         methods = values.pop(METHOD, (None,))
         readable = not problems
-        named = [(column, path) for column, value in values.items() for path in _paths(value)]
+        named = [(column, path) for column, value in values.items() for path in paths_in(value)]
         if SWEEPS not in values and SWEEPS in self._head:
             problems.append(_Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
         # A recording may be a folder
         named = [(column, file) for column, path in named for file in (_files_of(path) if column == SWEEPS else [path])]
-        problems += [_Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
+        problems += [_Problem(row, column, why) for column, path in named if (why := _why_not_a_file(path)) is not None]
         files = [path for _, path in named]
         detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
         arguments = CaseOptions()
         vars(arguments).update(values)
         if readable:
             # What a file of settings says is known only now
-            if arguments.settings is not None and self._looked_at(arguments.settings) is None:
+            if arguments.settings is not None and _why_not_a_file(arguments.settings) is None:
                 with _told(problems, row, "settings"):
                     arguments.complete()
             self._contradict(problems, row, arguments, methods, values)
@@ -246,13 +245,6 @@ class _Reading:
             except AIFReconError as error:
                 about = str(error).partition("Input ")[2].partition(" ")[0]
                 problems.append(_Problem(row, about if about in self._columns.names else METHOD, in_columns(error)))
-
-
-def _paths(value: object) -> list[Path]:
-    """The paths of a cell."""
-    if isinstance(value, list | tuple):
-        return [path for each in value for path in _paths(each)]
-    return [value] if isinstance(value, Path) else []
 
 
 def _files_of(path: Path) -> list[Path]:

@@ -64,10 +64,10 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
     """
     options = [each for each in declared(type(asked)) if each.is_output]
     outputs = [each.name for each in options]
-    inputs = [path for name, value in vars(asked).items() if name not in (*outputs, "log") for path in _paths(value)]
+    inputs = [path for name, value in vars(asked).items() if name not in (*outputs, "log") for path in paths_in(value)]
     seen = {each: "an input" for path in inputs for file in [path, *_opened_with(path)] for each in _identities(file)}
     folders = {each for path in inputs if path.is_dir() for each in _identities(path)}
-    written = [path for name in outputs for path in _paths(getattr(asked, name))]
+    written = [path for name in outputs for path in paths_in(getattr(asked, name))]
     for path in [*written, *more]:
         files = {each: file for file in [path, *_companions(path)] for each in _identities(file)}
         for each, file in files.items():
@@ -76,7 +76,7 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
                 raise OutputError(f"{path} would overwrite {seen.get(each, 'an input')} ({file.name}). Choose another name.")
         seen |= dict.fromkeys(files, "another output")
     for each in options:
-        for path in _paths(getattr(asked, each.name)):
+        for path in paths_in(getattr(asked, each.name)):
             wanted = Path(each.words.get("metavar", "")).suffix
             if wanted in CHECKS:
                 CHECKS[wanted](path)
@@ -86,13 +86,13 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
         check_writable(path)
 
 
-def _paths(value: object) -> list[Path]:
+def paths_in(value: object) -> list[Path]:
     """The paths in the value of an option; a text is one where there is a file of that name, behind its NAME= too."""
     if isinstance(value, Path):
         return [value]
     if isinstance(value, str):
         return [path for word in {value, value.partition("=")[2]} if word and len(word) < LONGEST_NAME and (path := Path(word)).is_file()]
-    return [path for each in value for path in _paths(each)] if isinstance(value, list | tuple) else []
+    return [path for each in value for path in paths_in(each)] if isinstance(value, list | tuple) else []
 
 
 def _identities(path: Path) -> set[object]:
