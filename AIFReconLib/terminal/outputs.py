@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -17,7 +18,6 @@ from ..io.volume.dicom_series import series_files
 from ..io.volume.files import sidecar_of
 from ..io.volume.surfaces import check_surface_path
 from .arguments import Options, declared
-from .console import real_path
 from .remedies import in_options
 
 LONGEST_NAME = 4096
@@ -97,7 +97,7 @@ def paths_in(value: object) -> list[Path]:
 
 def _identities(path: Path) -> set[object]:
     """By what a file is known: its name without links and, where it is there, what the disk calls it under all its names."""
-    names: set[object] = {as_compared(real_path(path))}
+    names: set[object] = {real_path(path)}
     with contextlib.suppress(OSError, ValueError):
         status = path.stat()
         if status.st_ino:
@@ -124,9 +124,10 @@ def _is_slice_of(file: Path, inputs: list[Path]) -> bool:
     return any(real_path(file) in map(real_path, series_files(path)) for path in beside)
 
 
-def as_compared(path: Path) -> str:
-    """A name as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha."""
-    return str(path).casefold() if sys.platform in ("win32", "darwin") else str(path)
+def real_path(path: Path) -> Path:
+    """The path without links, as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha. One that leads in a circle stays."""
+    real = os.path.realpath(path)
+    return Path(real.casefold() if sys.platform in ("win32", "darwin") else real)
 
 
 def _companions(path: Path) -> list[Path]:
