@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
@@ -20,11 +21,11 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import columns, listed
 from ..progress import part
-from ..provenance.record import made_by, unlike_inputs
+from ..provenance.record import made_in_header, unlike_inputs
 from ..provenance.settings_files import made_with
 from ..sweep.multi_sweep import joined
 from ..terminal.arguments import Names, Options, Output, Spellings, positive
-from ..terminal.console import ProgressBar, real_path
+from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, labels_inputs, place_from, required_labels
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import ImageOptions, TrackingOptions, configured
@@ -156,7 +157,7 @@ def _over_cases(asked: _EvaluateOptions) -> None:
         write_text(asked.csv, found.csv(against))
     if asked.methods:
         firsts = {name: next(iter(paths.items())) for name, paths in found.volumes.items()}
-        made = {name: made_by(read_volume(path)) if path.is_file() else {} for name, (_, path) in firsts.items()}
+        made = {name: made_in_header(read_volume(path).fields) if path.is_file() else {} for name, (_, path) in firsts.items()}
         first = listed(dict.fromkeys(case for case, _ in firsts.values()))
         settings = f"Settings are those of {first}: what was found may differ from case to case." if any(made.values()) else ""
         told = " ".join([settings, *(f"Not alike in all cases: {each}." for each in unlike), found.registration_in_words()])
@@ -174,16 +175,10 @@ def _place(asked: _EvaluateOptions) -> str:
 
 
 def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
-    """Paths by short names that tell them apart: the file's, with as many of its folders as that takes."""
-    named: dict[str, Path] = {}
-    full = [(path, real_path(path).parts[1:]) for path in paths]
-    for path, parts in full:
-        same = [other for _, other in full if other != parts]
-        length = next((n for n in range(1, len(parts)) if all(other[-n:] != parts[-n:] for other in same)), len(parts))
-        name = "/".join(parts[-length:])
-        copy = sum(other == path or real_path(other) == real_path(path) for other in named.values())
-        named[f"{name} ({copy + 1})" if copy else name] = path
-    return named
+    """Files by their names; those of one name with their folders, as far as these differ."""
+    files = list(dict.fromkeys(paths))
+    alike = {path.name: [other.absolute().parent for other in files if other.name == path.name] for path in files}
+    return {path.absolute().relative_to(os.path.commonpath(alike[path.name])).as_posix(): path for path in files}
 
 
 def _beams(asked: _EvaluateOptions) -> SweepBeams:

@@ -13,7 +13,7 @@ from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
 from ..geometry.volume import Volume
 from ..io.volume.files import read_volume
 from ..progress import Progress, part, report
-from ..provenance.record import made_by, weighted_by
+from ..provenance.record import made_in_header, weighted_by
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +48,7 @@ def evaluated(
     for number, (name, path) in enumerate(paths.items()):
         report(progress, 0.65 + 0.35 * number / len(paths), f"Measuring {path.name}")
         volume = read_volume(path)
-        made[name], headers[name] = made_by(volume), volume.fields
+        made[name], headers[name] = made_in_header(volume.fields), volume.fields
         own_bone += [name] if weighted_by(volume, label_files) else []
         try:
             results[name] = evaluate(volume, truth, mask)
