@@ -250,13 +250,14 @@ def _draw(shown: ComparisonFigure) -> Figure:
     wholes = [whole_cut(next(iter(shown.volumes.values())).grid, plane, shown.center_ras) for plane in ways]
     width = max(size[0] for _, size in wholes)
     outlined = shown.bone if shown.ct is None else None
-    columns = [(name, volume, shown.gray_window, shown.mask, outlined) for name, volume in shown.volumes.items()]
+    seen = shown.gray_window, shown.mask, outlined
+    columns = [(name, volume, seen) for name, volume in shown.volumes.items()]
     if shown.ct is not None:
-        columns.insert(0, ("CT" if shown.bone is None else "CT and its bone", shown.ct, CT_WINDOW, None, shown.bone))
+        columns.insert(0, ("CT" if shown.bone is None else "CT and its bone", shown.ct, (CT_WINDOW, None, shown.bone)))
     rows = []
     for plane, (middle, (_, height)) in zip(ways, wholes, strict=True):
         place, is_first = (middle, (width, height)), plane is ways[0]
-        row = [cut_panel(name if is_first else "", volume, plane, place, *how) for name, volume, *how in columns]
+        row = [cut_panel(name if is_first else "", volume, plane, place, *how) for name, volume, how in columns]
         rows.append([replace(row[0], side=plane.name), *row[1:]])
     return draw_panels(rows, PANEL / width, shown.title, "" if shown.mask is None else "blue: not scanned", shown.white)
 
