@@ -10,8 +10,9 @@ from typing import Annotated, ClassVar
 
 from ..errors import SettingsError
 from ..evaluation.cases import FEW, FEWEST, LEVEL, CaseNumbers
-from ..evaluation.figures import ComparisonFigure, require_matplotlib, within_spinous_process
+from ..evaluation.figures import ComparisonFigure, require_matplotlib
 from ..evaluation.paragraph import methods_paragraph, unlike_settings
+from ..evaluation.preview import middle_of_bone
 from ..evaluation.quantities import BoneMetrics, achieved, hardly_shown, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams
@@ -111,7 +112,8 @@ def run(asked: _EvaluateOptions) -> None:
         if asked.ct and asked.report:
             progress(0.9, "Drawing")
             ct, shown = read_ct(asked.ct).placed_by(to_reference), {name: read_volume(path) for name, path in paths.items()}
-            center = within_spinous_process(found.truth.surface, next(iter(shown.values())).grid)
+            first = next(iter(shown.values()))
+            center = middle_of_bone(first, first.array != 0, labels)
             figure = ComparisonFigure(shown, center, ct, labels, mask).png()
     results, frames, own_bone = found.results, found.frames, found.own_bone
     # Before anything is printed, which can fail: whoever reads it may go away
@@ -207,6 +209,6 @@ def _report(
         settings={name: made for name, path in unique_names(asked.volumes).items() if (made := made_with(path)) is not None},
         versions=software_versions(),
         figure_png=figure,
-        figure_caption="Cuts through a spinous process: the CT with its segmentation outlined, and the volumes."
+        figure_caption="Cuts through the middle of the bone that shows: the CT with its segmentation outlined, and the volumes."
         + (" Blue: not scanned." if asked.mask else ""),
     )

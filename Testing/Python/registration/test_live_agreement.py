@@ -91,17 +91,11 @@ def test_a_ct_in_its_place_agrees(live, scan):
     assert not live.has_fallen()
 
 
-def test_a_patient_who_moves_is_noticed(live, scan):
+@pytest.mark.parametrize("motion", [MOVED, rigid(translation=(0.0, 0.0, 5.0))], ids=["shifted", "by five millimeters"])
+def test_a_patient_who_moves_is_noticed(motion, live, scan):
     feed(live, scan.at(0.0))
     live.agreement()
-    feed(live, scan.at(10.0, MOVED))
-    assert live.has_fallen()
-
-
-def test_a_shift_of_five_millimeters_is_noticed(live, scan):
-    feed(live, scan.at(0.0))
-    live.agreement()
-    feed(live, scan.at(10.0, rigid(translation=(0.0, 0.0, 5.0))))
+    feed(live, scan.at(10.0, motion))
     assert live.has_fallen()
 
 
