@@ -69,8 +69,10 @@ def broken(node: ast.AST) -> tuple[str, str] | None:
             return "limit", ast.unparse(ast.Compare(left, [OTHER_LIMIT[type(op)]()], [right]))
         case ast.Constant(bool(value)):
             return "default", str(not value)
-        case ast.Constant(int(value) | float(value)):
+        case ast.Constant(int(value)):
             return "number", str(value + 1)
+        case ast.Constant(float(value)):
+            return "number", str(2 * value + 1)
         case ast.Expr(ast.Call()):
             return "call left out", "pass"
         case ast.Return(ast.expr()):
@@ -94,7 +96,7 @@ def mutants_of(file: Path) -> Iterator[Mutant]:
     for line in text.splitlines(keepends=True):
         begins.append(begins[-1] + len(line))
     for node in nodes_of(ast.parse(text)):
-        if (found := broken(node)) is not None:
+        if isinstance(node, ast.expr | ast.stmt) and (found := broken(node)) is not None:
             start, end = (
                 begins[line - 1] + column for line, column in ((node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset))
             )
