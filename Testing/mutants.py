@@ -98,7 +98,8 @@ def mutants_of(file: Path) -> Iterator[Mutant]:
     for node in nodes_of(ast.parse(text)):
         if isinstance(node, ast.expr | ast.stmt) and (found := broken(node)) is not None:
             start, end = (
-                begins[line - 1] + column for line, column in ((node.lineno, node.col_offset), (node.end_lineno, node.end_col_offset))
+                begins[line - 1] + column
+                for line, column in ((node.lineno, node.col_offset), (node.end_lineno or 0, node.end_col_offset or 0))
             )
             yield Mutant(file, node.lineno, found[0], start, end, found[1])
 
