@@ -255,7 +255,7 @@ class AIFReconBedsideTest(unittest.TestCase):
     def test_a_calibration_that_agrees_is_good_and_one_that_is_off_is_told_with_the_command(self):
         self.assertIn("agrees with this sweep within", self.calibrated(0.0))
         self.assertEqual(self.levels()[3], "good")
-        said = self.calibrated(2.3)
+        said = self.calibrated(1.7)
         self.assertEqual(self.levels()[3], "caution")
         self.assertIn("shift out of the image -", said)
         self.assertIn("with “Calibrate on this sweep”", said)
