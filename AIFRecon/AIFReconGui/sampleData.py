@@ -47,7 +47,7 @@ def addPhantom(progress=None, isThin=False, begun=None):
     from AIFReconLib.progress import part
 
     with addedTogether():
-        chosen = {"frames": FEW_FRAMES} if isThin else {}
+        chosen = {"frames": FEW_FRAMES, "above": 0.0} if isThin else {}
         phantom = loadPhantom(part(progress, 0.0, 0.9), begun, **chosen)
         makeSurface(phantom.segmentation, part(progress, 0.9, 0.95))
         showInputs(phantom.browser, phantom.ct)

@@ -16,7 +16,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from .. import __version__
 from ..compounding.methods.table import is_own_method, method_named
 from ..compounding.state import BESIDE, Reconstruction
 from ..errors import AIFReconError, BeamGeometryError, GeometryError, OutputError
@@ -62,7 +61,7 @@ UNTOLD = (BeamGeometryError, GeometryError)
 """Errors of what cannot be told of a sweep or a volume, which are notes beside the rest."""
 
 
-def carry_out(case: Case, output: Path, memory: int | None = None, version: str = __version__) -> Record:
+def carry_out(case: Case, output: Path, memory: int | None = None) -> Record:
     """Compute a case and put its results into their folder, all of them or none; whatever goes wrong is said in the record.
 
     Parameters
@@ -72,8 +71,6 @@ def carry_out(case: Case, output: Path, memory: int | None = None, version: str 
         Folder of all results.
     memory : int or None
         Bytes that this process may take. None: what is free.
-    version : str
-        Of the program that asks for it: workers may join while others are at work.
 
     Notes
     -----
@@ -82,8 +79,6 @@ def carry_out(case: Case, output: Path, memory: int | None = None, version: str 
     started = time.perf_counter()
     record = Record(case.name, LOST, made_of(case))
     try:
-        if version != __version__:
-            raise OutputError(f"The worker has AIFRecon {__version__}, and the table was read by {version}. Install the same on both.")
         record = _computed(case, output, memory, record)
     except Exception as error:
         state, message = _what_went_wrong(error)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from .. import __version__
 from ..errors import OutputError
 from ..io.disk.atomic import output_errors
 from ..io.disk.workspace import remove_left_behind
@@ -78,7 +77,7 @@ class Cohort:
             with workers as (executor, memory, words):
                 say(words)
                 report(progress, *self._so_far(started, 0))
-                work = partial(carry_out, output=self.output, memory=memory, version=__version__)
+                work = partial(carry_out, output=self.output, memory=memory)
                 for done, (case, made) in enumerate(completed(executor, work, self.to_do), start=1):
                     self.records[case.name] = self._lost(case, made) if isinstance(made, Exception) else made
                     report(progress, *self._so_far(started, done))

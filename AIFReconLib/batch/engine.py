@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
-from importlib.util import find_spec
 from multiprocessing import active_children, get_context, parent_process, resource_tracker
 from pathlib import Path
 from types import ModuleType
@@ -162,9 +161,8 @@ def cluster_at(address: str, folder: Path) -> Iterator[Workers]:
                 raise SettingsError(
                     f"Worker {worker} does not see the folder {folder}. Choose one on a disk that all workers mount in the same place."
                 )
-        shown = f"is at {client.dashboard_link}" + ("" if find_spec("bokeh") else " and needs bokeh (pip install bokeh)")
         memory = min((limit for *_, limit in found.values() if limit), default=None)
-        yield client.get_executor(pure=False), memory, f"{len(found)} worker(s); Dask's dashboard {shown}"
+        yield client.get_executor(pure=False), memory, f"{len(found)} worker(s); Dask's dashboard is at {client.dashboard_link}"
 
 
 def _about(folder: str, dask_worker: Any) -> tuple[str, bool, int | None]:

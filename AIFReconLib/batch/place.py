@@ -7,8 +7,7 @@ from pathlib import Path
 
 from ..errors import OutputError
 from ..io.disk.atomic import output_errors
-from ..terminal.console import real_path
-from ..terminal.outputs import as_compared
+from ..terminal.outputs import real_path
 from .page import PAGE
 from .records import ALTERNATIVES, RECORDS, read_record, record_path
 from .results import CSV, PARQUET
@@ -27,12 +26,12 @@ def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
     Raises OutputError when the folder holds an input, a link or a file that no run of the command has written; names the first.
     """
     cases = list(cases)
-    inside = Path(as_compared(real_path(output)))
+    inside = real_path(output)
     for case in cases:
         for path in [*case.inputs, *method_files(case)]:
             # A link is one where it lies and where it leads to
             for place in (real_path(path), real_path(path.parent) / path.name):
-                if Path(as_compared(place)).is_relative_to(inside):
+                if place.is_relative_to(inside):
                     raise OutputError(
                         f"Cannot write results to {output}: it holds {path}, an input of {case.name}. Choose a folder for results alone."
                     )
@@ -40,7 +39,7 @@ def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
     with output_errors(output):
         new = not (output / RECORDS).is_dir()
         for path in (output / RECORDS, *of_all):
-            if path.is_symlink() or (new and path.exists()) or as_compared(real_path(path)) == as_compared(real_path(table)):
+            if path.is_symlink() or (new and path.exists()) or real_path(path) == real_path(table):
                 raise _refused(path)
         for name in (case.name for case in cases):
             kept, record = record_path(output, name), read_record(output, name)
@@ -48,7 +47,7 @@ def require_place(cases: Iterable[Case], table: Path, output: Path) -> None:
             for path in (kept, kept.with_name(f"{name}{ALTERNATIVES}")):
                 if path.is_symlink() or (path == kept and record is None and path.exists()):
                     raise _refused(path)
-            if as_compared(output / name) in map(as_compared, of_all):
+            if real_path(output / name) in map(real_path, of_all):
                 raise _refused(output / name)
             require_results(output / name, () if record is None else record.outputs, output / name)
 

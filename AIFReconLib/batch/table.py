@@ -10,7 +10,6 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from ..io.sequence.files import recording_kind
 from ..message import message_of
 from ..terminal.arguments import with_values
 from ..terminal.labels_options import names_labels
+from ..terminal.outputs import paths_in
 from ..terminal.reconstruction_options import check_bone_options, seen_source
 from ..terminal.remedies import in_columns
 from ..terminal.sequence_options import configured
@@ -117,13 +117,12 @@ def read_cases(path: str | Path) -> Cases:
     rows = _rows(path)
     head = [cell.strip().lower().replace("-", "_") for cell in next(rows, (0, []))[1]]
     problems = [*_of_head(head, columns)]
-    reading = _Reading(path.parent, columns, head)
     cases = []
     seen: dict[str, int] = {}
     for number, cells in rows:
         if not any(cell.strip() for cell in cells):
             continue
-        case = reading.case(number, cells)
+        case = _case(number, cells, head, columns, path.parent)
         cases.append(case)
         problems += _of_name(case.name, number, seen)
         seen.setdefault(case.name.casefold(), number)
@@ -179,80 +178,72 @@ def _told(problems: list[_Problem], row: int, column: str) -> Iterator[None]:
         problems.append(_Problem(row, column, in_columns(error)))
 
 
-class _Reading:
-    """Rows become cases; a file that many rows name is looked at once."""
-
-    def __init__(self, folder: Path, columns: Columns, head: list[str]):
-        self._folder, self._columns, self._head = folder, columns, head
-        self._looked_at = cache(_why_not_a_file)
-
-    def case(self, row: int, cells: list[str]) -> Case:
-        """The case of a row."""
-        given = {name: cell.strip() for name, cell in zip(self._head, cells, strict=False) if cell.strip() and name}
-        problems: list[_Problem] = []
-        if len(cells) > len(self._head):
-            extra = f"there are more cells than columns: {cells[len(self._head)]!r} has no column. Quote cells that hold a comma."
-            problems.append(_Problem(row, "", extra))
-        values: dict[str, Any] = {}
-        for column in given:
-            if column != CASE and column in self._columns.names:
-                with _told(problems, row, column):
-                    values[column] = self._columns.read(column, given[column], self._folder)
-        methods = values.pop(METHOD, (None,))
-        readable = not problems
-        named = [(column, path) for column, value in values.items() for path in _paths(value)]
-        if SWEEPS not in values and SWEEPS in self._head:
-            problems.append(_Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
-        # A recording may be a folder
-        named = [(column, file) for column, path in named for file in (_files_of(path) if column == SWEEPS else [path])]
-        problems += [_Problem(row, column, why) for column, path in named if (why := self._looked_at(path)) is not None]
-        files = [path for _, path in named]
-        detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
-        arguments = CaseOptions()
-        vars(arguments).update(values)
-        if readable:
-            # What a file of settings says is known only now
-            if arguments.settings is not None and self._looked_at(arguments.settings) is None:
-                with _told(problems, row, "settings"):
-                    arguments.complete()
-            self._contradict(problems, row, arguments, methods, values)
-        inputs = tuple(dict.fromkeys([*files, *detached]))
-        return Case(given.get(CASE, ""), self._folder, arguments, tuple(methods), given, inputs, tuple(problems))
-
-    def _contradict(
-        self, problems: list[_Problem], row: int, arguments: CaseOptions, methods: Iterable[str | None], values: Mapping[str, object]
-    ) -> None:
-        """Add what does not go together."""
-        for rivals in self._columns.rivals():
-            both = [name for name in rivals if values.get(name)]
-            if len(both) > 1:
-                problems.append(_Problem(row, both[1], f"{both[0]} is given too. Give one of them."))
-        if not arguments.register:
-            without = "it says how a CT is registered. Say yes under register too."
-            problems += [_Problem(row, name, without) for name in _OF_REGISTER if values.get(name)]
-        elif not names_labels(arguments):
-            no_bone = "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct."
-            problems.append(_Problem(row, "register", no_bone))
-        with _told(problems, row, "config"):
-            configured(arguments, arguments.sweeps)
-        source = seen_source(arguments)
-        with _told(problems, row, "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")):
-            check_bone_options(arguments)
-        has_bone = bool(names_labels(arguments) or arguments.bone_probability or source)
-        for method in methods:
-            try:
-                recipe = with_method(arguments, method).recipe
-                require_bone(recipe.method_for(has_bone), recipe, has_bone)
-            except AIFReconError as error:
-                about = str(error).partition("Input ")[2].partition(" ")[0]
-                problems.append(_Problem(row, about if about in self._columns.names else METHOD, in_columns(error)))
+def _case(row: int, cells: list[str], head: list[str], columns: Columns, folder: Path) -> Case:
+    """The case of a row."""
+    given = {name: cell.strip() for name, cell in zip(head, cells, strict=False) if cell.strip() and name}
+    problems: list[_Problem] = []
+    if len(cells) > len(head):
+        extra = f"there are more cells than columns: {cells[len(head)]!r} has no column. Quote cells that hold a comma."
+        problems.append(_Problem(row, "", extra))
+    values: dict[str, Any] = {}
+    for column in given:
+        if column != CASE and column in columns.names:
+            with _told(problems, row, column):
+                values[column] = columns.read(column, given[column], folder)
+    methods = values.pop(METHOD, (None,))
+    readable = not problems
+    named = [(column, path) for column, value in values.items() for path in paths_in(value)]
+    if SWEEPS not in values and SWEEPS in head:
+        problems.append(_Problem(row, SWEEPS, "no recording is named. Give one or more, with ; between them."))
+    # A recording may be a folder
+    named = [(column, file) for column, path in named for file in (_files_of(path) if column == SWEEPS else [path])]
+    problems += [_Problem(row, column, why) for column, path in named if (why := _why_not_a_file(path)) is not None]
+    files = [path for _, path in named]
+    detached = [data for path in files if path.suffix.lower() in (".mhd", ".nhdr") for data in data_files(path)]
+    arguments = CaseOptions()
+    vars(arguments).update(values)
+    if readable:
+        # What a file of settings says is known only now
+        if arguments.settings is not None and _why_not_a_file(arguments.settings) is None:
+            with _told(problems, row, "settings"):
+                arguments.complete()
+        _contradict(problems, row, arguments, methods, values, columns)
+    inputs = tuple(dict.fromkeys([*files, *detached]))
+    return Case(given.get(CASE, ""), folder, arguments, tuple(methods), given, inputs, tuple(problems))
 
 
-def _paths(value: object) -> list[Path]:
-    """The paths of a cell."""
-    if isinstance(value, list | tuple):
-        return [path for each in value for path in _paths(each)]
-    return [value] if isinstance(value, Path) else []
+def _contradict(
+    problems: list[_Problem],
+    row: int,
+    arguments: CaseOptions,
+    methods: Iterable[str | None],
+    values: Mapping[str, object],
+    columns: Columns,
+) -> None:
+    """Add what does not go together."""
+    for rivals in columns.rivals():
+        both = [name for name in rivals if values.get(name)]
+        if len(both) > 1:
+            problems.append(_Problem(row, both[1], f"{both[0]} is given too. Give one of them."))
+    if not arguments.register:
+        without = "it says how a CT is registered. Say yes under register too."
+        problems += [_Problem(row, name, without) for name in _OF_REGISTER if values.get(name)]
+    elif not names_labels(arguments):
+        no_bone = "a CT is registered by its bone. Name its labels under bone_labels, or the CT under ct."
+        problems.append(_Problem(row, "register", no_bone))
+    with _told(problems, row, "config"):
+        configured(arguments, arguments.sweeps)
+    source = seen_source(arguments)
+    with _told(problems, row, "bone_transform" if source is None else source.removeprefix("--").replace("-", "_")):
+        check_bone_options(arguments)
+    has_bone = bool(names_labels(arguments) or arguments.bone_probability or source)
+    for method in methods:
+        try:
+            recipe = with_method(arguments, method).recipe
+            require_bone(recipe.method_for(has_bone), recipe, has_bone)
+        except AIFReconError as error:
+            about = str(error).partition("Input ")[2].partition(" ")[0]
+            problems.append(_Problem(row, about if about in columns.names else METHOD, in_columns(error)))
 
 
 def _files_of(path: Path) -> list[Path]:

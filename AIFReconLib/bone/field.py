@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Singles
+from ..arrays import Floats, Integers, Mask, Singles
 from ..errors import GeometryError
 from ..geometry.box import block_sums, box_around
 from ..geometry.transforms import transform_points
@@ -32,6 +32,14 @@ SMOOTHING, WIDER = 0.9, 2.0
 """Voxels. The Gaussian that takes the stairs off the distance, and a wider one that tells by how much that moves curved surfaces."""
 
 
+def require_bone(bone: Mask) -> None:
+    """Return if some voxels are bone and some are not; a GeometryError otherwise."""
+    if not bone.any():
+        raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")
+    if bone.all():
+        raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
+
+
 @dataclass(frozen=True, eq=False)
 class BoneField:
     """Signed distance to bone, mm, negative inside, in the labels' own frame."""
@@ -46,10 +54,7 @@ class BoneField:
         Raises GeometryError when no voxel, or every voxel, is labeled.
         """
         bone = labels.array > 0 if only is None else labels.array == only
-        if not bone.any():
-            raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")
-        if bone.all():
-            raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
+        require_bone(bone)
         factors = np.maximum(np.floor(VOXEL / labels.grid.spacing + 0.5), 1).astype(int)
         found = box_around(bone)
         first = np.array([s.start for s in found])[::-1]

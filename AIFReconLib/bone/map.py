@@ -24,7 +24,7 @@ from ..machine.threads import in_parts, usable_cores
 from ..message import Described, listed
 from ..progress import Progress, part, report
 from ..remedies import TAKE_AS_CT, TAKE_AS_PROBABILITY
-from .field import BoneField
+from .field import BoneField, require_bone
 from .placed.at_voxels import BoneAtVoxels
 from .placed.coordinates import SLABS, MapCoordinates
 from .placed.on_grid import BoneOnGrid
@@ -113,10 +113,7 @@ class BoneMap(Described):
         if labels.array.dtype.kind != "b" and labels.array.min() < 0:
             raise GeometryError(f"Input labels must not be negative; got {labels.array.min()}.", TAKE_AS_CT)
         bone = labels.array > 0
-        if not bone.any():
-            raise GeometryError("Input labels must have voxels above 0; got none. Was the right segmentation chosen?")
-        if bone.all():
-            raise GeometryError("Input labels must leave voxels that are not bone; got bone everywhere. Was the right segmentation chosen?")
+        require_bone(bone)
         sigma_kji = np.full(3, float(sigma_voxels)) if sigma_mm is None else float(sigma_mm) / labels.grid.spacing[::-1]
         if not (np.isfinite(sigma_kji).all() and (sigma_kji > 0).all()):
             raise GeometryError(f"Input sigma must be positive; got {sigma_voxels if sigma_mm is None else sigma_mm}.")

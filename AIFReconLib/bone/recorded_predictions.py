@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 import scipy
 
-from ..arrays import Floats, Integers, Numbers, Singles
+from ..arrays import Integers, Numbers, Singles
 from ..errors import GeometryError, SequenceFormatError
 from ..geometry.transform_graph import TransformStatus
 from ..sweep.frames import TrackedFrame, TrackedSequence
@@ -96,24 +96,21 @@ class RecordedPredictions:
 
     def _matched(self, sweep: TrackedSequence, predicted: TrackedSequence) -> Integers:
         """The number of each frame's prediction, (frames,); -1 for those without."""
-        frames, times = _times(sweep), _times(predicted)
-        if frames is not None and times is not None:
+        frames, times = sweep.timestamps, predicted.timestamps
+        matched, by = np.full(len(sweep), -1), "time"
+        if frames.size and times.size and np.isfinite(frames).all() and np.isfinite(times).all():
             away, nearest = scipy.spatial.cKDTree(times[:, None]).query(frames[:, None], distance_upper_bound=SAME_TIME + 1e-9)
             matched = np.where(np.isfinite(away), nearest, -1)
-            count = int((matched >= 0).sum())
-            if count:
-                self._tell(sweep, predicted, count, "time")
-                return matched
-        if len(sweep) == len(predicted):
-            self._tell(sweep, predicted, len(sweep), "number")
-            return np.arange(len(sweep))
-        raise GeometryError(
-            f"{predicted.name}: {len(predicted)} predictions for {len(sweep)} frames, and their time stamps are not those of the frames. "
-            "Save them with the time stamps of their frames, or one for each frame."
-        )
-
-    def _tell(self, sweep: TrackedSequence, predicted: TrackedSequence, count: int, by: str) -> None:
+        if not (matched >= 0).any():
+            if len(sweep) != len(predicted):
+                raise GeometryError(
+                    f"{predicted.name}: {len(predicted)} predictions for {len(sweep)} frames, and their time stamps are not those of the "
+                    "frames. Save them with the time stamps of their frames, or one for each frame."
+                )
+            matched, by = np.arange(len(sweep)), "number"
+        count = int((matched >= 0).sum())
         self._notes.append(f"{predicted.name}: bone is predicted for {count} of {len(sweep)} frames, matched by {by}.")
+        return matched
 
 
 def full_value(predicted: TrackedSequence) -> float:
@@ -166,12 +163,6 @@ def _own_rectangle(predicted: TrackedSequence) -> Rectangle | None:
     except ValueError:
         return None
     return checked_rectangle((x, y, width, height))
-
-
-def _times(sequence: TrackedSequence) -> Floats | None:
-    """Time stamps, (frames,) s; None where one is missing."""
-    found = sequence.timestamps
-    return found if found.size and np.isfinite(found).all() else None
 
 
 def _size(sequence: TrackedSequence) -> str:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -123,7 +123,8 @@ def calibrate_on_wires(
         )
     report(progress, 0.8, "Solving the calibration")
     shown = len(found.numbers)
-    starts = sorted((_start(each) for each in _orders(found)), key=lambda one: one[0])[:2]
+    orders = (replace(found, points=found.points[:, ::rows, ::across]) for rows, across in ORDERS)
+    starts = sorted((_start(each) for each in orders), key=lambda one: one[0])[:2]
     fits = [(float(np.median(each.distances(end := _solve(each, start)))), each, end) for _, each, start in starts]
     (best, found, solved), (rival, _, _) = sorted(fits, key=lambda one: one[0])
     off = found.distances(solved).mean(axis=(1, 2))
@@ -183,12 +184,6 @@ def _poses(sweep: TrackedSequence, probe: str) -> list[tuple[int, Matrix]]:
         raise SettingsError(f"{sweep.name}: its images were cropped. Calibrate with whole ones.")
     poses = sweep_poses(sweep, f"{probe}To{PHANTOM}")
     return [(int(number), poses.image_to_reference[number]) for number in poses.require_usable(sweep.name)]
-
-
-def _orders(found: WireFrames) -> list[WireFrames]:
-    """The dots as wires of the phantom in each way in which it may stand in the image."""
-    orders = (found.points[:, ::rows, ::across] for rows, across in ORDERS)
-    return [WireFrames(found.numbers, found.probe_to_phantom, points, found.wires) for points in orders]
 
 
 def _start(found: WireFrames) -> tuple[float, WireFrames, Matrix]:

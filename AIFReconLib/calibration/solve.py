@@ -78,16 +78,11 @@ class _Cost:
 
     def stepped(self, vector: Floats) -> Solved:
         """Place and correction after a step (6 + free,)."""
-        by, was = self.steps(vector), self.start.correction
+        by, was = np.zeros(9), self.start.correction
+        by[self.free] = vector[6:] * EXPECTED[self.free]
         turn = scipy.spatial.transform.Rotation.from_rotvec(by[3:6]).as_matrix()
         correction = Correction(turn @ was.turn, was.shift + by[:3], was.scale * np.exp(by[6:8]), was.delay + by[8], was.center)
         return Solved(vector_motion(vector[:6], self.center, self.lever) @ self.start.labels_to_reference, correction, math.nan)
-
-    def steps(self, vector: Floats) -> Floats:
-        """Of all nine numbers of the correction, in mm, radians, parts of a logarithm and s."""
-        by = np.zeros(9)
-        by[self.free] = vector[6:] * EXPECTED[self.free]
-        return by
 
     def __call__(self, vector: Floats) -> tuple[Floats, Floats]:
         """(n,) distances in mm, `FAR` where sound would leave bone, and (n, 6 + free) slopes."""

@@ -79,7 +79,8 @@ class _BatchOptions(Options):
 
 def run(asked: _BatchOptions) -> int:
     """Read the table, check, compute what is missing, write tables and page, and say what happened."""
-    _check(asked)
+    if asked.scheduler and (asked.workers or asked.memory):
+        raise SettingsError("--workers and --memory are of this computer; a cluster has its own. Leave them out, or --scheduler.")
     for name in asked.method:
         load_method_here(name)
     table = read_cases(asked.table)
@@ -113,11 +114,6 @@ def _write(cohort: Cohort, asked: _BatchOptions) -> list[Path]:
     table = results_table(cohort.cases, cohort.records)
     write_text(cohort.output / PAGE, page(asked.table.stem, table))
     return [*write_tables(cohort.output, table), cohort.output / PAGE]
-
-
-def _check(asked: _BatchOptions) -> None:
-    if asked.scheduler and (asked.workers or asked.memory):
-        raise SettingsError("--workers and --memory are of this computer; a cluster has its own. Leave them out, or --scheduler.")
 
 
 def _dry_run(table: Cases) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import textwrap
 import time
-from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import IN_WORDS, BoneMetrics, achieved, metrics_csv, table
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import SweepBeams, bone_truth
-from ..guidance.coverage import Coverage, coverage
+from ..guidance.coverage import coverage
 from ..guidance.snapshot import Share
 from ..io.disk.atomic import write_text
 from ..io.sequence.files import read_sequence
@@ -34,7 +33,7 @@ from ..registration.labeled_bone import LabeledBone
 from ..simulation.ultrasound import UltrasoundEffects
 from ..terminal.arguments import Options
 from ..terminal.console import ProgressBar, program
-from ..workflows.simulate import FILES, SimulatedFiles, check_simulated_folder, write_simulated_patient
+from ..workflows.simulate import FILES, check_simulated_folder, write_simulated_patient
 
 SPACING = 1.0
 """mm; coarse enough for the demo to take seconds."""
@@ -126,9 +125,28 @@ def run(asked: _DemoOptions) -> None:
             made(number, method)
         metrics = {method: metrics[method] for method in METHODS}
         write_text(folder / "metrics.csv", metrics_csv(metrics, result.frames_inserted, BONE_METHODS))
-        size = " x ".join(str(n) for n in result.grid.size)
-        report = _report(asked.seed, files, metrics, settings, result.frames_inserted, size, met)
-        write_report(folder / "report.html", replace(report, figure_png=figure.read_bytes()))
+        facts = {
+            "Patient": f"simulated, seed {asked.seed}",
+            "Sweep": f"simulated, {PATH}, {result.frames_inserted} frames used of {FRAMES}; seed {asked.seed}",
+            "Volumes": f"{' x '.join(map(str, result.grid.size))} voxels of {SPACING:g} mm",
+            "Bone map": f"the CT's segmentation: for weighted by distance, for the paper's methods smoothed by {BONE_SIGMA:g} mm",
+            "Registration and tracking": "exact",
+            "Interspinous borders": f"hit {hit_of(met.interspinous)}",
+        }
+        report = Report(
+            title="A simulated lumbar spine, reconstructed with every method",
+            date=date.today().isoformat(),
+            metrics=metrics,
+            frames=result.frames_inserted,
+            inputs=file_sizes([files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference]),
+            facts=facts,
+            settings=settings,
+            versions=software_versions(),
+            figure_png=figure.read_bytes(),
+            figure_caption="Cuts through the middle spinous process: the CT with its segmentation outlined, and four of the methods. "
+            "Blue: not scanned.",
+        )
+        write_report(folder / "report.html", report)
     seconds = time.perf_counter() - started
     print(f"reconstructed {len(sequence)} frames of a simulated lumbar spine with {len(METHODS)} methods, {seconds:.0f} s\n")
     print("\n".join(textwrap.wrap(achieved(metrics, result.frames_inserted), WIDTH)), end="\n\n")
@@ -153,33 +171,3 @@ def run(asked: _DemoOptions) -> None:
 def hit_of(share: Share) -> str:
     """How much of a part of the bone was hit, in a few words."""
     return f"{share.met:.0%} ({share.below_45_deg:.0%} below 45 degrees, {share.expected_visibility:.0%} expected to show)"
-
-
-def _report(
-    seed: int,
-    files: SimulatedFiles,
-    metrics: dict[str, BoneMetrics],
-    settings: dict[str, Recipe],
-    frames: int,
-    size: str,
-    met: Coverage,
-) -> Report:
-    return Report(
-        title="A simulated lumbar spine, reconstructed with every method",
-        date=date.today().isoformat(),
-        metrics=metrics,
-        frames=frames,
-        inputs=file_sizes([files.sequence, files.configuration, files.ct, files.labels, files.ct_to_reference]),
-        facts={
-            "Patient": f"simulated, seed {seed}",
-            "Sweep": f"simulated, {PATH}, {frames} frames used of {FRAMES}; seed {seed}",
-            "Volumes": f"{size} voxels of {SPACING:g} mm",
-            "Bone map": f"the CT's segmentation: for weighted by distance, for the paper's methods smoothed by {BONE_SIGMA:g} mm",
-            "Registration and tracking": "exact",
-            "Interspinous borders": f"hit {hit_of(met.interspinous)}",
-        },
-        settings=settings,
-        versions=software_versions(),
-        figure_caption="Cuts through the middle spinous process: the CT with its segmentation outlined, and four of the methods. "
-        "Blue: not scanned.",
-    )

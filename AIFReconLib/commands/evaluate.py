@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from datetime import date
 from pathlib import Path
@@ -9,8 +10,9 @@ from typing import Annotated, ClassVar
 
 from ..errors import SettingsError
 from ..evaluation.cases import FEW, FEWEST, LEVEL, CaseNumbers
-from ..evaluation.figures import ComparisonFigure, require_matplotlib, within_spinous_process
+from ..evaluation.figures import ComparisonFigure, require_matplotlib
 from ..evaluation.paragraph import methods_paragraph, unlike_settings
+from ..evaluation.preview import middle_of_bone
 from ..evaluation.quantities import BoneMetrics, achieved, hardly_shown, metrics_csv, table, what_counted
 from ..evaluation.report import Report, file_sizes, software_versions, write_report
 from ..evaluation.visibility import BEAM_THICKNESS, SweepBeams
@@ -20,11 +22,11 @@ from ..io.volume.dicom_series import read_ct
 from ..io.volume.files import read_volume
 from ..message import columns, listed
 from ..progress import part
-from ..provenance.record import made_by, unlike_inputs
+from ..provenance.record import made_in_header, unlike_inputs
 from ..provenance.settings_files import made_with
 from ..sweep.multi_sweep import joined
 from ..terminal.arguments import Names, Options, Output, Spellings, positive
-from ..terminal.console import ProgressBar, real_path
+from ..terminal.console import ProgressBar
 from ..terminal.labels_options import PlacedLabelsOptions, labels_inputs, place_from, required_labels
 from ..terminal.remedies import in_options
 from ..terminal.sequence_options import ImageOptions, TrackingOptions, configured
@@ -110,7 +112,8 @@ def run(asked: _EvaluateOptions) -> None:
         if asked.ct and asked.report:
             progress(0.9, "Drawing")
             ct, shown = read_ct(asked.ct).placed_by(to_reference), {name: read_volume(path) for name, path in paths.items()}
-            center = within_spinous_process(found.truth.surface, next(iter(shown.values())).grid)
+            first = next(iter(shown.values()))
+            center = middle_of_bone(first, first.array != 0, labels)
             figure = ComparisonFigure(shown, center, ct, labels, mask).png()
     results, frames, own_bone = found.results, found.frames, found.own_bone
     # Before anything is printed, which can fail: whoever reads it may go away
@@ -156,7 +159,7 @@ def _over_cases(asked: _EvaluateOptions) -> None:
         write_text(asked.csv, found.csv(against))
     if asked.methods:
         firsts = {name: next(iter(paths.items())) for name, paths in found.volumes.items()}
-        made = {name: made_by(read_volume(path)) if path.is_file() else {} for name, (_, path) in firsts.items()}
+        made = {name: made_in_header(read_volume(path).fields) if path.is_file() else {} for name, (_, path) in firsts.items()}
         first = listed(dict.fromkeys(case for case, _ in firsts.values()))
         settings = f"Settings are those of {first}: what was found may differ from case to case." if any(made.values()) else ""
         told = " ".join([settings, *(f"Not alike in all cases: {each}." for each in unlike), found.registration_in_words()])
@@ -174,16 +177,10 @@ def _place(asked: _EvaluateOptions) -> str:
 
 
 def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
-    """Paths by short names that tell them apart: the file's, with as many of its folders as that takes."""
-    named: dict[str, Path] = {}
-    full = [(path, real_path(path).parts[1:]) for path in paths]
-    for path, parts in full:
-        same = [other for _, other in full if other != parts]
-        length = next((n for n in range(1, len(parts)) if all(other[-n:] != parts[-n:] for other in same)), len(parts))
-        name = "/".join(parts[-length:])
-        copy = sum(other == path or real_path(other) == real_path(path) for other in named.values())
-        named[f"{name} ({copy + 1})" if copy else name] = path
-    return named
+    """Files by their names; those of one name with their folders, as far as these differ."""
+    files = list(dict.fromkeys(paths))
+    alike = {path.name: [other.absolute().parent for other in files if other.name == path.name] for path in files}
+    return {path.absolute().relative_to(os.path.commonpath(alike[path.name])).as_posix(): path for path in files}
 
 
 def _beams(asked: _EvaluateOptions) -> SweepBeams:
@@ -212,6 +209,6 @@ def _report(
         settings={name: made for name, path in unique_names(asked.volumes).items() if (made := made_with(path)) is not None},
         versions=software_versions(),
         figure_png=figure,
-        figure_caption="Cuts through a spinous process: the CT with its segmentation outlined, and the volumes."
+        figure_caption="Cuts through the middle of the bone that shows: the CT with its segmentation outlined, and the volumes."
         + (" Blue: not scanned." if asked.mask else ""),
     )

@@ -110,7 +110,7 @@ def run(asked: _ReconstructOptions) -> None:
         lines = [*labeled.labels.notes, *labeled.lines(result.method)] if labeled is not None and uses_bone else []
     agreement = list(map(in_options, lines))
     tracking = tracking_of(job, result)
-    if asked.report and not is_page(asked.report):
+    if asked.report and asked.report.suffix.lower() not in (".html", ".htm"):
         write_json(asked.report, {**report_of(result, tracking, outputs), "agreement": agreement, **_met(labeled, sequence, recipe)})
     elif asked.report:
         with ProgressBar() as progress:
@@ -147,11 +147,6 @@ def write_outputs(
         write_settings(settings_of(result.intensity), asked.save_settings)
         files.append(asked.save_settings)
     return files
-
-
-def is_page(path: Path) -> bool:
-    """Whether a report of this name is for reading, and not for programs."""
-    return path.suffix.lower() in (".html", ".htm")
 
 
 def _write_page(

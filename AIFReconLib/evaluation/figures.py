@@ -6,7 +6,7 @@ import contextlib
 import importlib.util
 import io
 import textwrap
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,11 +16,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Floats, Mask
 from ..errors import OutputError, require_kind
-from ..geometry.volume import Volume, VoxelGrid
+from ..geometry.volume import Volume
 from ..io.disk.atomic import atomic_output
 from ..message import shorten
 from .slices import Plane, cut, planes, whole_cut
-from .surface import BoneSurface
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,9 +57,6 @@ LOOKS = {
 }
 """Of every figure that we draw: on black, for a screen."""
 
-SPINOUS_LENGTH = 30.0
-"""mm from the laminae to the tip, at L2 to L5."""
-
 
 def require_matplotlib() -> None:
     """Return if figures can be drawn; to be asked before a long computation; an OutputError when matplotlib is not installed."""
@@ -93,12 +89,9 @@ def own_looks() -> Iterator[None]:
 
 def new_figure(width: float, height: float, **looks: str) -> Figure:
     """A figure of this size in inches that no window shows."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), **looks)
-    FigureCanvasAgg(figure)
-    return figure
+    return Figure(figsize=(width, height), **looks)
 
 
 def save_figure(path: str | Path, figure: Figure, dpi: int = DPI) -> None:
@@ -237,7 +230,9 @@ class ComparisonFigure:
     @property
     def gray_window(self) -> tuple[float, float]:
         """Gray levels shown black and white."""
-        return self.window or (0.0, _brightest(self.volumes.values()))
+        arrays = [volume.array for volume in self.volumes.values()]
+        is_8_bit = all(array.dtype == np.uint8 for array in arrays)
+        return self.window or (0.0, 255.0 if is_8_bit else max(float(np.nanmax(array)) for array in arrays) or 1.0)
 
     @own_looks()
     def write(self, path: str | Path) -> None:
@@ -250,50 +245,21 @@ class ComparisonFigure:
         return png_of(_draw(self))
 
 
-def within_spinous_process(surface: BoneSurface, grid: VoxelGrid) -> Floats:
-    """A place worth looking at: in the middle of the spinous process that is nearest to the middle of a volume, (3,) mm in RAS.
-
-    Notes
-    -----
-    Half the length of a process before the hind edge of the vertebra, which is the 1% of its surface that lies farthest posterior
-    in RAS. With one label for all bone it is the hindmost process.
-    """
-    corners = grid.corners()
-    inside = ((surface.points_reference >= corners.min(axis=0)) & (surface.points_reference <= corners.max(axis=0))).all(axis=1)
-    if not inside.any():
-        inside[:] = True
-    edges = []
-    for label in np.unique(surface.labels[inside]):
-        points = surface.points_reference[inside & (surface.labels == label)]
-        edges.append(points[points[:, 1] <= np.quantile(points[:, 1], 0.01)].mean(axis=0))
-    away = [abs(edge[2] - corners[:, 2].mean()) for edge in edges]
-    place: Floats = edges[int(np.argmin(away))] + (0.0, SPINOUS_LENGTH / 2, 0.0)
-    return place
-
-
 def _draw(shown: ComparisonFigure) -> Figure:
     ways = planes(shown.ct is not None or shown.bone is not None)
     wholes = [whole_cut(next(iter(shown.volumes.values())).grid, plane, shown.center_ras) for plane in ways]
     width = max(size[0] for _, size in wholes)
+    outlined = shown.bone if shown.ct is None else None
+    seen = shown.gray_window, shown.mask, outlined
+    columns = [(name, volume, seen) for name, volume in shown.volumes.items()]
+    if shown.ct is not None:
+        columns.insert(0, ("CT" if shown.bone is None else "CT and its bone", shown.ct, (CT_WINDOW, None, shown.bone)))
     rows = []
     for plane, (middle, (_, height)) in zip(ways, wholes, strict=True):
-        place, bone = (middle, (width, height)), shown.bone
-        row = (
-            []
-            if shown.ct is None
-            else [cut_panel("CT" if bone is None else "CT and its bone", shown.ct, plane, place, CT_WINDOW, None, bone)]
-        )
-        outlined = bone if shown.ct is None else None
-        row += [cut_panel(name, volume, plane, place, shown.gray_window, shown.mask, outlined) for name, volume in shown.volumes.items()]
-        named = row if plane is ways[0] else [replace(panel, name="") for panel in row]
-        rows.append([replace(named[0], side=plane.name), *named[1:]])
+        place, is_first = (middle, (width, height)), plane is ways[0]
+        row = [cut_panel(name if is_first else "", volume, plane, place, *how) for name, volume, how in columns]
+        rows.append([replace(row[0], side=plane.name), *row[1:]])
     return draw_panels(rows, PANEL / width, shown.title, "" if shown.mask is None else "blue: not scanned", shown.white)
-
-
-def _brightest(volumes: Collection[Volume]) -> float:
-    if all(volume.array.dtype == np.uint8 for volume in volumes):
-        return 255.0
-    return max(float(np.nanmax(volume.array)) for volume in volumes) or 1.0
 
 
 def _shortened(name: str) -> str:

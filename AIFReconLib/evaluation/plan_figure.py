@@ -75,12 +75,9 @@ def plan_figure(
         back = faces_patient[begins] - faces_patient[np.minimum(begins + 1, len(faces_patient) - 1)]
         back = np.where(np.linalg.norm(back[:, [across, up]], axis=1)[:, None] > STANDS, back, -ways[begins])
         _number(ax, faces_patient[begins][:, [across, up]], back[:, [across, up]])
-        ax.set_aspect("equal")
+        ax.set(aspect="equal", xlabel="to the right, mm" if across == 0 else "to the front, mm", ylabel="to the head, mm")
         ax.set_title(name, fontsize=11)
-        ax.set_xlabel("to the right, mm" if across == 0 else "to the front, mm")
-        ax.set_ylabel("to the head, mm")
-        for side in ax.spines.values():
-            side.set_visible(False)
+        ax.spines[:].set_visible(False)
     handles = [ax.scatter([], [], color=color, s=30) for color in COLORS] + [ax.plot([], [], color=BEAM)[0]]
     figure.legend(handles, [*WORDS, "probe"], loc="outside lower center", ncols=len(handles), fontsize=10)
     figure.suptitle(title, fontsize=13)

@@ -78,8 +78,7 @@ def _dress(panel: Axes, title: str, right: int, up: int) -> None:
     panel.set_xlabel("RAS"[right] + " (mm)", fontsize=9)
     panel.set_ylabel("RAS"[up] + " (mm)", fontsize=9)
     panel.tick_params(labelsize=8)
-    for edge in panel.spines.values():
-        edge.set_color("#444444")
+    panel.spines[:].set_color("#444444")
 
 
 @own_looks()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -39,12 +39,7 @@ def planes(patient: bool) -> tuple[Plane, ...]:
     if patient:
         return PLANES
     return tuple(
-        Plane(
-            f"across {across}",
-            plane.right_ras,
-            plane.down_ras,
-            (*axis_ends(plane.right_ras), *axis_ends(plane.down_ras)),
-        )
+        replace(plane, name=f"across {across}", edges=(*axis_ends(plane.right_ras), *axis_ends(plane.down_ras)))
         for plane, across in zip(PLANES, "zxy", strict=True)
     )
 
@@ -90,14 +85,8 @@ def cut(volume: Volume, plane: Plane, center_ras: ArrayLike, width: float, heigh
 def whole_cut(grid: VoxelGrid, plane: Plane, center_ras: ArrayLike) -> tuple[Floats, tuple[float, float]]:
     """Middle (3,) and size, in mm, of the picture that shows all of a grid on a plane through `center_ras`; no side below a voxel."""
     across, down = np.asarray(plane.right_ras, float), np.asarray(plane.down_ras, float)
-    (left, right), (top, bottom) = (extent_along(grid, way) for way in (across, down))
+    (left, right), (top, bottom) = ((float(along.min()), float(along.max())) for along in (grid.corners() @ way for way in (across, down)))
     normal = np.cross(across, down)
     middle: Floats = (left + right) / 2 * across + (top + bottom) / 2 * down + (np.asarray(center_ras, float) @ normal) * normal
     thinnest = float(grid.spacing.max())
     return middle, (max(right - left, thinnest), max(bottom - top, thinnest))
-
-
-def extent_along(grid: VoxelGrid, direction_ras: ArrayLike) -> tuple[float, float]:
-    """Least and greatest coordinate of a grid's corners along a RAS direction, mm."""
-    along = grid.corners() @ np.asarray(direction_ras, dtype=np.float64)
-    return float(along.min()), float(along.max())

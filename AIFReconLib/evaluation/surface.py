@@ -12,6 +12,7 @@ import numpy as np
 import scipy
 
 from ..arrays import Floats, Integers, Mask, Numbers, Reals
+from ..bone.field import require_bone
 from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import transform_points
@@ -88,8 +89,7 @@ def distance_from_labels(labels: Volume) -> Volume:
     a Gaussian of `SMOOTHING_VOXELS`, for the surface is smoother than its voxels.
     """
     bone = labels.array > 0
-    if not bone.any() or bone.all():
-        raise GeometryError("Input labels must have voxels above 0 and voxels of 0; got only one kind. Was the right segmentation chosen?")
+    require_bone(bone)
     spacing_kji = labels.grid.spacing[::-1]
     box = box_around(bone, np.ceil(DISTANCE_LIMIT / spacing_kji).astype(int) + 1)
     bone = bone[box]

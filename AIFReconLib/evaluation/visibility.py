@@ -14,7 +14,6 @@ import numpy as np
 from ..arrays import Bytes, Floats, Integers, Mask, Matrix
 from ..bone.canal import canals_of
 from ..effective_settings import resolve_imaging
-from ..errors import GeometryError
 from ..geometry.box import box_around
 from ..geometry.transforms import image_plane_axes, pixel_spacing, transform_points
 from ..geometry.volume import Volume, VoxelGrid
@@ -79,12 +78,6 @@ class SweepBeams:
     probe: ProbeGeometry
     region: ImageRegion
     thickness: float = BEAM_THICKNESS
-
-    def __post_init__(self) -> None:
-        if self.image_to_reference.ndim != 3 or self.image_to_reference.shape[1:] != (4, 4):
-            raise GeometryError(f"Input image_to_reference must have shape (frames, 4, 4); got {self.image_to_reference.shape}.")
-        if not np.isfinite(self.image_to_reference).all():
-            raise GeometryError("Input image_to_reference must be finite; got frames without a pose. Leave those out.")
 
     @classmethod
     def of_sequence(

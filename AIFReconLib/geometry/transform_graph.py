@@ -17,7 +17,7 @@ from itertools import chain
 
 import numpy as np
 
-from ..arrays import Floats, Matrix
+from ..arrays import Matrix
 from ..errors import GeometryError, TransformError, require_kind
 from .transforms import invert
 
@@ -232,12 +232,6 @@ def _reached(leaving: Mapping[str, list[_Link]], starts: set[str], without: str 
                 found.add(there)
                 edge.append(there)
     return found
-
-
-def largest_gap(pairs: Floats, points: Floats) -> Floats:
-    """How far apart pairs of matrices (..., 2, 4, 4) put `points` (4, n), homogeneous columns, at most: (...), mm."""
-    apart = (pairs[..., 1, :, :] - pairs[..., 0, :, :]) @ points
-    return np.asarray(np.linalg.norm(apart[..., :3, :], axis=-2).max(axis=-1))
 
 
 def capitalized(name: TransformName) -> TransformName:

@@ -106,19 +106,6 @@ def why_not_rigid(matrix: Matrix) -> str | None:
     return None
 
 
-def are_rigid(matrices: Matrix) -> bool:
-    """Whether all of (n, 4, 4) poses are rotations and translations, as `why_not_rigid` tells of one."""
-    turns = matrices[:, :3, :3]
-    off = np.abs(np.swapaxes(turns, 1, 2) @ turns - np.eye(3)).max(initial=0.0)
-    return bool(
-        np.isfinite(matrices).all()
-        and np.abs(matrices).max(initial=0.0) <= LARGEST_NUMBER
-        and (matrices[:, 3] == (0.0, 0.0, 0.0, 1.0)).all()
-        and off <= RIGIDITY_TOLERANCE
-        and (np.linalg.det(turns) > 0.0).all()
-    )
-
-
 def why_not_an_image_pose(image_to_reference: Matrix) -> str | None:
     """What keeps a (4, 4) image-to-reference matrix from placing pixels on a plane; None for a usable one."""
     problem = why_not_affine(image_to_reference)

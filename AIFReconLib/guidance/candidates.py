@@ -35,8 +35,8 @@ class Candidates:
 
     A pass that a hand makes meets other bone each time: what it is expected to show is the mean over `DRAWS` of them.
 
-    `target` as in `GuidedBone.target`; without a `hand` passes are made exactly. `draws` is how often they are looked at for now; see
-    `look_again`.
+    `target` as in `GuidedBone.target`; without a `hand` passes are made exactly. They are to be looked at before anything is asked: by
+    `look`, or in steps by `look_again`.
     """
 
     def __init__(
@@ -46,8 +46,6 @@ class Candidates:
         probe: ProbeOnBack,
         target: str,
         hand: Hand | None = None,
-        progress: Progress | None = None,
-        draws: int = DRAWS,
     ):
         self.passes, self._probe, self._hand = passes, probe, hand
         chosen = bone.target(target)
@@ -61,14 +59,18 @@ class Candidates:
         self._rng = np.random.default_rng(0)
         self._made: list[list[list[ProbePlacement]]] = []
         self._seen: list[_Seen] = []
-        draws = draws if hand else 1
-        for draw in range(draws):
-            carry_out(self.look_again(), part(progress, draw / draws, (draw + 1) / draws))
+        self._draws = DRAWS if hand else 1
 
     @property
     def is_rough(self) -> bool:
-        """Whether passes are still to be looked at again."""
-        return self._hand is not None and len(self._seen) < DRAWS
+        """Whether passes are still to be looked at."""
+        return len(self._seen) < self._draws
+
+    def look(self, progress: Progress | None = None) -> None:
+        """Look at every pass as often as is needed, which takes some seconds."""
+        while self.is_rough:
+            done = len(self._seen)
+            carry_out(self.look_again(), part(progress, done / self._draws, (done + 1) / self._draws))
 
     def look_again(self) -> Steps[None]:
         """Look at every pass once more, as the hand happens to make it; until that is done what is told stays as it was."""

@@ -18,7 +18,6 @@ from ..sweep.multi_sweep import joined
 from ..sweep.poses import sweep_poses, time_order
 from .bone import GuidedBone
 from .bone_coverage import CoverageAccumulator
-from .candidates import DRAWS
 from .coverage import Coverage, back_of_labels, coverage, covered, followed, share_of
 from .mesh import ColoredBone
 from .next_move import Move, NextMove, directions
@@ -84,25 +83,20 @@ class Advice(NamedTuple):
 
 
 class Advisor:
-    """Advises moves over bone, as a probe was moved over it.
+    """Moves over bone, as a probe was moved over it, and the way to each.
 
-    The poses so far, (n, 4, 4), tell where the skin is. Candidate passes are looked at `draws` times for now, which takes a second or two;
-    the `candidates` of `moves` may be looked at again.
+    The poses so far, (n, 4, 4), tell where the skin is.
     """
 
-    def __init__(self, met: CoverageAccumulator, image_to_reference: Matrix, progress: Progress | None = None, draws: int = DRAWS):
+    def __init__(self, met: CoverageAccumulator, image_to_reference: Matrix):
         bone, beams = met.bone, met.geometry.beams
         images = images_like(image_to_reference[0], beams.frame_size, beams.probe, beams.region)
         skin = Skin.through(transform_points(invert(bone.patient_to_reference), images.faces(image_to_reference)))
         self._bone, self._probe = bone, ProbeOnBack(images, skin, bone.patient_to_reference)
-        self.moves = NextMove(bone, self._probe, bone.aim, progress, draws=draws)
-
-    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, gains: Floats | None = None) -> Advice:
-        """What to do next, from a pose, with the gains of all moves where they are known."""
-        return self.to(self.moves.advise(met, image_to_reference, gains), image_to_reference)
+        self.moves = NextMove(bone, self._probe, bone.aim)
 
     def to(self, move: Move | None, image_to_reference: Matrix) -> Advice:
-        """The way to a move that was advised before, from another pose."""
+        """The way to a move of `moves` from a pose, that which it was advised for or another."""
         if move is None:
             return Advice(None)
         there = move.planned.placements(1)[0]
@@ -164,5 +158,7 @@ def guidance_of_sweep(
     order = time_order(sequence)
     order = order[np.isin(order, poses.usable)]
     met = found.met if unseen is None or not len(unseen) else followed(window(found.met.bone, unseen), sequence, recipe)
-    advisor = Advisor(met, poses.image_to_reference[order], part(progress, 0.5, 1.0))
-    return Guidance.of(colored, found.met, advisor.advise(met, poses.image_to_reference[order[-1]]), found.notes)
+    here = poses.image_to_reference[order]
+    advisor = Advisor(met, here)
+    move = advisor.moves.advise(met, here[-1], progress=part(progress, 0.5, 1.0))
+    return Guidance.of(colored, found.met, advisor.to(move, here[-1]), found.notes)

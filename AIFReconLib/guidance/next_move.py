@@ -11,7 +11,7 @@ from ..message import listed
 from ..progress import Progress, Steps, carry_out
 from .bone import GuidedBone
 from .bone_coverage import CoverageAccumulator
-from .candidates import DRAWS, Candidates
+from .candidates import Candidates
 from .passes import HAND, Hand, Pass, freehand_passes, name_of_place
 from .probe import ProbeOnBack, ProbePlacement
 from .snapshot import Direction
@@ -72,8 +72,7 @@ class NextMove:
     some 18 mm across the image, or 36 mm along the spine. The one that adds most for its labor is advised, and stays advised until
     another is better by `STABLE` or it has nothing more to add.
 
-    `target` as in `GuidedBone.target`; without a `hand` moves are expected to be made exactly. Candidate passes are looked at `draws` times
-    for now, which takes some seconds; `candidates.look_again` does so once more.
+    `target` as in `GuidedBone.target`; without a `hand` moves are expected to be made exactly.
     """
 
     def __init__(
@@ -81,12 +80,10 @@ class NextMove:
         bone: GuidedBone,
         probe: ProbeOnBack,
         target: str = "interspinous",
-        progress: Progress | None = None,
         hand: Hand | None = HAND,
-        draws: int = DRAWS,
     ):
         self._bone, self._probe = bone, probe
-        self.candidates = Candidates(freehand_passes(bone), bone, probe, target, hand, progress, draws)
+        self.candidates = Candidates(freehand_passes(bone), bone, probe, target, hand)
         self._passes = self.candidates.passes
         self._advised: Pass | None = None
 
@@ -94,10 +91,17 @@ class NextMove:
         """What each candidate pass would add to what was met."""
         return self.candidates.gains(self.candidates.looked(met.support), ROUNDS)
 
-    def advise(self, met: CoverageAccumulator, image_to_reference: Matrix, gains: Floats | None = None) -> Move | None:
-        """What to do next from a pose, with the `gains` where they are known; None when nothing is worth its labor any more."""
+    def advise(
+        self, met: CoverageAccumulator, image_to_reference: Matrix, gains: Floats | None = None, progress: Progress | None = None
+    ) -> Move | None:
+        """What to do next from a pose, with the `gains` where they are known; None when nothing is worth its labor any more.
+
+        Where gains are not known, candidate passes are looked at first, which takes some seconds.
+        """
+        if gains is None:
+            self.candidates.look(progress)
+            gains = carry_out(self.gains(met))
         now = self._probe.placement(image_to_reference)
-        gains = carry_out(self.gains(met)) if gains is None else gains
         values = gains / np.array([one.least * (1.0 + LABOR * _labor(now, _middle(one))) for one in self._passes])
         worth = gains >= self.candidates.worth
         if not worth.any():

@@ -113,7 +113,7 @@ def _sagittal(name: str, z: float, tilt: float, across: float, first: float, las
     return Pass(name, start, replace(start, x=last), round(abs(last - first) / STEP))
 
 
-def wearable_passes(bone: GuidedBone, place: tuple[float, float] = (0.0, 0.0), turn_deg: float = 0.0) -> list[Pass]:
+def wearable_passes(place: tuple[float, float], turn_deg: float) -> list[Pass]:
     """Passes of a device that is strapped on at one place and tilts about two axes, by 35 degrees to either side, without sliding."""
     tilts = np.arange(-WEARABLE_TILT_DEG, WEARABLE_TILT_DEG + 1.0, WEARABLE_STEP_DEG)
     passes = []

@@ -200,14 +200,15 @@ def plan_scan(
     if candidates == WEARABLE:
         hand = None
         places = wearable_places(bone, bone.surface.points_reference[chosen])
-        options = [wearable_passes(bone, place, turn) for place in places for turn in (0.0, 90.0)]
+        options = [wearable_passes(place, turn) for place in places for turn in (0.0, 90.0)]
     if frames < min(one.least for passes in options for one in passes):
         raise SettingsError(f"Input frames must be enough for one pass, some 6 to 25; got {frames!r}. Give more, or choose another target.")
     nothing = np.zeros(len(bone))
     best: tuple[float, list[tuple[Pass, int]]] = (0.0, [])
     for number, passes in enumerate(options):
         share = part(progress, 0.8 * number / len(options), 0.8 * (number + 1) / len(options))
-        seen = Candidates(passes, bone, probe, target, hand, share)
+        seen = Candidates(passes, bone, probe, target, hand)
+        seen.look(share)
         best = max(best, _greedy(seen, seen.looked(nothing), frames), key=lambda option: option[0])
     if not best[1]:
         raise GeometryError(f"No pass of this probe would show more of {target}.", PLACE_THE_CT)

@@ -191,9 +191,5 @@ def _about_time(sequence: TrackedSequence) -> list[str]:
 
 def _about_tools(sequence: TrackedSequence) -> list[str]:
     """A sentence for each tool that was never seen: its marker may have been covered, or it was never connected."""
-    findings = []
-    for name in sequence.transform_names():
-        counts = sequence.status_counts(name)
-        if not counts[TransformStatus.OK]:
-            findings.append(f"{name} is not valid in any frame: {name.source} was not tracked while recording.")
-    return findings
+    never_seen = [name for name in sequence.transform_names() if not sequence.status_counts(name)[TransformStatus.OK]]
+    return [f"{name} is not valid in any frame: {name.source} was not tracked while recording." for name in never_seen]

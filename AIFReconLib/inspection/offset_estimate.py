@@ -238,14 +238,10 @@ def _minimum(offsets: Reals, sums: Reals) -> float | None:
     """Where the mean dissimilarity is least, refined by a parabola; None where that is at an end or hardly a minimum."""
     with np.errstate(invalid="ignore", divide="ignore"):
         cost = np.where(sums[:, 1] > 0, sums[:, 0] / sums[:, 1], np.inf)
-    finite = np.isfinite(cost)
-    if not finite.any():
-        return None
     lowest = int(np.argmin(cost))
-    if lowest in (0, len(cost) - 1) or not np.isfinite(cost[lowest - 1 : lowest + 2]).all():
+    around = cost[max(lowest - 1, 0) : lowest + 2]
+    if len(around) < 3 or not np.isfinite(around).all() or cost[lowest] > LARGEST_COST * cost[np.isfinite(cost)].mean():
         return None
-    if cost[lowest] > LARGEST_COST * cost[finite].mean():
-        return None
-    left, middle, right = cost[lowest - 1 : lowest + 2]
+    left, middle, right = around
     bend = left - 2 * middle + right
     return float(offsets[lowest] + (STEP * 0.5 * (left - right) / bend if bend > 0 else 0.0))

@@ -68,14 +68,11 @@ class TrackingReport:
         """Names and values for a table."""
         rows: list[tuple[str, str]] = [("frames used", f"{self.used} of {self.frames}")]
         if self.longest_gap is not None:
-            gap = f"{self.longest_gap:.2f} s, after frame {self.longest_gap_after}"
-            rows.append(("longest gap", gap))
+            rows.append(("longest gap", f"{self.longest_gap:.2f} s, after frame {self.longest_gap_after}"))
         if self.median_speed is not None:
-            speed = f"{self.median_speed:.1f} mm/s in the median, {self.highest_speed:.1f} mm/s at most"
-            rows.append(("probe speed", speed))
+            rows.append(("probe speed", f"{self.median_speed:.1f} mm/s in the median, {self.highest_speed:.1f} mm/s at most"))
         if self.median_step is not None:
-            step = f"{self.median_step:.2f} mm in the median, {self.largest_step:.2f} mm at most"
-            rows.append(("frame to frame", step))
+            rows.append(("frame to frame", f"{self.median_step:.2f} mm in the median, {self.largest_step:.2f} mm at most"))
         rows.append(("pose jumps", str(len(self.jumps)) if self.jumps else "none"))
         if self.coverage is not None:
             measured, filled = (self.coverage[name] / self.coverage["voxels"] for name in ("measured", "filled"))
@@ -168,12 +165,8 @@ def _with_times(report: TrackingReport, numbers: Integers, steps: Floats, times:
     """With gaps, speeds and jumps of frames with these numbers, distances and times, in order of time."""
     gaps = np.diff(times)
     widest = int(np.argmax(gaps))
-    report = replace(
-        report,
-        duration=float(times[-1] - times[0]),
-        longest_gap=float(gaps[widest]),
-        longest_gap_after=int(numbers[widest]),
-    )
+    seconds = float(times[-1] - times[0])
+    report = replace(report, duration=seconds, longest_gap=float(gaps[widest]), longest_gap_after=int(numbers[widest]))
     near = (gaps > 0) & (gaps <= LONGEST_GAP)
     if not near.any():
         return report

@@ -37,6 +37,7 @@ SCANNED = 0.1
 """Share of a vertebra that was met at all, from which on it counts as scanned: the CT may show others, which nobody looked at."""
 
 
+CALIBRATE_ANEW = "Calibrate anew, on a scan at rest."
 TAKE_OUT = "Take it out and compare, once the calibration is right: a wrong one looks much the same."
 """What to do about a motion that was found."""
 
@@ -156,6 +157,8 @@ def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
         return unknown(CANNOT_TELL)
     if motion.applied:
         found = f"{motion.moved} Passes show the bone {motion.before:.1f} mm apart, {motion.after:.1f} with that taken out."
+        if motion.is_calibration:
+            return Verdict(Level.LOOK, found, CALIBRATE_ANEW)
         return Verdict(Level.GOOD if taken_out else Level.LOOK, found, "" if taken_out else TAKE_OUT)
     if motion.unexplained:
         return Verdict(Level.LOOK, f"passes show the bone {motion.before:.1f} mm apart, and no motion explains it", motion.unexplained)

@@ -108,7 +108,7 @@ class PatientMotion:
     @property
     def is_calibration(self) -> bool:
         """Whether a calibration that is off explains all of it."""
-        return bool(self.applied and not self.curve.shifts.any())
+        return bool(self.applied and not np.ptp(self.curve.shifts, axis=0).any())
 
     @cached_property
     def breath(self) -> tuple[float, float] | None:
@@ -196,7 +196,7 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
         else:
             half = held
     is_simple = apart(asked, alone, bone) <= SIMPLER * apart(asked, half, bone)
-    half = alone if is_simple else _in_the_middle(half, echoes, bone)
+    half = _in_the_middle(alone if is_simple else half, echoes, bone)
     after = apart(asked, half, bone)
     borne_out = after <= min(GAIN * before, CLOSE if bone is None else np.inf) and (
         bone is None or off_the_bone(asked, half, bone) <= min(GAIN * off_the_bone(asked, rest, bone), CLOSE_TO_BONE)
@@ -204,11 +204,9 @@ def motion_of(echoes: SweepEchoes, passes: Passes, bone: BoneInPlace | None = No
     if not borne_out or PatientMotion(half, before, after, False).size < LEAST:
         return still if bone is None else _by_echoes_first(echoes, passes, bone, part(progress, 0.6, 1.0))
     free = CALIBRATION_ALONE if is_simple else BOTH
-    curve, _ = solved(echoes, half, bone, loose, FINE, free, part(progress, 0.7, 1.0))
-    if is_simple:
-        return PatientMotion(curve, before, after, True, echoes=curve.moved(echoes))
-    curve = _in_the_middle(curve, echoes, bone)
-    names = tuple(name for name, free in zip(AXES, np.median(loose, axis=0).diagonal(), strict=True) if free > HALF)
+    curve = _in_the_middle(solved(echoes, half, bone, loose, FINE, free, part(progress, 0.7, 1.0))[0], echoes, bone)
+    stays = np.median(loose, axis=0).diagonal() * (not is_simple)
+    names = tuple(name for name, share in zip(AXES, stays, strict=True) if share > HALF)
     return PatientMotion(curve, before, after, True, names, curve.moved(echoes))
 
 
@@ -251,7 +249,10 @@ def _worst(off: Floats, owners: Integers) -> float:
 
 
 def _in_the_middle(curve: MotionCurve, echoes: SweepEchoes, bone: BoneInPlace | None) -> MotionCurve:
-    """The motion without what all frames have in common, but for the little that lays them on a CT."""
+    """The motion without what all frames have in common, but for the little that lays them on a CT.
+
+    Echoes tell how passes lie to each other, not where all of them lie: that holds for a calibration that is off as well.
+    """
     by = (curve.moved(echoes).points - echoes.points).mean(axis=0)
     if bone is not None and np.linalg.norm(by) <= COMMON:
         return curve

@@ -152,14 +152,9 @@ def settings_of(volume: Volume) -> dict[str, object]:
     return found if isinstance(found, dict) else {}
 
 
-def made_by(volume: Volume) -> dict[str, object]:
-    """The same with the method, which a configuration may have named, and the number of frames and the files that it was made from; nothing
-    where the volume does not say it."""
-    return made_in_header(volume.fields)
-
-
 def made_in_header(fields: Mapping[str, str]) -> dict[str, object]:
-    """The same of the header alone."""
+    """The same of a header, with the method, which a configuration may have named, the number of frames and the files that it was made
+    from; nothing where it does not say so."""
     method, settings = fields.get(METHOD), _said(fields, SETTINGS)
     if not method:
         return {}

@@ -79,16 +79,12 @@ def not_held(echoes: SweepEchoes, bone: BoneField, labels_to_reference: Floats) 
         # Steps in units of the named motion: mm of the slide, radians of the turn
         unit = vector / length * (1.0 if slides else cost.lever)
         step, farthest = (0.25, FARTHEST_MM) if slides else (math.radians(0.5), math.radians(FARTHEST_DEG))
-        amounts = np.arange(step, farthest + step, step)
-        amount = farthest
-        for size in amounts:
-            costs = [
-                robust_cost(chosen, bone, vector_motion(sign * size * unit, cost.center, cost.lever) @ labels_to_reference)
-                for sign in (-1, 1)
-            ]
-            if min(costs) > least + LOSS:
-                amount = float(size)
-                break
+
+        def is_held(size: float, unit: Floats = unit) -> bool:
+            steps = (vector_motion(sign * size * unit, cost.center, cost.lever) for sign in (-1, 1))
+            return min(robust_cost(chosen, bone, by @ labels_to_reference) for by in steps) > least + LOSS
+
+        amount = next(filter(is_held, np.arange(step, farthest + step, step).tolist()), farthest)
         reach = amount * unit
         amount = amount if slides else math.degrees(amount)
         if amount > (HELD_MM if slides else HELD_DEG):

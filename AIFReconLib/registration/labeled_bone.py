@@ -24,7 +24,7 @@ from ..progress import Progress, part
 from ..recipe.recipe import AUTOMATIC, OF_LABELS, Recipe
 from ..sweep.frames import TrackedSequence
 from ..sweep.multi_sweep import sweeps_of
-from .agreement import Comparison
+from .agreement import Agreement, Comparison
 from .comparison import compared
 
 PAPERS_WIDTH = Sentence(
@@ -117,8 +117,8 @@ class LabeledBone(Described):
         """Whether bone is taken from the sweep's own echoes, because the CT does not lie on them."""
         if not (method_named(method).follows_agreement and self.is_automatic(method)):
             return False
-        comparison = self.comparison(progress)
-        return comparison is not None and comparison.agreement is not None and comparison.agreement.misplaced
+        agreement = self._agreement(progress)
+        return agreement is not None and agreement.misplaced
 
     def settings(self, method: str, progress: Progress | None = None) -> dict[str, float | str]:
         """Width of the map for a method and, where it is not 1, its belief, by the names of the options that repeat it."""
@@ -126,19 +126,15 @@ class LabeledBone(Described):
             return {"bone_sigma_mm": AUTOMATIC}
         belief: dict[str, float | str] = {} if self._belief is None else {"bone_belief": self._belief}
         if self.is_automatic(method):
-            comparison = self.comparison(progress)
-            agreement = None if comparison is None else comparison.agreement
+            agreement = self._agreement(progress)
             if agreement is None:
                 return {"bone_sigma_mm": UNKNOWN_WIDTH, **belief}
             if self._belief is None and agreement.bone_belief < 1:
                 belief = {"bone_belief": agreement.bone_belief}
             return {"bone_sigma_mm": agreement.bone_width, **belief}
-        return {**self._given_width(), **belief}
-
-    def _given_width(self) -> dict[str, float | str]:
         if isinstance(self._sigma_mm, int | float):
-            return {"bone_sigma_mm": float(self._sigma_mm)}
-        return {"bone_sigma_voxels": SIGMA_VOXELS if self._sigma_voxels is None else self._sigma_voxels}
+            return {"bone_sigma_mm": float(self._sigma_mm), **belief}
+        return {"bone_sigma_voxels": SIGMA_VOXELS if self._sigma_voxels is None else self._sigma_voxels, **belief}
 
     def map(self, method: str, progress: Progress | None = None) -> BoneMap:
         """The bone map for a method; the last one is kept."""
@@ -169,10 +165,9 @@ class LabeledBone(Described):
 
     def _may_be(self, points: Floats) -> Mask:
         """Which points (n, 3) in Reference are as near to the CT's bone, misplaced as it is, as its echoes are."""
-        comparison = self.comparison()
-        reach = np.inf if comparison is None or comparison.agreement is None else comparison.agreement.reach
+        agreement = self._agreement()
         in_labels = points if self.labels_to_reference is None else transform_points(invert(self.labels_to_reference), points)
-        return np.abs(self.field.distances(in_labels)) <= reach
+        return np.abs(self.field.distances(in_labels)) <= (np.inf if agreement is None else agreement.reach)
 
     @cached_property
     def field(self) -> BoneField:
@@ -185,6 +180,10 @@ class LabeledBone(Described):
             self._comparison = compared(self._sequence, self.labels, self.place, self._recipe, progress, lambda: self.field)
         return self._comparison
 
+    def _agreement(self, progress: Progress | None = None) -> Agreement | None:
+        comparison = self.comparison(progress)
+        return None if comparison is None else comparison.agreement
+
     def lines(self, method: str, progress: Progress | None = None) -> list[str]:
         """How CT and sweep agree, and the width that was chosen by it: a line each."""
         comparison = self.comparison(progress)
@@ -196,7 +195,7 @@ class LabeledBone(Described):
         if self.taken_from_echoes(method):
             return [*lines, "Bone is taken from the sweep's own echoes, as the CT does not lie on them."]
         width = self.settings(method)["bone_sigma_mm"]
-        if comparison is None or comparison.agreement is None:
+        if self._agreement() is None:
             return [*lines, f"Bone is believed up to {width:g} mm beside the CT's, as CT and sweep were not compared."]
         width_line = f"Bone is believed up to {width:g} mm beside the CT's: so far the echoes lie off it."
         belief = self.settings(method).get("bone_belief", 1.0)

@@ -157,27 +157,24 @@ def register_echoes(
     if per_segment:
         # A bent spine fits rigidly a level off nearly as well: the bones decide
         rivals = [place for place in places[:BENT] if place.agreement.explained >= NEARLY_AS_GOOD * places[0].agreement.explained]
-        bent = [(place, fit_segments(echoes, fields, place.labels_to_reference)) for place in rivals]
-        bent.sort(key=lambda one: one[1].agreement.tightness, reverse=True)
-        segments_of = {id(place): segments for place, segments in bent}
-        places = [*(place for place, _ in bent), *places[len(rivals) :]]
+        segments_of = {id(place): fit_segments(echoes, fields, place.labels_to_reference) for place in rivals}
+        places[: len(rivals)] = sorted(rivals, key=lambda place: segments_of[id(place)].agreement.tightness, reverse=True)
     chosen = places[0]
     if level:
         unit = shifts[1] * np.sign(shifts[1][2] or 1.0)
         chosen = finished(echoes, bone, places[0].labels_to_reference @ shifted(level * unit))
-    others = [place for place in places if place is not chosen]
+        if per_segment:
+            segments_of[id(chosen)] = fit_segments(echoes, fields, chosen.labels_to_reference)
+
+    def judged(place: Place) -> Agreement:
+        return segments_of[id(place)].agreement if id(place) in segments_of else place.agreement
+
     report(progress, 0.7, "Judging the CT's place")
-    segments = segments_of.get(id(chosen))
-    if per_segment and segments is None:
-        segments = fit_segments(echoes, fields, chosen.labels_to_reference)
-    agreement = segments.agreement if segments else chosen.agreement
+    segments, agreement = segments_of.get(id(chosen)), judged(chosen)
     alternatives = tuple(
-        _Alternative(
-            other.labels_to_reference,
-            segments_of[id(other)].agreement if id(other) in segments_of else other.agreement,
-            _levels(other, chosen, bone, shifts),
-        )
-        for other in others
+        _Alternative(other.labels_to_reference, judged(other), _levels(other, chosen, bone, shifts))
+        for other in places
+        if other is not chosen
     )
     loose, restarts = [], 0.0
     if chosen.agreement.share >= WORTH_JUDGING:

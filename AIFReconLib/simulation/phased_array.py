@@ -14,15 +14,12 @@ from ..arrays import Floats, Integers, Matrix
 from ..geometry.transforms import affine, as_matrix, invert
 from ..imaging.beams import SECTOR, ProbeGeometry
 from ..imaging.region import Fan, ImageRegion
+from .vertebra import turned_about
 
 
 def _default_transducer_to_probe() -> Matrix:
     """Marker on the handle, 90 mm from the face, turned and tilted as clamps are. (4, 4), mm."""
-    angle = math.radians(24.0)
-    turn = np.array([[math.cos(angle), 0.0, math.sin(angle)], [0.0, 1.0, 0.0], [-math.sin(angle), 0.0, math.cos(angle)]])
-    angle = math.radians(-8.0)
-    tilt = np.array([[1.0, 0.0, 0.0], [0.0, math.cos(angle), -math.sin(angle)], [0.0, math.sin(angle), math.cos(angle)]])
-    return affine(turn @ tilt, (11.5, 90.0, -27.0))
+    return affine(turned_about(1, math.radians(24.0)) @ turned_about(0, math.radians(-8.0)), (11.5, 90.0, -27.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ Each function returns a new sequence whose images are views of the old one's, re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,35 +18,20 @@ from ..imaging.images import ImagesOnDemand, ImageStack
 from ..remedies import CALIBRATION_FILE
 from .frames import CROPPED, TrackedSequence
 
-Transforms = dict[TransformName, TransformSample]
+_ALL = slice(None)
 
 
 class _ImageView(ImagesOnDemand):
-    """Some frames, or a part of each, of another `ImageStack`.
+    """Some frames, and of each some rows and columns, of another `ImageStack`."""
 
-    `numbers` are frames, in this order; `columns` and `rows` are (first, count). All by default.
-    `mirrored` takes columns from the last to the first.
-    """
-
-    def __init__(
-        self,
-        images: ImageStack,
-        numbers: Sequence[int] | None = None,
-        columns: tuple[int, int] | None = None,
-        rows: tuple[int, int] | None = None,
-        mirrored: bool = False,
-    ):
-        self._images = images
-        self._numbers = range(len(images)) if numbers is None else numbers
-        first_column, width = columns or (0, images.shape[2])
-        first_row, height = rows or (0, images.shape[1])
-        self._part = (slice(first_row, first_row + height), slice(first_column, first_column + width))
-        self._step = -1 if mirrored else 1
-        self.shape = (len(self._numbers), height, width)
+    def __init__(self, images: ImageStack, frames: slice = _ALL, rows: slice = _ALL, columns: slice = _ALL):
+        numbers = (range(count)[part] for count, part in zip(images.shape, (frames, rows, columns)))
+        self._images, self._part, self._numbers, *sides = images, (rows, columns), *numbers
+        self.shape = (len(self._numbers), *map(len, sides))
         self.dtype = np.dtype(images.dtype)
 
     def _image(self, index: int) -> Numbers:
-        return np.asarray(self._images[self._numbers[index]])[self._part][:, :: self._step]
+        return np.asarray(self._images[self._numbers[index]])[self._part]
 
 
 def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = None, every: int = 1) -> TrackedSequence:
@@ -56,9 +41,8 @@ def select_frames(sequence: TrackedSequence, first: int = 0, last: int | None = 
         raise SettingsError(f"Input frames must be two numbers from 0 to {len(sequence) - 1}, rising; got {first} {last}.")
     if every < 1:
         raise SettingsError(f"Input every must be 1 or more; got {every}.")
-    numbers = range(first, last + 1, every)
-    records = [sequence.records[number] for number in numbers]
-    return replace(sequence, images=_ImageView(sequence.images, numbers), records=records)
+    frames = slice(first, last + 1, every)
+    return replace(sequence, images=_ImageView(sequence.images, frames), records=sequence.records[frames])
 
 
 def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, image_frame: str = "Image") -> TrackedSequence:
@@ -84,8 +68,9 @@ def crop(sequence: TrackedSequence, x: int, y: int, width: int, height: int, ima
         f"Columns {x} to {x + width - 1} and rows {y} to {y + height - 1} were cut out. A configuration's clip rectangle, fan and "
         f"transducer center are about the whole image: subtract {x} and {y} from them."
     )
-    sequence = _with_images_moved(sequence, moved, CROPPED.target if image_frame == CROPPED.source and was_cropped else image_frame)
-    return replace(sequence, images=_ImageView(sequence.images, None, (x, width), (y, height)), notes=(*sequence.notes, note))
+    sequence = _with_image_changed(sequence, CROPPED.target if image_frame == CROPPED.source and was_cropped else image_frame, moved)
+    part = _ImageView(sequence.images, rows=slice(y, y + height), columns=slice(x, x + width))
+    return replace(sequence, images=part, notes=(*sequence.notes, note))
 
 
 def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequence:
@@ -114,7 +99,7 @@ def rename(sequence: TrackedSequence, names: Mapping[str, str]) -> TrackedSequen
 
 
 def _renamed(sequence: TrackedSequence, change: Callable[[TransformName], TransformName]) -> TrackedSequence:
-    return _map_transforms(sequence, lambda transforms: {change(name): sample for name, sample in transforms.items()})
+    return _map_transforms(sequence, lambda name, sample: (change(name), sample))
 
 
 def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, wrong: Matrix | None = None) -> TrackedSequence:
@@ -144,11 +129,9 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
                 "Give that too, with {wrong_calibration:FILE}.",
             )
     was_recorded = {name, name.inverse} & set(sequence.transform_names())
-    sequence = _map_transforms(
-        sequence, lambda transforms: {other: sample for other, sample in transforms.items() if other not in (name, name.inverse)}
-    )
+    sequence = _map_transforms(sequence, lambda other, sample: None if other in (name, name.inverse) else (other, sample))
     if others and wrong is not None:
-        sequence = _with_images_moved(sequence, invert(as_matrix(wrong, "wrong calibration")) @ matrix, name.source)
+        sequence = _with_image_changed(sequence, name.source, invert(as_matrix(wrong, "wrong calibration")) @ matrix)
     if others and not was_recorded:
         return sequence  # a second way from the image to the tracker would contradict the first sooner or later
     return replace(sequence, transforms={**sequence.transforms, name: TransformSample(matrix)})
@@ -156,7 +139,7 @@ def recalibrate(sequence: TrackedSequence, name: TransformName, matrix: Matrix, 
 
 def mirrored(sequence: TrackedSequence) -> TrackedSequence:
     """The recording with its images turned left to right under the same poses: where the marked side was told wrongly."""
-    return replace(sequence, images=_ImageView(sequence.images, mirrored=True))
+    return replace(sequence, images=_ImageView(sequence.images, columns=slice(None, None, -1)))
 
 
 def inverted(sequence: TrackedSequence, name: TransformName) -> TrackedSequence:
@@ -167,17 +150,17 @@ def inverted(sequence: TrackedSequence, name: TransformName) -> TrackedSequence:
     if name not in sequence.transform_names():
         there = ", ".join(map(str, sequence.transform_names())) or "none"
         raise SettingsError(f"Input invert must name a transform of the recording; it has {there}, and no {name}.")
-
-    def changed(transforms: Transforms) -> Transforms:
-        return {other: _turned_round(sample) if other == name else sample for other, sample in transforms.items()}
-
-    return _map_transforms(sequence, changed)
+    return _map_transforms(sequence, lambda other, sample: (other, _turned_round(sample) if other == name else sample))
 
 
 def _turned_round(sample: TransformSample) -> TransformSample:
-    # What is no pose is judged later, like any other
-    usable = sample.status is TransformStatus.OK and np.isfinite(sample.matrix).all() and abs(np.linalg.det(sample.matrix)) > 0
-    return replace(sample, matrix=invert(sample.matrix)) if usable else sample
+    return replace(sample, matrix=invert(sample.matrix)) if _is_usable(sample) else sample
+
+
+def _is_usable(sample: TransformSample) -> bool:
+    """What is no pose is judged later, like any other."""
+    is_finite = sample.status is TransformStatus.OK and np.isfinite(sample.matrix).all()
+    return bool(is_finite and abs(np.linalg.det(sample.matrix)) > 0)
 
 
 def corrected(sequence: TrackedSequence, correction: Matrix, image_frame: str = "Image") -> TrackedSequence:
@@ -195,19 +178,7 @@ def corrected(sequence: TrackedSequence, correction: Matrix, image_frame: str = 
     correction = as_matrix(correction, "correction")
     if not any(image_frame in (name.source, name.target) for name in sequence.transform_names()):
         raise SettingsError(f"{sequence.name}: it has no transform of {image_frame} to correct.", CALIBRATION_FILE)
-
-    def changed(transforms: Transforms) -> Transforms:
-        result = {}
-        with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
-            for name, sample in transforms.items():
-                if name.source == image_frame and name != CROPPED:
-                    sample = replace(sample, matrix=with_unit_depth(sample.matrix) @ correction)
-                elif name.target == image_frame and name != CROPPED.inverse and sample.status is TransformStatus.OK:
-                    sample = replace(sample, matrix=invert(with_unit_depth(invert(sample.matrix)) @ correction))
-                result[name] = sample
-        return result
-
-    return _map_transforms(sequence, changed)
+    return _with_image_changed(sequence, image_frame, correction, of=with_unit_depth)
 
 
 def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:
@@ -215,30 +186,34 @@ def with_configured_transforms(sequence: TrackedSequence) -> TrackedSequence:
     return replace(sequence, transforms={**sequence.transforms, **sequence.configured()})
 
 
-def _with_images_moved(sequence: TrackedSequence, new_to_old: Matrix, image_frame: str) -> TrackedSequence:
-    """Transforms of the image with another definition of its pixels: new pixel to old pixel, (4, 4)."""
-    old_to_new = invert(new_to_old)
+def _with_image_changed(
+    sequence: TrackedSequence, image_frame: str, new_to_old: Matrix, of: Callable[[Matrix], Matrix] = np.asarray
+) -> TrackedSequence:
+    """Every transform M of the image as of(M) @ `new_to_old`, which takes pixels of another definition, (4, 4)."""
 
-    def moved(transforms: Transforms) -> Transforms:
-        changed = {}
+    def changed(name: TransformName, sample: TransformSample) -> tuple[TransformName, TransformSample]:
+        if image_frame == CROPPED.source and name in (CROPPED, CROPPED.inverse):
+            return name, sample  # pixels alone
         with np.errstate(all="ignore"):  # a pose that is recorded as infinite is judged later, like any other
-            for name, sample in transforms.items():
-                if image_frame == CROPPED.source and name in (CROPPED, CROPPED.inverse):
-                    pass  # pixels alone
-                elif name.source == image_frame:
-                    sample = replace(sample, matrix=sample.matrix @ new_to_old)
-                elif name.target == image_frame:
-                    sample = replace(sample, matrix=old_to_new @ sample.matrix)
-                changed[name] = sample
-        return changed
+            if name.source == image_frame:
+                sample = replace(sample, matrix=of(sample.matrix) @ new_to_old)
+            elif name.target == image_frame and _is_usable(sample):
+                sample = replace(sample, matrix=invert(of(invert(sample.matrix)) @ new_to_old))
+        return name, sample
 
-    return _map_transforms(sequence, moved)
+    return _map_transforms(sequence, changed)
 
 
-def _map_transforms(sequence: TrackedSequence, change: Callable[[Transforms], Transforms]) -> TrackedSequence:
-    """The sequence with `change` done to the transforms of the header and of each frame."""
-    records = [replace(record, transforms=change(record.transforms)) for record in sequence.records]
-    return replace(sequence, records=records, transforms=change(sequence.transforms))
+def _map_transforms(
+    sequence: TrackedSequence, change: Callable[[TransformName, TransformSample], tuple[TransformName, TransformSample] | None]
+) -> TrackedSequence:
+    """The sequence with `change` done to each transform of the header and of each frame; what becomes None is left out."""
+
+    def changed(transforms: Mapping[TransformName, TransformSample]) -> dict[TransformName, TransformSample]:
+        return dict(filter(None, (change(name, sample) for name, sample in transforms.items())))
+
+    records = [replace(record, transforms=changed(record.transforms)) for record in sequence.records]
+    return replace(sequence, records=records, transforms=changed(sequence.transforms))
 
 
 def _renaming(sequence: TrackedSequence, old: str, new: str) -> Callable[[TransformName], TransformName]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Matrix
 from ..errors import GeometryError, TransformError
-from ..geometry.transform_graph import AGREE, TransformName, TransformSample, TransformStatus, Ways, largest_gap
+from ..geometry.transform_graph import AGREE, TransformName, TransformSample, TransformStatus, Ways
 from ..geometry.transforms import invert, why_not_affine, why_not_an_image_pose, why_not_rigid
 from ..message import listed
 from .frames import CROPPED
@@ -63,7 +63,8 @@ def require_agreement(whose: str, frame_size: tuple[int, int], ways: Ways, pairs
     """
     columns, rows = frame_size
     corners = np.array([(x, y, 0.0, 1.0) for x in (0.0, max(columns - 1, 1)) for y in (0.0, max(rows - 1, 1))]).T
-    gaps = largest_gap(np.array(list(pairs.values())), corners)
+    both = np.array(list(pairs.values()))
+    gaps = np.linalg.norm(((both[..., 1, :, :] - both[..., 0, :, :]) @ corners)[..., :3, :], axis=-2).max(axis=-1)
     frame, pair = np.unravel_index(int(np.argmax(gaps)), gaps.shape)
     if gaps[frame, pair] > AGREE:
         raise TransformError(

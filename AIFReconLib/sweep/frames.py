@@ -76,27 +76,6 @@ class FrameRecord:
     """(x, y), mm. Size of a pixel, where the file states one. The poses place pixels, as in Plus; this can only contradict them."""
 
 
-@dataclass(frozen=True, eq=False)
-class _RecordsSummary:
-    """What is asked of all records of a sequence at once."""
-
-    timestamps: Floats  #: (frames,), s. NaN for a frame without one.
-    statuses: dict[TransformName, Counter[TransformStatus]]
-    """Of every transform that occurs in any of them, in order of appearance."""
-
-    @classmethod
-    def of(cls, records: Sequence[FrameRecord]) -> _RecordsSummary:
-        """That of these records, each of which is asked for once."""
-        timestamps = np.full(len(records), np.nan)
-        statuses: dict[TransformName, Counter[TransformStatus]] = defaultdict(Counter)
-        for number, record in enumerate(records):
-            if record.timestamp is not None:
-                timestamps[number] = record.timestamp
-            for name, sample in record.transforms.items():
-                statuses[name][sample.status] += 1
-        return cls(timestamps, statuses)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class TrackedSequence(Described):
     """A recorded sweep: images, and per frame its transforms, statuses and times."""
@@ -211,22 +190,30 @@ class TrackedSequence(Described):
 
     def transform_names(self) -> list[TransformName]:
         """Every transform that occurs in any frame or in the header, in order of appearance."""
-        return list(dict.fromkeys([*self.transforms, *self._summary.statuses]))
+        return list(dict.fromkeys([*self.transforms, *self._summary[1]]))
 
     def status_counts(self, name: TransformName) -> Counter[TransformStatus]:
         """How many frames have this transform with which status; frames without it count as MISSING, unless the header has it."""
-        counts = Counter(self._summary.statuses.get(name))
+        counts = Counter(self._summary[1].get(name))
         otherwise = self.transforms[name].status if name in self.transforms else TransformStatus.MISSING
         return counts + Counter({otherwise: len(self) - counts.total()})
 
     @property
     def timestamps(self) -> Floats:
         """Time of each frame (frames,), s; NaN for a frame without one."""
-        return self._summary.timestamps
+        return self._summary[0]
 
     @cached_property
-    def _summary(self) -> _RecordsSummary:
-        return _RecordsSummary.of(self.records)
+    def _summary(self) -> tuple[Floats, dict[TransformName, Counter[TransformStatus]]]:
+        """Times, and the statuses of every transform in order of appearance: each record is asked for once."""
+        timestamps = np.full(len(self), np.nan)
+        statuses: dict[TransformName, Counter[TransformStatus]] = defaultdict(Counter)
+        for number, record in enumerate(self.records):
+            if record.timestamp is not None:
+                timestamps[number] = record.timestamp
+            for name, sample in record.transforms.items():
+                statuses[name][sample.status] += 1
+        return timestamps, statuses
 
 
 def _as_images(images: ImageStack | ArrayLike) -> ImageStack:

@@ -35,6 +35,9 @@ FARTHEST_APART = 1000.0
 FRAMES_COMPARED = 8
 """By which a recording is known whose images are all equal."""
 
+MOST_RUNS = 4
+"""Of frames in a row that are told by their numbers."""
+
 
 @dataclass(frozen=True, eq=False)
 class SweepPoses:
@@ -270,7 +273,7 @@ def time_order(sequence: TrackedSequence) -> Integers:
     return np.argsort(timestamps, kind="stable") if np.isfinite(timestamps).all() else np.arange(len(sequence))
 
 
-def describe_frames(numbers: Sequence[int], at_most: int = 4) -> str:
+def describe_frames(numbers: Sequence[int]) -> str:
     """Frame numbers in words: ``12 frames (0-8, 11, 13-14)``."""
     runs: list[list[int]] = []
     for number in numbers:
@@ -278,11 +281,9 @@ def describe_frames(numbers: Sequence[int], at_most: int = 4) -> str:
             runs[-1][1] = number
         else:
             runs.append([number, number])
-    spelled = [str(a) if a == b else f"{a}-{b}" for a, b in runs[:at_most]]
-    which = ", ".join([*spelled, "..."] if len(runs) > at_most else spelled)
-    if len(numbers) == 1:
-        return f"1 frame ({which})"
-    return f"{len(numbers)} frames ({which})"
+    spelled = [str(a) if a == b else f"{a}-{b}" for a, b in runs[:MOST_RUNS]]
+    which = ", ".join([*spelled, "..."] if len(runs) > MOST_RUNS else spelled)
+    return f"{len(numbers)} {'frame' if len(numbers) == 1 else 'frames'} ({which})"
 
 
 def describe_skipped(skipped: Mapping[str, Sequence[int]]) -> str:

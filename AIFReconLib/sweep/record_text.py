@@ -104,8 +104,6 @@ def _encoded(value: Any) -> Any:
         return {"@": "dict", "items": [[_encoded(key), _encoded(item)] for key, item in value.items()]}
     if isinstance(value, np.ndarray):
         return {"@": "array", "shape": list(value.shape), "values": [float(number) for number in value.ravel()]}
-    if isinstance(value, TransformName):
-        return {"@": "TransformName", "source": value.source, "target": value.target}
     if isinstance(value, TransformStatus):
         return {"@": "TransformStatus", "word": value.value}
     if isinstance(value, Path):

@@ -18,9 +18,9 @@ from typing import Annotated, Any, ClassVar, NewType, TypeAlias, TypeVar, get_ar
 
 from ..compounding.methods.table import OWN_METHOD, is_own_method
 from ..compounding.own.method import load_method
-from ..errors import MethodError
+from ..errors import MethodError, SettingsError
 from ..recipe.recipe import AUTOMATIC, RULES, Branch, Recipe
-from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule, explained
+from ..recipe.rules import FILE, FLAG, NUMBERS, TEXT, WHOLE, WORDS, Rule, checked, explained
 from .refusing import RefusingParser, WrongArguments
 from .remedies import in_options
 
@@ -219,12 +219,9 @@ def method_name(text: str) -> str:
     try:
         if is_own_method(text):
             load_method_here(text)
-    except MethodError as error:
+        return str(checked("method", text, RULES["method"]))
+    except (MethodError, SettingsError) as error:
         raise argparse.ArgumentTypeError(in_options(error).rstrip(".")) from None
-    choices = RULES["method"]["choices"] or ()
-    if text not in choices and not is_own_method(text):
-        raise argparse.ArgumentTypeError(f"invalid choice: {text!r} (choose from {', '.join(map(repr, (*choices, OWN_METHOD)))})")
-    return text
 
 
 def load_method_here(name: str) -> None:

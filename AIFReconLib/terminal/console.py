@@ -137,8 +137,3 @@ class ProgressBar(TerminalLine):
             filled = round(BAR_WIDTH * fraction)
             self.draw(f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] {100 * fraction:3.0f}%  {message}")
         return True
-
-
-def real_path(path: Path) -> Path:
-    """The path without links; one that leads in a circle stays as it is."""
-    return Path(os.path.realpath(path))

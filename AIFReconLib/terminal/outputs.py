@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -17,7 +18,6 @@ from ..io.volume.dicom_series import series_files
 from ..io.volume.files import sidecar_of
 from ..io.volume.surfaces import check_surface_path
 from .arguments import Options, declared
-from .console import real_path
 from .remedies import in_options
 
 LONGEST_NAME = 4096
@@ -64,10 +64,10 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
     """
     options = [each for each in declared(type(asked)) if each.is_output]
     outputs = [each.name for each in options]
-    inputs = [path for name, value in vars(asked).items() if name not in (*outputs, "log") for path in _paths(value)]
+    inputs = [path for name, value in vars(asked).items() if name not in (*outputs, "log") for path in paths_in(value)]
     seen = {each: "an input" for path in inputs for file in [path, *_opened_with(path)] for each in _identities(file)}
     folders = {each for path in inputs if path.is_dir() for each in _identities(path)}
-    written = [path for name in outputs for path in _paths(getattr(asked, name))]
+    written = [path for name in outputs for path in paths_in(getattr(asked, name))]
     for path in [*written, *more]:
         files = {each: file for file in [path, *_companions(path)] for each in _identities(file)}
         for each, file in files.items():
@@ -76,7 +76,7 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
                 raise OutputError(f"{path} would overwrite {seen.get(each, 'an input')} ({file.name}). Choose another name.")
         seen |= dict.fromkeys(files, "another output")
     for each in options:
-        for path in _paths(getattr(asked, each.name)):
+        for path in paths_in(getattr(asked, each.name)):
             wanted = Path(each.words.get("metavar", "")).suffix
             if wanted in CHECKS:
                 CHECKS[wanted](path)
@@ -86,18 +86,18 @@ def check_outputs(asked: Options, more: Iterable[Path] = ()) -> None:
         check_writable(path)
 
 
-def _paths(value: object) -> list[Path]:
+def paths_in(value: object) -> list[Path]:
     """The paths in the value of an option; a text is one where there is a file of that name, behind its NAME= too."""
     if isinstance(value, Path):
         return [value]
     if isinstance(value, str):
         return [path for word in {value, value.partition("=")[2]} if word and len(word) < LONGEST_NAME and (path := Path(word)).is_file()]
-    return [path for each in value for path in _paths(each)] if isinstance(value, list | tuple) else []
+    return [path for each in value for path in paths_in(each)] if isinstance(value, list | tuple) else []
 
 
 def _identities(path: Path) -> set[object]:
     """By what a file is known: its name without links and, where it is there, what the disk calls it under all its names."""
-    names: set[object] = {as_compared(real_path(path))}
+    names: set[object] = {real_path(path)}
     with contextlib.suppress(OSError, ValueError):
         status = path.stat()
         if status.st_ino:
@@ -124,9 +124,10 @@ def _is_slice_of(file: Path, inputs: list[Path]) -> bool:
     return any(real_path(file) in map(real_path, series_files(path)) for path in beside)
 
 
-def as_compared(path: Path) -> str:
-    """A name as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha."""
-    return str(path).casefold() if sys.platform in ("win32", "darwin") else str(path)
+def real_path(path: Path) -> Path:
+    """The path without links, as the disk compares it: on Windows and macOS Sweep.mha is sweep.mha. One that leads in a circle stays."""
+    real = os.path.realpath(path)
+    return Path(real.casefold() if sys.platform in ("win32", "darwin") else real)
 
 
 def _companions(path: Path) -> list[Path]:

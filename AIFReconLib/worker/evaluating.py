@@ -135,10 +135,6 @@ def guidance_in_sweep(
     return guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress).seen()
 
 
-WHOLE_BODY = 12.0
-"""mm by which a sweep begins earlier, so that it sees the first vertebra to its upper end."""
-
-
 @dataclass(frozen=True, eq=False)
 class _SimulatedPatient:
     """The CT of a lumbar spine, its labels 1, 2, ..., where they lie, and a sweep of it."""
@@ -150,9 +146,9 @@ class _SimulatedPatient:
 
 
 def simulated_patient(
-    seed: int = 0, vertebrae: int = 3, frames: int = 21, spacing: float = 1.25, progress: Progress | None = None
+    seed: int = 0, vertebrae: int = 3, frames: int = 21, spacing: float = 1.25, above: float = 0.0, progress: Progress | None = None
 ) -> _SimulatedPatient:
-    """A patient, by `seed`: the CT has voxels of `spacing` mm, 0.2 to 3, the sweep so many frames, 9 or more."""
+    """A patient, by `seed`: the CT has voxels of `spacing` mm, 0.2 to 3, the sweep so many frames, 9 or more, from `above` mm higher."""
     from ..io.plus.configuration import read_plus_configuration
     from ..simulation.anatomy import LumbarAnatomy
     from ..simulation.phased_array import PhasedArray
@@ -160,7 +156,7 @@ def simulated_patient(
     from ..workflows.simulate import simulated
 
     anatomy = LumbarAnatomy.from_seed(seed, vertebrae=vertebrae)
-    way = partial(multi_angle_sweep, above=WHOLE_BODY)
+    way = partial(multi_angle_sweep, above=above)
     phantom, sweep = simulated(seed, way, frames, anatomy=anatomy, spacing=spacing, progress=progress)
     with workspace(Path(tempfile.gettempdir())) as folder:
         path = folder / "PlusDeviceSet.xml"

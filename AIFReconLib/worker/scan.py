@@ -102,9 +102,9 @@ class Scan(LiveScan):
         if time.monotonic() - self._snapped >= SNAP_EVERY:
             self._snapped = time.monotonic()
             self._snapshots.request()
-        state = None if self._agreement is None else self._agreement.state
-        agreement = None if state is None or state.agreement is None else state.agreement
-        problems = [] if self._agreement is None else [self._agreement.problem]
+        watch = self._agreement
+        agreement = None if watch is None else watch.agreement
+        problems = [None if watch is None else watch.problem]
         problems += [None if self._snapshots.error is None else message_of(self._snapshots.error), *self._recording_problems()]
         latest = session.latest
         guidance = None if self._guidance is None else self._guidance.state
@@ -117,8 +117,8 @@ class Scan(LiveScan):
             frame=latest if latest is not None and latest.number != frame and latest.status == "OK" else None,
             result=None if result is None else shown_of(result),
             guidance=None if guidance is None or is_told else guidance.seen(surface),
-            has_fallen=state is not None and state.has_fallen,
-            compared=-1 if self._agreement is None else self._agreement.looked_at,
+            has_fallen=watch is not None and watch.has_fallen,
+            compared=-1 if watch is None else watch.looked_at,
             agreement="" if agreement is None else f"Last {SECONDS:.0f} s: {agreement.sentence()}",
             bone_lines=(
                 *(() if self.bone_watch is None else self.bone_watch.lines(statistics.frames_received)),

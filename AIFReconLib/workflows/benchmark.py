@@ -80,10 +80,7 @@ def verdict(share: float) -> str:
 
 def _seconds_to_receive(frame: TrackedFrame, repeats: int) -> float:
     """For one frame: its OpenIGTLink message, checksum and all."""
-    image, pose = frame.image, frame.image_to_reference
-    if image is None or pose is None:
-        return 0.0
-    message = encode_image("Image_Reference", frame.timestamp, image, pose)
+    message = encode_image("Image_Reference", frame.timestamp, *frame.placed())
 
     def receive() -> None:
         for raw in Framer().feed(message):

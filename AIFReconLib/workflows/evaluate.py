@@ -9,18 +9,17 @@ from pathlib import Path
 from ..errors import GeometryError
 from ..evaluation.metrics import evaluate
 from ..evaluation.quantities import BoneMetrics
-from ..evaluation.visibility import BoneTruth, SweepBeams, bone_truth
+from ..evaluation.visibility import SweepBeams, bone_truth
 from ..geometry.volume import Volume
 from ..io.volume.files import read_volume
 from ..progress import Progress, part, report
-from ..provenance.record import made_by, weighted_by
+from ..provenance.record import made_in_header, weighted_by
 
 
 @dataclass(frozen=True, eq=False)
 class _EvaluationOutput:
     """What was measured, by the names of the volumes."""
 
-    truth: BoneTruth
     results: dict[str, BoneMetrics]
     made: dict[str, dict[str, object]]  #: How each says that it was made
     headers: dict[str, Mapping[str, str]]  #: Fields of each
@@ -48,7 +47,7 @@ def evaluated(
     for number, (name, path) in enumerate(paths.items()):
         report(progress, 0.65 + 0.35 * number / len(paths), f"Measuring {path.name}")
         volume = read_volume(path)
-        made[name], headers[name] = made_by(volume), volume.fields
+        made[name], headers[name] = made_in_header(volume.fields), volume.fields
         own_bone += [name] if weighted_by(volume, label_files) else []
         try:
             results[name] = evaluate(volume, truth, mask)
@@ -57,4 +56,4 @@ def evaluated(
         if results[name].bone.area == 0:
             which = "no bone surface that the sweep reaches" if beams else "no bone surface"
             raise GeometryError(f"{path}: {which} lies where it was measured.", "Check {bone_transform} and the files.")
-    return _EvaluationOutput(truth, results, made, headers, own_bone, len(beams.image_to_reference) if beams else None)
+    return _EvaluationOutput(results, made, headers, own_bone, len(beams.image_to_reference) if beams else None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,6 @@ from ..simulation.phased_array import PhasedArray
 from ..simulation.scan import (
     FRAME_RATE,
     ProbePath,
-    ScannedBack,
     TrackingErrors,
     freehand_sweep,
     multi_angle_sweep,
@@ -35,7 +34,7 @@ from ..simulation.scan import (
 from ..simulation.ultrasound import UltrasoundEffects
 from ..sweep.frames import TrackedSequence
 
-PATHS: dict[str, Callable[[ScannedBack, int], ProbePath]] = {
+PATHS: dict[str, Callable[[LumbarPhantom, int], ProbePath]] = {
     "multi-angle": multi_angle_sweep,
     "single-angle": single_angle_sweep,
     "freehand": freehand_sweep,
@@ -152,13 +151,12 @@ def write_simulated_patient(
     with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
     sequence, configuration, ct, labels, placed = (folder / name for name in FILES)
-    files = SimulatedFiles(sequence, configuration, ct, labels, placed, np.zeros(3))
     # First, because by it a folder is known as one of simulated files
-    write_text(files.configuration, plus_configuration_xml(PhasedArray()))
+    write_text(configuration, plus_configuration_xml(PhasedArray()))
     phantom, sweep = simulated(seed, path, frames, effects=effects, errors=errors, progress=part(progress, 0.0, 0.9))
-    phantom.ct.write(files.ct)
-    phantom.labels.write(files.labels)
-    write_transform(phantom.ct_to_reference, files.ct_to_reference)
-    write_sequence(sweep, files.sequence, progress=part(progress, 0.9, 1.0))
+    phantom.ct.write(ct)
+    phantom.labels.write(labels)
+    write_transform(phantom.ct_to_reference, placed)
+    write_sequence(sweep, sequence, progress=part(progress, 0.9, 1.0))
     junctions = phantom.spinolaminar_junctions()
-    return replace(files, center_ras=junctions[len(junctions) // 2])
+    return SimulatedFiles(sequence, configuration, ct, labels, placed, junctions[len(junctions) // 2])

@@ -33,6 +33,11 @@ def configuration(**values) -> PlusConfiguration:
     return PlusConfiguration(**{"path": Path("made-up.xml"), "transforms": CALIBRATION, "region": FULL, **values})
 
 
+def sweep(**values):
+    """A recording with such a configuration."""
+    return replace(tracked_sequence(), configuration=configuration(**values))
+
+
 def resolved(configured=None, has_bone=False, **settings):
     return resolve_settings(ReconstructionSettings(**settings), configured, has_bone)
 
@@ -66,14 +71,14 @@ def test_an_interpolation_that_does_not_go_with_the_method_is_told():
 
 
 def test_the_box_of_the_configuration_is_the_grid():
-    grid = reconstruct(replace(tracked_sequence(), configuration=configuration(**BOX))).grid
+    grid = reconstruct(sweep(**BOX)).grid
     assert grid.size == (20, 10, 15)
     np.testing.assert_allclose(grid.origin, (-10, -5, -20))
     np.testing.assert_allclose(grid.spacing, (1.0, 1.5, 2.0))
 
 
 def test_a_spacing_of_the_caller_keeps_the_box():
-    grid = reconstruct(replace(tracked_sequence(), configuration=configuration(**BOX)), ReconstructionSettings(spacing=0.5)).grid
+    grid = reconstruct(sweep(**BOX), ReconstructionSettings(spacing=0.5)).grid
     assert grid.size == (39, 28, 57)
 
 
@@ -81,19 +86,14 @@ def test_a_spacing_of_the_caller_keeps_the_box():
 def test_fixed_point_places_the_pixels_of_plus_own_methods(method, moves):
     asks = {"probe": ProbeGeometry("linear"), "spacing": (0.4, 0.4, 0.4)}
     bone = sphere_bone() if method == "weighted" else None
-    double, fixed = (
-        reconstruct(
-            replace(tracked_sequence(), configuration=configuration(fixed_point=cut, **asks)), ReconstructionSettings(method=method), bone
-        )
-        for cut in (False, True)
-    )
+    double, fixed = (reconstruct(sweep(fixed_point=cut, **asks), ReconstructionSettings(method=method), bone) for cut in (False, True))
     assert (fixed.hits.array != double.hits.array).any() == moves
 
 
 def test_a_spacing_that_is_to_fit_ends_with_the_sweep():
     plain, fitted, own = (
         reconstruct(
-            replace(tracked_sequence(), configuration=configuration(fits_spacing=fits, spacing=(1.0, 1.0, 1.7))),
+            sweep(fits_spacing=fits, spacing=(1.0, 1.0, 1.7)),
             ReconstructionSettings(method="average", spacing=spacing),
         ).grid
         for fits, spacing in ((False, None), (True, None), (True, 1.7))
@@ -103,19 +103,19 @@ def test_a_spacing_that_is_to_fit_ends_with_the_sweep():
 
 
 def test_in_another_reference_frame_the_box_means_nothing():
-    sequence = replace(tracked_sequence(), configuration=configuration(**BOX))
+    sequence = sweep(**BOX)
     assert reconstruct(sequence, ReconstructionSettings(reference="Tracker")).grid.origin[2] < -800
 
 
 def test_holes_are_filled_as_configured_and_not_where_the_caller_says_off():
-    sequence = replace(tracked_sequence(), configuration=configuration(holes=(HoleFilling("cube", 5),), spacing=(0.6,) * 3))
+    sequence = sweep(holes=(HoleFilling("cube", 5),), spacing=(0.6,) * 3)
     assert (reconstruct(sequence).mask.array == 2).sum() > 100
     assert (reconstruct(sequence, ReconstructionSettings(holes="off")).mask.array == 2).sum() == 0
 
 
 def test_holes_are_filled_by_the_pixels_that_entered_where_that_is_asked_for():
     way = HoleFilling("gaussian by hits", 5, 1.0)
-    sequence = replace(tracked_sequence(), configuration=configuration(holes=(way,), spacing=(0.8,) * 3))
+    sequence = sweep(holes=(way,), spacing=(0.8,) * 3)
     unfilled, filled = (reconstruct(sequence, ReconstructionSettings(output_type="float32", holes=holes)) for holes in ("off", None))
     assert unfilled.hits.array.max() > 1
     values, mask = unfilled.intensity.array, unfilled.mask.array
@@ -127,24 +127,22 @@ def test_a_configured_importance_mask_weights_the_average(tmp_path):
     weights = np.random.default_rng(0).choice(np.array([0, 90, 255], np.uint8), (30, 40))
     sitk.WriteImage(sitk.GetImageFromArray(weights), str(tmp_path / "mask.png"))
     asks = {"uses_importance_mask": True, "importance_mask": tmp_path / "mask.png", "method": "average", "spacing": (2.0,) * 3}
-    configured = reconstruct(replace(tracked_sequence(), configuration=configuration(**asks)))
-    given = reconstruct(
-        replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)), ReconstructionSettings(importance_mask=weights / 255)
-    )
-    plain = reconstruct(replace(tracked_sequence(), configuration=configuration(spacing=(2.0,) * 3)))
+    configured = reconstruct(sweep(**asks))
+    given = reconstruct(sweep(spacing=(2.0,) * 3), ReconstructionSettings(importance_mask=weights / 255))
+    plain = reconstruct(sweep(spacing=(2.0,) * 3))
     np.testing.assert_array_equal(configured.intensity.array, given.intensity.array)
     assert (configured.intensity.array != plain.intensity.array).any()
 
 
 def test_an_importance_mask_of_the_configuration_gives_way_to_a_method_of_the_caller():
-    sequence = replace(tracked_sequence(), configuration=configuration(uses_importance_mask=True, method="average", spacing=(2.0,) * 3))
+    sequence = sweep(uses_importance_mask=True, method="average", spacing=(2.0,) * 3)
     result = reconstruct(sequence, ReconstructionSettings(method="maximum"))
     assert "The configuration's importance mask is not used: it is for an average, and the method is maximum." in result.notes
 
 
 def test_bone_and_a_configuration_for_plus_go_together():
     asks = {"interpolation": "linear", "uses_importance_mask": True, "method": "average", "probe": ProbeGeometry("linear")}
-    result = reconstruct(replace(tracked_sequence(), configuration=configuration(**asks, spacing=(2.0,) * 3)), bone=sphere_bone())
+    result = reconstruct(sweep(**asks, spacing=(2.0,) * 3), bone=sphere_bone())
     assert result.method == "weighted"
     assert len(result.notes) >= 2
 

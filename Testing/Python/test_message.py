@@ -12,7 +12,7 @@ import pytest
 from AIFReconLib.commands.parser import COMMANDS as COMMANDS_OF_THE_TERMINAL
 from AIFReconLib.commands.parser import parser_of
 from AIFReconLib.errors import AIFReconError, OutputError, SettingsError
-from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, listed, message_of, one_line
+from AIFReconLib.message import COMMANDS, LONGEST_SENTENCE, Sentence, advised, as_argument, as_label, message_of
 from AIFReconLib.terminal.remedies import as_option, in_columns, in_options
 
 LIBRARY = Path(__file__).resolve().parents[2] / "AIFReconLib"
@@ -61,9 +61,17 @@ def test_an_advice_names_its_settings():
     assert Sentence("", "Give {probe:linear} or {method} of {these}.", these="x").settings == ("probe", "method")
 
 
-def test_details_are_named_in_the_remedy():
-    sentence = Sentence("Two ways.", CHAIN, chain="ImageToReference")
-    assert in_options(sentence).endswith("as in --image-to-reference ImageToReference.")
+@pytest.mark.parametrize(
+    ("said", "expected"),
+    [
+        (Sentence("Two.", CHAIN, chain="AToB"), "Two. Say which one is right, as in --image-to-reference AToB."),
+        (SettingsError(Sentence("late.", HOLES)), "late. Give --hole-limit MM."),
+        (SettingsError("{x}.mha: late.", HOLES), "{x}.mha: late. Give --hole-limit MM."),
+    ],
+    ids=["details", "an error of a sentence", "braces in a name"],
+)
+def test_the_terminal_says_what_to_do(said, expected):
+    assert in_options(said) == expected
 
 
 @pytest.mark.parametrize("inner", [SettingsError("late.", HOLES), Sentence("late.", HOLES)])
@@ -72,16 +80,8 @@ def test_an_error_about_another_takes_its_remedy_over(inner):
     assert (str(outer), in_options(outer)) == ("a.mha: late. Give hole_limit=mm.", "a.mha: late. Give --hole-limit MM.")
 
 
-def test_an_error_may_be_raised_with_a_sentence():
-    assert in_options(SettingsError(Sentence("late.", HOLES))) == "late. Give --hole-limit MM."
-
-
 def test_what_names_no_remedy_is_said_as_it_is():
     assert [advised(each) for each in ("text", Sentence("text"), SettingsError("text"), ValueError("text"))] == ["text"] * 4
-
-
-def test_braces_in_a_file_s_name_stay():
-    assert in_options(SettingsError("{x}.mha: late.", HOLES)) == "{x}.mha: late. Give --hole-limit MM."
 
 
 def test_what_a_file_holds_cannot_command_a_terminal_nor_fill_it():
@@ -97,14 +97,6 @@ def test_an_error_comes_through_a_pickle_with_its_remedy():
 
 def test_the_kind_of_an_error_is_a_builtin_one_too():
     assert issubclass(SettingsError, (ValueError, AIFReconError))
-
-
-def test_several_things_are_listed():
-    assert (listed([1, "b"]), listed([1, "b"], " or "), listed([])) == ("1, b", "1 or b", "")
-
-
-def test_one_line_is_left_of_several():
-    assert one_line("a\nb\x00é") == "a?b?é"
 
 
 # ---- the advice that the library gives

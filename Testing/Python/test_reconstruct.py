@@ -57,18 +57,8 @@ def test_a_scan_conversion_of_another_depth_is_not_used_and_said():
         reconstruct(sequence, ReconstructionSettings(spacing=1.0, method="aif"), sphere_bone())
 
 
-def test_the_configurations_spacing_is_used_where_none_is_given():
-    result = reconstruct(calibrated(spacing=(1.5, 2.0, 2.5)), WHOLE)
-    np.testing.assert_allclose(result.grid.spacing, (1.5, 2.0, 2.5))
-
-
 def test_the_configurations_method_is_used_without_bone():
     assert reconstruct(calibrated(method="maximum", spacing=(2.0,) * 3), WHOLE).method == "maximum"
-
-
-def test_with_bone_the_configurations_method_gives_way_to_the_recommended_one():
-    sequence = calibrated(method="maximum", spacing=(2.0,) * 3, probe=ProbeGeometry("linear"), region=FULL)
-    assert reconstruct(sequence, bone=sphere_bone()).method == "weighted"
 
 
 def test_the_black_surround_is_left_out_where_nobody_says_what_is_ultrasound():
@@ -103,16 +93,6 @@ def test_skipping_past_every_tracked_frame_is_an_error():
     lost = dict.fromkeys((0, 3), TransformStatus.OUT_OF_VIEW)
     with pytest.raises(NoUsableFramesError, match="smaller skip"):
         reconstruct(calibrated(tracked_sequence(statuses=lost)), ReconstructionSettings(skip=3, spacing=1.0, clip_px=WHOLE.clip_px))
-
-
-def test_another_reference_frame_can_be_chosen():
-    result = reconstruct(calibrated(region=FULL), ReconstructionSettings(spacing=2.0, reference="Tracker"))
-    assert result.grid.origin[2] < -800
-
-
-def test_what_the_configuration_asks_for_and_does_not_get_is_told():
-    result = reconstruct(calibrated(warnings=("Interpolation=LINEAR is not honored.",), region=FULL), ReconstructionSettings(spacing=2.0))
-    assert result.notes[0] == "Interpolation=LINEAR is not honored."
 
 
 def test_canceling_stops_with_operation_canceled():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import FrozenInstanceError, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -17,11 +17,6 @@ FIELDS = {spec.name: spec for spec in fields(ReconstructionSettings)}
 BOUNDED = [(name, spec.metadata) for name, spec in FIELDS.items() if spec.metadata["minimum"] is not None]
 NUMBERS = [name for name, spec in FIELDS.items() if spec.metadata["kind"] in (NUMBER, WHOLE)]
 LISTS = [name for name, spec in FIELDS.items() if spec.metadata["kind"] in (LIST_OF_NUMBERS, MATRIX)]
-
-
-@pytest.mark.parametrize("name", FIELDS)
-def test_every_field_says_what_it_does(name):
-    assert len(FIELDS[name].metadata["help"]) > 15
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -82,11 +77,6 @@ def test_one_bad_spacing_of_three_is_refused(bad):
 @pytest.mark.parametrize(("has_bone", "method"), [(True, "weighted"), (False, "average")])
 def test_the_default_method_depends_on_bone(has_bone, method):
     assert ReconstructionSettings().method_for(has_bone) == method
-
-
-def test_settings_do_not_change():
-    with pytest.raises(FrozenInstanceError):
-        ReconstructionSettings().alpha = 0.5
 
 
 def test_a_changed_copy_is_checked_too():

@@ -68,17 +68,15 @@ def assert_same(ours, theirs):
 
 
 @pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("method", METHODS)
-def test_several_sweeps_are_the_concatenated_one_to_the_last_bit(method, engine):
-    settings = ReconstructionSettings(method=method, engine=engine, output_type="float32", best_cosine=True)
+@pytest.mark.parametrize(
+    "asked",
+    [*({"method": method, "best_cosine": True} for method in METHODS), {"method": "average", "interpolation": "linear", "skip": 2}],
+    ids=[*METHODS, "shares of every second frame"],
+)
+def test_several_sweeps_are_the_concatenated_one_to_the_last_bit(asked, engine):
+    settings = ReconstructionSettings(engine=engine, output_type="float32", **asked)
     bone = sphere_bone()
     assert_same(reconstruct(three(), settings, bone), reconstruct(concatenated(three()), settings, bone))
-
-
-@pytest.mark.parametrize("engine", ENGINES)
-def test_with_shares_and_every_second_frame_too(engine):
-    settings = ReconstructionSettings(method="average", interpolation="linear", skip=2, engine=engine, output_type="float32")
-    assert_same(reconstruct(three(), settings), reconstruct(concatenated(three()), settings))
 
 
 def test_what_is_recognized_in_the_images_is_recognized_in_all():

@@ -109,7 +109,7 @@ def vanishes(sample: FileKind, folder: Path, chance: random.Random) -> str:
     place, due = folder / "out", chance.randrange(3, 120)
     place.mkdir()
     remove = partial(shutil.rmtree, place, True)
-    answer, said = attempt(lambda: at_line(RENAMING[:4], due, remove, partial(sample.write, place, 1)))
+    answer, said = attempt(lambda: at_line(RENAMING[:3], due, remove, partial(sample.write, place, 1)))
     if answer == "raised":
         raise Lost(str(said))
     return "written before" if answer == "done" else "refused in a sentence"

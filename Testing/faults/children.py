@@ -16,7 +16,7 @@ from AIFReconLib.errors import AIFReconError
 LONGEST = 1200.0
 """s that a child may take."""
 
-RENAMING = ("disk/atomic.py", "disk/header_data_pair.py", "disk/workspace.py", "session/recording.py", "tempfile.py", "shutil.py")
+RENAMING = ("disk/atomic.py", "disk/workspace.py", "session/recording.py", "tempfile.py", "shutil.py")
 """Where a line counts while something is written: what makes, renames and removes files. All writes share it."""
 
 

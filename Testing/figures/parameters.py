@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED, within_spinous_process
+from AIFReconLib.evaluation.figures import BACKGROUND, BONE_COLOR, INK, NOT_SCANNED
 from AIFReconLib.evaluation.metrics import evaluate
 from AIFReconLib.evaluation.slices import AXIAL, CORONAL, Plane, cut
 from AIFReconLib.geometry.volume import Volume
@@ -199,7 +199,7 @@ def main() -> None:
     with ProgressBar() as progress:
         phantom = make_lumbar_phantom(LumbarAnatomy.from_seed(SEED))
         scan = simulated_scan(phantom, PhasedArray(), multi_angle_sweep(phantom, FRAMES), SEED)
-        center_ras = within_spinous_process(scan.truth.surface, phantom.labels.grid)
+        center_ras = phantom.spinous_tips()[1] + (0.0, 15.0, 0.0)
         pictures = rows(phantom)
         for number, (name, pictured) in enumerate(pictures.items()):
             share = part(progress, 0.3 + 0.7 * number / len(pictures), 0.3 + 0.7 * (number + 1) / len(pictures))

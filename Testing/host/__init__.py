@@ -6,8 +6,7 @@ Real: the MRML scene, nodes and logics (slicer-core); VTK; Qt with its layouts, 
 Stood in, as small as can be: PythonQt's way of showing Qt (`pythonqt.py`, `connections.py`); CTK's and MRML's widgets (`widgets_ctk.py`,
 `widgets_qmrml.py`), whose accepted names tests compare with their headers and with what the running application told of them; the
 application object, its window, views and module list (`application.py`, `windows.py`, `views.py`, `modules.py`);
-`slicer.ScriptedLoadableModule`, `slicer.parameterNodeWrapper`, `slicer.i18n` and the part of `SampleData` that registers data. With
-AIFRECON_SLICER_SOURCE=<a checkout of Slicer> the first three and `slicer.util` are Slicer's own files instead.
+`slicer.ScriptedLoadableModule`, `slicer.parameterNodeWrapper`, `slicer.i18n` and the part of `SampleData` that registers data.
 
 As in Slicer, a module's panel lies in a scroll area that its size hints widen (`windows.py`); slice views fit their field of view to their
 widget, 3D cameras stay where they are until they are reset (`views.py`), and widgets answer to no name that the application's list lacks.
@@ -20,7 +19,7 @@ What it cannot show: nothing is drawn in views, so no displayable manager, no in
 writers of the application (`slicer.util.loadVolume` fails), no panels of C++ modules, no language but a test's, no packaging, no packages
 installed (`pip_install` refuses). The look is Qt's Fusion style, with what CTK draws itself drawn alike. Which node a selector falls
 back to when its node goes is that of a plain list. Python classes that derive from Qt classes cannot override their C++ methods.
-Parameter packs, dictionaries, ranges and colors as parameters, and panels made from parameters, need Slicer's own files.
+Parameters are of the types, and with the rules, that the module has.
 
 Stricter than Slicer: where Slicer prints an error and goes on (a signal that does not exist, an unknown class or property in a .ui
 file, an exception in `setup`, `enter` or `exit`), the host raises; exceptions in slots and VTK observers are kept for the test

@@ -85,21 +85,15 @@ class qSlicerApplication(QtWidgets.QApplication):
         "methods": (
             "mrmlScene",
             "applicationLogic",
-            "moduleLogic",
             "moduleManager",
             "layoutManager",
             "commandOptions",
             "settings",
             "userSettings",
-            "revisionUserSettings",
-            "defaultSettings",
             "testingEnabled",
-            "moduleDocumentationUrl",
-            "toSlicerHomeAbsolutePath",
             "startupEnvironment",
             "pauseRender",
             "resumeRender",
-            "setRenderPaused",
             "restart",
         ),
         "signals": {"startupCompleted()": "startupCompleted", "renderPaused(bool)": "renderPaused"},
@@ -134,9 +128,6 @@ class qSlicerApplication(QtWidgets.QApplication):
     def applicationLogic(self):
         return self._mrml.applicationLogic
 
-    def moduleLogic(self, name):
-        return self._mrml.logics.get(name)
-
     def moduleManager(self):
         return self._manager
 
@@ -149,16 +140,10 @@ class qSlicerApplication(QtWidgets.QApplication):
     def settings(self):
         return self._settings
 
-    userSettings = revisionUserSettings = defaultSettings = settings
+    userSettings = settings
 
     def testingEnabled(self):
         return self.testing
-
-    def moduleDocumentationUrl(self, name):
-        return f"{self.documentationBaseUrl}/user_guide/modules/{name.lower()}.html"
-
-    def toSlicerHomeAbsolutePath(self, path):
-        return str(QtCore.QDir(self._folder).absoluteFilePath(path))
 
     def startupEnvironment(self):
         return QtCore.QProcessEnvironment.systemEnvironment()
@@ -169,18 +154,9 @@ class qSlicerApplication(QtWidgets.QApplication):
     def resumeRender(self):
         self.renderPaused.emit(False)
 
-    def setRenderPaused(self, paused):
-        self.renderPaused.emit(paused)
-
     def restart(self):
         """Does nothing here."""
 
     temporaryPath = Property(str, lambda self: self._folder)
     slicerHome = Property(str, lambda self: self._folder)
-    cachePath = Property(str, lambda self: self._folder)
-    documentationBaseUrl = Property(str, lambda self: "https://slicer.readthedocs.io/en/latest")
-    majorVersion = Property(int, lambda self: VERSION[0])
-    minorVersion = Property(int, lambda self: VERSION[1])
     revision = Property(str, lambda self: "0")
-    repositoryRevision = Property(str, lambda self: "0")
-    intDir = Property(str, lambda self: "")

@@ -6,27 +6,12 @@ import enum
 import pathlib
 import types
 import typing
-from dataclasses import dataclass
 
 import ctk
 import qt
 import slicer
 
-from .parameter_types import Choice, Maximum, Minimum, WithinRange
-
-
-@dataclass
-class Decimals:
-    """Digits after the point that a widget shows."""
-
-    value: int
-
-
-@dataclass
-class SingleStep:
-    """Step of a widget."""
-
-    value: float
+from .parameter_types import Minimum, WithinRange
 
 
 def split(kind):
@@ -86,16 +71,13 @@ def _property(widget, name, signal, convert=lambda value: value, back=lambda val
 
 def _number(widget, plain, annotations):
     spin = type(widget) in (qt.QSpinBox, qt.QSlider)
-    within, low, high = _first(annotations, WithinRange), _first(annotations, Minimum), _first(annotations, Maximum)
-    decimals, step = _first(annotations, Decimals), _first(annotations, SingleStep)
-    low = within.minimum if within else low.minimum if low else None
-    high = within.maximum if within else high.maximum if high else None
-    if type(widget) in (qt.QSlider, ctk.ctkSliderWidget, slicer.qMRMLSliderWidget) and (low is None or high is None):
+    within, least = _first(annotations, WithinRange), _first(annotations, Minimum)
+    low = within.minimum if within else least.minimum if least else None
+    high = within.maximum if within else None
+    if type(widget) in (qt.QSlider, ctk.ctkSliderWidget) and (low is None or high is None):
         raise RuntimeError(f"Cannot have a connection to {widget.className()} where the type is unbounded.")
-    if not spin and (plain is int or decimals):
-        widget.decimals = 0 if plain is int else decimals.value
-    if step:
-        widget.singleStep = step.value
+    if not spin and plain is int:
+        widget.decimals = 0
     widget.minimum = low if low is not None else -(2**31) if spin else float("-inf")
     widget.maximum = high if high is not None else 2**31 - 1 if spin else float("inf")
     return _property(widget, "value", "valueChanged", plain, plain if plain is int else lambda value: value)
@@ -137,23 +119,15 @@ def make_connector(widget, kind) -> Connector:
         return _property(widget, "checked", "toggled")
     if plain is int and look in (qt.QSlider, qt.QSpinBox):
         return _number(widget, plain, annotations)
-    if plain in (int, float) and look in (qt.QDoubleSpinBox, ctk.ctkSliderWidget, slicer.qMRMLSliderWidget):
+    if plain in (int, float) and look in (qt.QDoubleSpinBox, ctk.ctkSliderWidget):
         return _number(widget, plain, annotations)
-    if look in (qt.QComboBox, ctk.ctkComboBox):
-        if plain in (int, float, str, bool):
-            choice = _first(annotations, Choice)
-            if choice is None:
-                raise RuntimeError("A combo box needs the Choice annotation.")
-            return _items(widget, [str(each) for each in choice.choices], list(choice.choices))
-        if isinstance(plain, type) and issubclass(plain, enum.Enum):
-            label = getattr(plain, "label", lambda member: member.name)
-            return _items(widget, [label(member) for member in plain], list(plain))
+    if look is qt.QComboBox and isinstance(plain, type) and issubclass(plain, enum.Enum):
+        label = getattr(plain, "label", lambda member: member.name)
+        return _items(widget, [label(member) for member in plain], list(plain))
     if plain is str and look is qt.QLineEdit:
         return _text(widget)
     if plain is str and look is qt.QLabel:
         return _property(widget, "text", None)
-    if plain is str and look is qt.QTextEdit:
-        return Connector(widget, "textChanged", widget.toPlainText, widget.setPlainText)
     if look is ctk.ctkPathLineEdit and isinstance(plain, type) and issubclass(plain, pathlib.PurePath):
         return _property(widget, "currentPath", "currentPathChanged", plain, str)
     if look is slicer.qMRMLNodeComboBox and node_classes(plain):

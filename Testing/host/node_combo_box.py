@@ -9,7 +9,6 @@ from PySide6 import QtWidgets
 from PySide6.QtCore import Property, Signal
 
 from .dialogs import ask_statically
-from .widgets_ctk import ctkComboBox
 
 
 class WithScene:
@@ -33,71 +32,41 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         "methods": (
             "mrmlScene",
             "setMRMLScene",
-            "addAttribute",
-            "removeAttribute",
-            "setNodeTypeLabel",
             "nodeTypeLabel",
-            "nodeCount",
-            "nodeFromIndex",
             "currentNode",
             "setCurrentNode",
             "setCurrentNodeID",
-            "setCurrentNodeIndex",
             "addNode",
             "removeCurrentNode",
-            "editCurrentNode",
             "renameCurrentNode",
-            "addMenuAction",
         ),
         "signals": {
             "currentNodeChanged(vtkMRMLNode*)": "currentNodeChanged",
             "currentNodeIDChanged(QString)": "currentNodeIDChanged",
-            "nodeActivated(vtkMRMLNode*)": "nodeActivated",
-            "currentNodeChanged(bool)": "currentNodeValid",
-            "nodeAdded(vtkMRMLNode*)": "nodeAdded",
             "nodeAddedByUser(vtkMRMLNode*)": "nodeAddedByUser",
-            "nodeAddedByUserAction(vtkMRMLNode*)": "nodeAddedByUserAction",
-            "nodeAboutToBeRemoved(vtkMRMLNode*)": "nodeAboutToBeRemoved",
-            "currentNodeRenamed(QString)": "currentNodeRenamed",
-            "nodeAboutToBeEdited(vtkMRMLNode*)": "nodeAboutToBeEdited",
         },
     }
     currentNodeChanged = Signal(object)
     currentNodeIDChanged = Signal(str)
-    currentNodeValid = Signal(bool)
-    nodeActivated = Signal(object)
-    nodeAdded = Signal(object)
     nodeAddedByUser = Signal(object)
-    nodeAddedByUserAction = Signal(object)
-    nodeAboutToBeRemoved = Signal(object)
-    currentNodeRenamed = Signal(str)
-    nodeAboutToBeEdited = Signal(object)
 
     def __init__(self, parent=None) -> None:
         super().__init__(parent)
         self._values: dict[str, Any] = {
-            "showHidden": False,
             "showChildNodeTypes": True,
-            "hideChildNodeTypes": [],
             "noneEnabled": False,
             "addEnabled": True,
             "removeEnabled": True,
-            "editEnabled": False,
             "renameEnabled": False,
-            "interactionNodeSingletonTag": "Singleton",
-            "selectNodeUponCreation": True,
             "noneDisplay": "None",
         }
         self._types: list[str] = []
         self._base_names: dict[str, str] = {}
-        self._labels: dict[str, str] = {}
-        self._attributes: list[tuple] = []
-        self._actions: list = []
         self._nodes: list = []
         self._current = None
         self._requested = ""
         self._observers: list = []
-        self._box = ctkComboBox(self)
+        self._box = QtWidgets.QComboBox(self)
         self._box.setSizePolicy(QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed)
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
@@ -139,9 +108,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
     def _update(self):
         before, row = self._nodes, self._nodes.index(self._current) if self._current in self._nodes else None
         self._list()
-        for node in self._nodes:
-            if node not in before:
-                self.nodeAdded.emit(node)
         if self._current is not None and self._current not in self._nodes:
             # As a combo box does when its current row goes: the next row, else the last one
             self._select(self._nodes[min(row or 0, len(self._nodes) - 1)] if self._nodes else None)
@@ -152,20 +118,10 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
 
     def _kinds_of(self, node) -> list[str]:
         name, children = node.GetClassName(), self._values["showChildNodeTypes"]
-        hidden = any(node.IsA(kind) for kind in self._values["hideChildNodeTypes"])
-        return [kind for kind in self._types if name == kind or (children and node.IsA(kind) and not hidden)]
+        return [kind for kind in self._types if name == kind or (children and node.IsA(kind))]
 
     def _matches(self, node) -> bool:
-        if node.GetHideFromEditors() and not self._values["showHidden"]:
-            return False
-        for kind in self._kinds_of(node):
-            rules = [(attribute, value) for a_kind, attribute, value in self._attributes if a_kind == kind]
-            if all(
-                node.GetAttribute(attribute) is not None and (value is None or node.GetAttribute(attribute) == str(value))
-                for attribute, value in rules
-            ):
-                return True
-        return False
+        return not node.GetHideFromEditors() and bool(self._kinds_of(node))
 
     def _list(self):
         scene = self._scene
@@ -194,13 +150,11 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         items = []
         if self._values["renameEnabled"]:
             items.append((f"Rename current {self.nodeTypeLabel(kind)}", "RENAME"))
-        if self._values["editEnabled"]:
-            items.append((f"Edit current {self.nodeTypeLabel(kind)}", "EDIT"))
         if self._values["addEnabled"]:
             items += [(f"Create new {self.nodeTypeLabel(each)}", f"CREATE/{each}") for each in self._types]
         if self._values["removeEnabled"]:
             items.append((f"Delete current {self.nodeTypeLabel(kind)}", "DELETE"))
-        return items + [(action.text(), action) for action in self._actions]
+        return items
 
     def _show(self):
         """Makes the combo box show the list; selection and signals are not touched."""
@@ -223,18 +177,15 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         position = row - self._values["noneEnabled"]
         if position < len(self._nodes):
             self._select(self._nodes[position] if position >= 0 else None)
-            self.nodeActivated.emit(self._current)
             return
         self._box.setCurrentIndex(self._row(self._current))
         action = self._box.itemData(row)
-        if isinstance(action, str) and action.startswith("CREATE/"):
-            node = self.addNode(action.split("/")[1])
-            self._select(node)
-            self.nodeAddedByUserAction.emit(node)
-        elif action in ("DELETE", "EDIT", "RENAME"):
-            {"DELETE": self.removeCurrentNode, "EDIT": self.editCurrentNode, "RENAME": self.renameCurrentNode}[action]()
+        if action == "DELETE":
+            self.removeCurrentNode()
+        elif action == "RENAME":
+            self.renameCurrentNode()
         elif action is not None:
-            action.trigger()
+            self.addNode(action.split("/")[1])
 
     def _select(self, node):
         if node is not None and node not in self._nodes:
@@ -245,33 +196,12 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
         self._current = node
         self._show()
         self.currentNodeChanged.emit(node)
-        self.currentNodeValid.emit(node is not None)
         self.currentNodeIDChanged.emit(node.GetID() if node is not None else "")
 
     # ---- what Python may call
 
-    def addAttribute(self, kind, attribute, value=None):
-        """Lists nodes of a class only if they have the attribute; new nodes get it."""
-        self._attributes.append((kind, attribute, value))
-        self._update()
-
-    def removeAttribute(self, kind, attribute):
-        self._attributes = [rule for rule in self._attributes if rule[:2] != (kind, attribute)]
-        self._update()
-
-    def setNodeTypeLabel(self, label, kind):
-        self._labels[kind] = label
-        self._show()
-
     def nodeTypeLabel(self, kind):
-        label = self._labels.get(kind)
-        return label or (self._scene.GetTypeDisplayNameByClassName(kind) if self._scene is not None and kind else "") or "node"
-
-    def nodeCount(self):
-        return len(self._nodes)
-
-    def nodeFromIndex(self, index):
-        return self._nodes[index] if 0 <= index < len(self._nodes) else None
+        return (self._scene.GetTypeDisplayNameByClassName(kind) if self._scene is not None and kind else "") or "node"
 
     def currentNode(self):
         return self._current
@@ -288,9 +218,6 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
             return
         self._select(next((node for node in self._nodes if node.GetID() == node_id), None))
 
-    def setCurrentNodeIndex(self, index):
-        self._select(self.nodeFromIndex(index))
-
     def addNode(self, kind=None):
         """Creates a node of the first, or the given, class and selects it; returns it."""
         kind = kind or (self._types[0] if self._types else None)
@@ -298,34 +225,21 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
             return None
         node = self._scene.CreateNodeByClass(kind)
         node.UnRegister(None)
-        for a_kind, attribute, value in self._attributes:
-            if a_kind == kind:
-                node.SetAttribute(attribute, "" if value is None else str(value))
         base = self._base_names.get(kind) or self._scene.GetTypeDisplayNameByClassName(kind) or kind
         node.SetName(self._scene.GetUniqueNameByString(base))
         self._scene.AddNode(node)
-        if self._values["selectNodeUponCreation"]:
-            self._select(node)
+        self._select(node)
         self.nodeAddedByUser.emit(node)
         return node
 
     def removeCurrentNode(self):
         if self._current is not None:
-            self.nodeAboutToBeRemoved.emit(self._current)
             self._scene.RemoveNode(self._current)
-
-    def editCurrentNode(self):
-        self.nodeAboutToBeEdited.emit(self._current)
 
     def renameCurrentNode(self):
         name = ask_statically("QInputDialog", "")(self, "Rename", "New name:")
         if name and self._current is not None:
             self._current.SetName(name)
-            self.currentNodeRenamed.emit(name)
-
-    def addMenuAction(self, action):
-        self._actions.append(action)
-        self._show()
 
     def _set_types(self, kinds):
         self._types = [kind for kind in kinds if kind]
@@ -338,16 +252,11 @@ class qMRMLNodeComboBox(WithScene, QtWidgets.QWidget):
     def _set_base_name(self, name):
         self._base_names = dict.fromkeys(self._types, name)
 
-    showHidden = _value("showHidden", bool)
     showChildNodeTypes = _value("showChildNodeTypes", bool)
-    hideChildNodeTypes = _value("hideChildNodeTypes", "QStringList")
     noneEnabled = _value("noneEnabled", bool)
     addEnabled = _value("addEnabled", bool)
     removeEnabled = _value("removeEnabled", bool)
-    editEnabled = _value("editEnabled", bool)
     renameEnabled = _value("renameEnabled", bool)
-    interactionNodeSingletonTag = _value("interactionNodeSingletonTag", str)
-    selectNodeUponCreation = _value("selectNodeUponCreation", bool)
     noneDisplay = _value("noneDisplay", str)
     nodeTypes = Property("QStringList", lambda self: self._types, _set_types)
     currentNodeID = Property(str, lambda self: self._current.GetID() if self._current is not None else "", setCurrentNodeID)

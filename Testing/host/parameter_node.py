@@ -6,29 +6,20 @@ serializers are not.
 
 from __future__ import annotations
 
-import logging
 import typing
 
 import qt
 import slicer
 import vtk
 
-from .gui_connectors import Decimals, SingleStep, make_connector, split
-from .parameter_types import Choice, Default, Exclude, Maximum, Minimum, Validator, WithinRange, stored
+from .gui_connectors import make_connector, split
+from .parameter_types import Minimum, Validator, WithinRange, stored
 
 __all__ = [
-    "Choice",
-    "Decimals",
-    "Default",
-    "Exclude",
-    "Maximum",
     "Minimum",
-    "SingleStep",
     "SlicerParameterNamePropertyName",
     "Validator",
     "WithinRange",
-    "findChildWidgetForParameter",
-    "isParameterNodeWrapper",
     "parameterNodeWrapper",
 ]
 
@@ -43,12 +34,7 @@ class _Parameter:
         self.name, self.kind = name, kind
         self.stored = stored(plain)
         self.rules = [each for each in annotations if isinstance(each, Validator)]
-        given = next((each for each in annotations if isinstance(each, Default)), None)
-        unused = tuple(each for each in annotations if not isinstance(each, Validator | Default))
-        if unused:
-            # Slicer says so at every start, even of those that its connectors use
-            logging.warning(f"Unused annotations: {list(unused)}")
-        self.default = Default(getattr(owner, name)) if hasattr(owner, name) else given or Default(self.stored.default())
+        self.default = getattr(owner, name) if hasattr(owner, name) else self.stored.default()
 
     def write(self, node, value):
         for rule in self.rules:
@@ -57,7 +43,7 @@ class _Parameter:
 
     def read(self, node):
         if not self.stored.is_in(node, self.name):
-            self.write(node, self.default.value)
+            self.write(node, self.default)
         return self.stored.read(node, self.name)
 
 
@@ -70,7 +56,7 @@ class _Methods:
         self._updating = False
         for parameter in self.allParameters.values():
             if not parameter.stored.is_in(parameterNode, parameter.name):
-                parameter.write(parameterNode, parameter.default.value)
+                parameter.write(parameterNode, parameter.default)
 
     def default(self, name):
         return _known(self, name).default
@@ -156,10 +142,8 @@ def _property_of(parameter):
     return property(lambda self: parameter.read(self.parameterNode), lambda self, value: self.setValue(parameter.name, value))
 
 
-def parameterNodeWrapper(classtype=None):
+def parameterNodeWrapper(classtype):
     """Makes a class's annotated fields the parameters of the node that its constructor takes; a decorator."""
-    if classtype is None:
-        return parameterNodeWrapper
     parameters = {name: _Parameter(classtype, name, kind) for name, kind in typing.get_type_hints(classtype, include_extras=True).items()}
     for name, value in vars(_Methods).items():
         if callable(value) and name != "__init__" and hasattr(classtype, name):
@@ -171,15 +155,4 @@ def parameterNodeWrapper(classtype=None):
         setattr(classtype, name, _property_of(parameter))
     classtype.allParameters = parameters
     classtype.dataType = staticmethod(lambda name: parameters[name].kind)
-    classtype._is_parameter_node_wrapper = True
     return classtype
-
-
-def isParameterNodeWrapper(classOrObj):
-    """Whether a class or object was made by `parameterNodeWrapper`."""
-    return getattr(classOrObj, "_is_parameter_node_wrapper", False)
-
-
-def findChildWidgetForParameter(widget, parameter):
-    """The widget below `widget` that is bound to a parameter, or None."""
-    return next((each for each in widget.findChildren(qt.QWidget) if each.property(SlicerParameterNamePropertyName) == parameter), None)

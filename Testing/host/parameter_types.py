@@ -47,51 +47,6 @@ class Minimum(Validator):
             raise ValueError(f"Value must be greater than {self.minimum}, is {value}")
 
 
-@dataclass
-class Maximum(Validator):
-    """Not above."""
-
-    maximum: float
-
-    def validate(self, value) -> None:
-        if value > self.maximum:
-            raise ValueError(f"Value must be less than {self.maximum}, is {value}")
-
-
-@dataclass
-class Choice(Validator):
-    """One of these."""
-
-    choices: typing.Sequence
-
-    def validate(self, value) -> None:
-        if value not in self.choices:
-            raise ValueError(f"Value is {value}, but must be in one of the following: {self.choices}")
-
-
-@dataclass
-class Exclude(Validator):
-    """None of these."""
-
-    excludedValues: typing.Sequence
-
-    def validate(self, value) -> None:
-        if value in self.excludedValues:
-            raise ValueError(f"Value is {value}, but must not be an excluded value: excluded values {self.excludedValues}")
-
-
-class Default:
-    """A default by annotation: a value, or a function that makes one."""
-
-    def __init__(self, value=None, *, generator=None):
-        self._value = value
-        self._generator = generator
-
-    @property
-    def value(self):
-        return self._generator() if self._generator else self._value
-
-
 class Stored:
     """How a type is kept. `cached`: whether Slicer keeps the value it has read until the node changes."""
 

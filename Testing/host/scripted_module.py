@@ -5,7 +5,6 @@ Left out: the developer's panel with its reload and edit buttons, and screenshot
 
 from __future__ import annotations
 
-import importlib
 import unittest
 from pathlib import Path
 
@@ -34,25 +33,9 @@ class ScriptedLoadableModule:
             if icon.is_file():
                 parent.icon = qt.QIcon(str(icon))
                 break
-        if not hasattr(slicer, "selfTests"):
-            slicer.selfTests = {}
-        slicer.selfTests[self.moduleName] = self.runTest
 
     def resourcePath(self, filename):
         return str(Path(self.parent.path).parent / "Resources" / filename)
-
-    def getDefaultModuleDocumentationLink(self, docPage=None):
-        url = slicer.app.documentationBaseUrl + docPage if docPage else slicer.app.moduleDocumentationUrl(self.moduleName)
-        return f'<p>For more information, see the <a href="{url}">online documentation</a>.</p>'
-
-    def runTest(self, msec=100, **kwargs):
-        module = importlib.import_module(self.__module__)
-        case = getattr(module, f"{self.moduleName}Test", None)
-        if case is None:
-            raise AssertionError(f"Test case class not found: {self.__module__}.{self.moduleName}Test")
-        case = case()
-        case.messageDelay = msec
-        case.runTest(**kwargs)
 
 
 class ScriptedLoadableModuleWidget:
@@ -91,15 +74,6 @@ class ScriptedLoadableModuleWidget:
     def onReload(self):
         slicer.util.reloadScriptedModule(self.moduleName)
 
-    def onTest(self, **kwargs):
-        with slicer.util.tryWithErrorDisplay("Test failed."):
-            slicer.selfTests[self.moduleName](msec=0, **kwargs)
-
-    def onReloadAndTest(self, **kwargs):
-        with slicer.util.tryWithErrorDisplay("Reload and Test failed."):
-            self.onReload()
-            slicer.selfTests[self.moduleName](msec=0, **kwargs)
-
 
 class ScriptedLoadableModuleLogic:
     """A module's logic: it finds or makes the module's parameter node."""
@@ -107,33 +81,20 @@ class ScriptedLoadableModuleLogic:
     def __init__(self, parent=None):
         super().__init__()
         self.moduleName = _bare(self, "Logic")
-        self.isSingletonParameterNode = True
 
     def getParameterNode(self):
-        if self.isSingletonParameterNode:
-            node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
-            if node:
-                # Closing the scene takes the attributes of singletons away
-                if node.GetAttribute("ModuleName") != self.moduleName:
-                    node.SetAttribute("ModuleName", self.moduleName)
-                return node
-        elif nodes := self.getAllParameterNodes():
-            return nodes[0]
+        node = slicer.mrmlScene.GetSingletonNode(self.moduleName, "vtkMRMLScriptedModuleNode")
+        if node:
+            # Closing the scene takes the attributes of singletons away
+            if node.GetAttribute("ModuleName") != self.moduleName:
+                node.SetAttribute("ModuleName", self.moduleName)
+            return node
         return slicer.mrmlScene.AddNode(self.createParameterNode())
 
-    def getAllParameterNodes(self):
-        scene = slicer.mrmlScene
-        count = scene.GetNumberOfNodesByClass("vtkMRMLScriptedModuleNode")
-        nodes = [scene.GetNthNodeByClass(i, "vtkMRMLScriptedModuleNode") for i in range(count)]
-        return [node for node in nodes if node.GetAttribute("ModuleName") == self.moduleName]
-
     def createParameterNode(self):
-        if slicer.mrmlScene is None:
-            return None
         node = slicer.mrmlScene.CreateNodeByClass("vtkMRMLScriptedModuleNode")
         node.UnRegister(None)
-        if self.isSingletonParameterNode:
-            node.SetSingletonTag(self.moduleName)
+        node.SetSingletonTag(self.moduleName)
         node.SetAttribute("ModuleName", self.moduleName)
         node.SetName(slicer.mrmlScene.GenerateUniqueName(self.moduleName))
         return node
@@ -144,18 +105,8 @@ class ScriptedLoadableModuleTest(unittest.TestCase):
 
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
-        self.enableScreenshots = False
-        self.screenshotScaleFactor = 1.0
         # Whatever has "test" in its name, as in Slicer: a helper called `latest` would be run as well
         self.moduleTestNames = [name for name in dir(self) if "test" in name and callable(getattr(self, name))]
-
-    def delayDisplay(self, message, requestedDelay=None, msec=None):
-        slicer.util.delayDisplay(
-            message, next(delay for delay in (getattr(self, "messageDelay", msec), requestedDelay, 100) if delay is not None)
-        )
-
-    def takeScreenshot(self, name, description, type=-1):
-        self.delayDisplay(description)
 
     def runTest(self):
         """Runs every test, each between setUp and tearDown; the first failure ends it."""

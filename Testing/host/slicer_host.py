@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import atexit
-import contextlib
 import importlib
 import importlib.util
 import os
@@ -12,8 +11,6 @@ import tempfile
 import types
 from pathlib import Path
 from typing import Any
-
-SOURCE_VARIABLE = "AIFRECON_SLICER_SOURCE"
 
 QT_PACKAGES = "libegl1 libgl1 libxkbcommon0 libdbus-1-3 libfontconfig1 libglib2.0-0"
 """Debian packages of the system libraries that Qt needs, which its wheel does not hold."""
@@ -47,8 +44,6 @@ class SlicerHost:
         What was shown, and the answers to give.
     documents : pathlib.Path
         The folder of the user's files, where scenes are saved.
-    source : pathlib.Path or None
-        The Slicer sources whose Python files stand in for the host's own (environment variable AIFRECON_SLICER_SOURCE).
     """
 
     def __init__(self, testing: bool = False):
@@ -63,10 +58,6 @@ class SlicerHost:
         from .mrml_scene import createScene
 
         self.dialogs = DIALOGS
-        given = os.environ.get(SOURCE_VARIABLE)
-        self.source = Path(given) / "Base" / "Python" / "slicer" if given else None
-        if self.source is not None and not (self.source / "util.py").is_file():
-            raise RuntimeError(f"{SOURCE_VARIABLE} must name a checkout of Slicer; there is no {self.source / 'util.py'}.")
         self._folder = tempfile.TemporaryDirectory(prefix="aifrecon-host-", ignore_cleanup_errors=True)
         _quiet()
         self._application: Any = qSlicerApplication(self._folder.name, testing)
@@ -141,26 +132,14 @@ class SlicerHost:
         sys.excepthook = hook
 
     def _install_python(self, slicer) -> None:
-        """The Python files of `slicer`: the host's own, or those of Slicer's sources."""
+        """The Python files of `slicer` that slicer-core lacks."""
         from . import sample_data
 
         sys.modules["SampleData"] = sample_data
-        names = ("i18n", "ScriptedLoadableModule", "parameterNodeWrapper")
-        if self.source is None:
-            own = dict(zip(names, ("i18n", "scripted_module", "parameter_node")))
-            for name in names:
-                module = importlib.import_module(f"{__package__}.{own[name]}")
-                sys.modules[f"slicer.{name}"] = module
-                setattr(slicer, name, module)
-        else:
-            slicer.__path__.insert(0, str(self.source))
-            for name in ("util", *names):
-                sys.modules.pop(f"slicer.{name}", None)
-                setattr(slicer, name, importlib.import_module(f"slicer.{name}"))
-            # Not in every Slicer, and not for every Python
-            with contextlib.suppress(ImportError):
-                packaging: Any = importlib.import_module("slicer.packaging")
-                packaging.pip_install = self._refuse_install
+        for name, own in (("i18n", "i18n"), ("ScriptedLoadableModule", "scripted_module"), ("parameterNodeWrapper", "parameter_node")):
+            module = importlib.import_module(f"{__package__}.{own}")
+            sys.modules[f"slicer.{name}"] = module
+            setattr(slicer, name, module)
         slicer.util.pip_install = self._refuse_install
 
     @staticmethod

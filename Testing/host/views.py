@@ -29,9 +29,7 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
     """A slice view: its node and logic are real, nothing is drawn."""
 
     api = {
-        "methods": (
-            *("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode", "fitSliceToBackground", "pauseRender", "resumeRender"),
-        ),
+        "methods": (*("sliceLogic", "sliceView", "mrmlSliceNode", "mrmlSliceCompositeNode", "pauseRender", "resumeRender"),),
     }
 
     def __init__(self, logic):
@@ -50,9 +48,6 @@ class qMRMLSliceWidget(QtWidgets.QWidget):
 
     def mrmlSliceCompositeNode(self):
         return self._logic.GetSliceCompositeNode()
-
-    def fitSliceToBackground(self):
-        self._logic.FitSliceToBackground()
 
     def pauseRender(self):
         """Does nothing: nothing is drawn."""
@@ -251,7 +246,6 @@ class qSlicerLayoutManager(QtCore.QObject):
             "resetSliceViews",
             "pauseRender",
             "resumeRender",
-            "setRenderPaused",
         ),
         "signals": {"layoutChanged(int)": "layoutChanged"},
     }
@@ -370,9 +364,6 @@ class qSlicerLayoutManager(QtCore.QObject):
         """Does nothing: nothing is drawn."""
 
     def resumeRender(self):
-        """Does nothing: nothing is drawn."""
-
-    def setRenderPaused(self, paused):
         """Does nothing: nothing is drawn."""
 
     layout = Property(int, lambda self: self._node().GetViewArrangement(), setLayout)

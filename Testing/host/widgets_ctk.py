@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from PySide6 import QtCore, QtWidgets
+from PySide6 import QtWidgets
 from PySide6.QtCore import Property, Qt, Signal
 
 
@@ -99,16 +99,15 @@ class ctkPathLineEdit(QtWidgets.QWidget):
     """A line for a path, with the paths used before and a button that opens a file dialog."""
 
     api = {
-        "methods": ("comboBox", "setCurrentPath", "browse", "retrieveHistory", "addCurrentPathToHistory"),
-        "signals": {"validInputChanged(bool)": "validInputChanged", "currentPathChanged(QString)": "currentPathChanged"},
+        "methods": ("comboBox", "setCurrentPath", "browse"),
+        "signals": {"currentPathChanged(QString)": "currentPathChanged"},
     }
-    validInputChanged = Signal(bool)
     currentPathChanged = Signal(str)
     Dirs, Files, Drives, NoSymLinks, Readable, Writable, Executable, Hidden = 1, 2, 4, 8, 0x10, 0x20, 0x40, 0x100
 
     def __init__(self, parent=None):
         super().__init__(parent)
-        self._values = {"label": "", "filters": 7, "nameFilters": [], "settingKey": "", "showHistoryButton": True}
+        self._values = {"label": "", "filters": 7, "nameFilters": [], "settingKey": ""}
         self._box = QtWidgets.QComboBox(self)
         self._box.setEditable(True)
         self._box.setInsertPolicy(QtWidgets.QComboBox.InsertPolicy.NoInsert)
@@ -146,52 +145,14 @@ class ctkPathLineEdit(QtWidgets.QWidget):
         if path:
             self.setCurrentPath(path)
 
-    def _history_key(self):
-        return "ctkPathLineEdit/" + (self._values["settingKey"] or self.objectName())
-
-    def retrieveHistory(self):
-        """Fills the list with the paths of the settings; the newest becomes the current path where there is none."""
-        path = self._box.currentText()
-        self._box.clear()
-        # The settings hand out a list of one as a string
-        known = QtCore.QSettings().value(self._history_key()) or []
-        self._box.addItems([known] if isinstance(known, str) else list(known))
-        self._box.setCurrentText(path or (self._box.itemText(0) if self._box.count() else ""))
-
-    def addCurrentPathToHistory(self):
-        """Puts the current path at the top of the list and of the settings."""
-        path = self._box.currentText()
-        if not path:
-            return
-        known = [self._box.itemText(i) for i in range(self._box.count())]
-        history = [path, *(old for old in known if old != path)][:10]
-        QtCore.QSettings().setValue(self._history_key(), history)
-        self._box.clear()
-        self._box.addItems(history)
-        self._box.setCurrentText(path)
-
     currentPath = Property(str, lambda self: self._box.currentText(), setCurrentPath)
     label = _value("label", str)
     filters = _value("filters", int)
     nameFilters = _value("nameFilters", "QStringList")
     settingKey = _value("settingKey", str)
-    showHistoryButton = _value("showHistoryButton", bool)
-    showBrowseButton = Property(bool, lambda self: not self._button.isHidden(), lambda self, v: self._button.setVisible(v))
     minimumContentsLength = Property(
         int, lambda self: self._box.minimumContentsLength(), lambda self, v: self._box.setMinimumContentsLength(v)
     )
-
-
-class ctkComboBox(QtWidgets.QComboBox):
-    """A combo box that shows `defaultText` where nothing is selected."""
-
-    api = {"methods": ("setCurrentUserDataAsString",)}
-
-    def setCurrentUserDataAsString(self, text):
-        self.setCurrentIndex(self.findData(text))
-
-    defaultText = Property(str, lambda self: self.placeholderText(), lambda self, text: self.setPlaceholderText(text))
-    currentUserDataAsString = Property(str, lambda self: str(self.currentData() or ""), setCurrentUserDataAsString)
 
 
 class ctkCheckableComboBox(QtWidgets.QComboBox):
@@ -199,12 +160,8 @@ class ctkCheckableComboBox(QtWidgets.QComboBox):
 
     api = {
         "methods": (
-            "checkableModel",
-            "setCheckableModel",
             "checkedIndexes",
             "allChecked",
-            "allPatiallyChecked",
-            "noneChecked",
             "setCheckState",
             "checkState",
         ),
@@ -233,24 +190,11 @@ class ctkCheckableComboBox(QtWidgets.QComboBox):
     def _indexes(self):
         return [self.model().index(row, 0) for row in range(self.count())]
 
-    def checkableModel(self):
-        return self.model()
-
-    def setCheckableModel(self, model):
-        self.setModel(model)
-        self._watch(model)
-
     def checkedIndexes(self):
         return [index for index in self._indexes() if self.checkState(index) == Qt.CheckState.Checked]
 
     def allChecked(self):
         return len(self.checkedIndexes()) == self.count()
-
-    def allPatiallyChecked(self):
-        return all(self.checkState(index) == Qt.CheckState.PartiallyChecked for index in self._indexes())
-
-    def noneChecked(self):
-        return not self.checkedIndexes()
 
     def setCheckState(self, index, state):
         if self.checkState(index) != state:

@@ -6,12 +6,11 @@ A widget knows the scene only when it was given one: by the .ui file's connectio
 from __future__ import annotations
 
 from PySide6 import QtWidgets
-from PySide6.QtCore import Property, Signal
+from PySide6.QtCore import Signal
 
 from .node_combo_box import WithScene, qMRMLNodeComboBox
-from .widgets_ctk import ctkSliderWidget
 
-__all__ = ["qMRMLNodeComboBox", "qMRMLSliderWidget", "qMRMLWidget", "qSlicerWidget"]
+__all__ = ["qMRMLNodeComboBox", "qMRMLWidget", "qSlicerWidget"]
 
 
 class _PassesSceneOn(WithScene, QtWidgets.QWidget):
@@ -38,21 +37,3 @@ class qSlicerWidget(_PassesSceneOn):
     """What Slicer's module panels derive from."""
 
     api = {"methods": ("setMRMLScene",), "signals": {"mrmlSceneChanged(vtkMRMLScene*)": "mrmlSceneChanged"}}
-
-
-class qMRMLSliderWidget(WithScene, ctkSliderWidget):
-    """A slider that may know the scene's units; here it does not use them."""
-
-    api = {"methods": ("mrmlScene", "setMRMLScene", "setQuantity"), "signals": {}}
-
-    def __init__(self, parent=None):
-        super().__init__(parent)
-        self._quantity = ""
-
-    def setMRMLScene(self, scene):
-        self._scene = scene
-
-    def setQuantity(self, quantity):
-        self._quantity = quantity
-
-    quantity = Property(str, lambda self: self._quantity, setQuantity)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from AIFReconLib.compounding.methods.table import COMPARED_METHODS
 from AIFReconLib.io.disk.atomic import atomic_output
@@ -11,6 +12,9 @@ from AIFReconLib.io.disk.atomic import atomic_output
 from .method_cases import COMPARED, KINDS, LEVEL, OTHER, PLAIN, SHIFTS, WITHOUT_CT, Row
 from .method_page import RIGHT
 from .patients import Spread, spread_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CONDITIONS = (RIGHT, *SHIFTS, LEVEL, OTHER)
 PANELS = (
@@ -21,7 +25,7 @@ PANELS = (
 COLORS = {**dict(zip(COMPARED_METHODS, ("#8a8a8a", "#7fb2e5", "#2f6db3", "#e07b00"), strict=True)), WITHOUT_CT: "#5b8f4e"}
 
 
-def study_figure(path: str | Path, rows: list[Row]) -> None:
+def study_figure(path: Path, rows: list[Row]) -> None:
     """Draw medians with quartiles, by condition and method.
 
     Raises
@@ -29,11 +33,7 @@ def study_figure(path: str | Path, rows: list[Row]) -> None:
     OutputError
         When the file cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(12, 6.4), layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = new_figure(12, 6.4)
     for line, kind in zip(figure.subplots(len(KINDS), len(PANELS)), KINDS, strict=True):
         for ax, (name, title) in zip(line, PANELS, strict=True):
             for number, method in enumerate(COMPARED):
@@ -53,8 +53,21 @@ def study_figure(path: str | Path, rows: list[Row]) -> None:
                 ax.spines[side].set_visible(False)
     handles, labels = figure.axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(COLORS), frameon=False, fontsize=10)
+    saved(figure, path, 100)
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty one, inches; no window is opened."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained", facecolor="white")
+
+
+def saved(figure: Figure, path: Path, dpi: int = 110) -> Path:
+    """The figure as a PNG file, whose path comes back."""
     with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=100)
+        figure.savefig(temporary, dpi=dpi, format="png")
+    return path
 
 
 def _spread(rows: list[Row], name: str, kind: str, condition: str, method: str) -> Spread:

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.evaluation.lines import FOUND
-from AIFReconLib.io.disk.atomic import atomic_output
 
 from .method_cases import OURS, PLAIN
+from .method_figure import new_figure, saved
 from .paths_cases import FIXED, NONE, PLANNED, RIGHT, WRONG, Row
 from .paths_page import judged_of
 
@@ -29,16 +29,12 @@ APART = 1.35
 """Times that two labels beside the curves stand apart, at least."""
 
 
-def paths_figure(path: str | Path, rows: list[Row]) -> None:
+def paths_figure(path: Path, rows: list[Row]) -> None:
     """Draw a panel for each scan.
 
     Raises OutputError when the file cannot be written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(13, 5.6), layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = new_figure(13, 5.6)
     for ax, scan in zip(figure.subplots(1, 2, sharey=True), (FIXED, PLANNED), strict=True):
         some = [row for row in rows if row.scan == scan]
         labels = []
@@ -77,5 +73,4 @@ def paths_figure(path: str | Path, rows: list[Row]) -> None:
         for side in ("top", "right"):
             ax.spines[side].set_visible(False)
     figure.axes[0].set_ylabel("blocked lines called free (less is better)", fontsize=11)
-    with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=100)
+    saved(figure, path, 100)

@@ -2,7 +2,7 @@
 
     python Testing/study real_bone --output real-bone-output
 
-writes real-bone.md and four pictures; an interrupted run goes on where it stopped. Half an hour on one core.
+writes real-bone.md and three pictures; an interrupted run goes on where it stopped. Half an hour on one core.
 """
 
 from __future__ import annotations

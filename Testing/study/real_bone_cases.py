@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from AIFReconLib.bone.map import BoneMap
-from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import BONE_METHODS, method_named
 from AIFReconLib.compounding.state import Reconstruction
 from AIFReconLib.errors import FileFormatError
@@ -30,32 +29,28 @@ from AIFReconLib.sweep.edits import select_frames
 from AIFReconLib.sweep.frames import TrackedSequence
 from AIFReconLib.sweep.poses import sweep_poses
 
-from .method_cases import WITHOUT_BONE
+from .method_cases import OURS, PLAIN, WITHOUT_BONE
 from .patients import run_tasks
 from .real_bone_measures import by_incidence, false_bone, precision, reached_points
 from .reference_methods import confidence_weighted, incidence_weighted, largest_contrast
 
 SPACING, HOLE_LIMIT = 0.5, 1.0
 SIGMA = 4.0
-"""mm; width of the bone map of the paper's methods where a case does not say otherwise. Then `weighted` has the one that follows from how
-well CT and sweep agree."""
+"""mm; width of the bone map of the paper's methods. `weighted` has the one that follows from how well CT and sweep agree."""
 
-ALL = "all"
+IN_PLACE = "CT in place"
 PASS_GAP, PASS_FRAMES = 1.0, 20
 """s without a frame that part two passes, and the fewest frames of one."""
 
 CONTRAST = "largest contrast"
-REFERENCES = {"confidence-weighted": confidence_weighted.name, "incidence-weighted": incidence_weighted.name, CONTRAST: AVERAGE.name}
+REFERENCES = {"confidence-weighted": confidence_weighted.name, "incidence-weighted": incidence_weighted.name, CONTRAST: PLAIN}
 """Methods of others, by what they are called here, and the method that makes their volumes; the last joins those of single passes."""
 
 WITH_BONE = (*BONE_METHODS, "incidence-weighted")
 """Methods that need a bone map."""
 
-CHOOSING = tuple(method for method in BONE_METHODS if method_named(method).follows_agreement)
-"""Those whose bone map is as wide as it follows from how well CT and sweep agree."""
-
-SHIFTS, TURNS, WIDTHS = (1.0, 2.0, 4.0, 6.0), (2.0, 5.0), (1.5, 2.0, 6.0)
-"""mm, degrees, and mm of the bone map."""
+SHIFTS, TURNS = (1.0, 2.0, 4.0, 6.0), (2.0, 5.0)
+"""mm and degrees."""
 
 
 @dataclass(frozen=True)
@@ -63,26 +58,17 @@ class Row:
     """One reconstruction and its numbers."""
 
     condition: str
-    frames: str
     method: str
-    sigma: float
     metrics: dict[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Frames, a place of the CT, a width of its bone map, and the methods that are tried with them."""
+    """A place of the CT, and the methods that are tried with it."""
 
     condition: str
     methods: tuple[str, ...]
-    frames: str = ALL
-    sigma: float = SIGMA
     ct_error: np.ndarray = field(default_factory=lambda: np.eye(4))
-
-    @property
-    def name(self) -> str:
-        """Tells it from the others; names its files."""
-        return f"{self.condition} {self.frames} map {self.sigma:g} mm".replace(" ", "-")
 
 
 class RealBone:
@@ -114,42 +100,30 @@ class RealBone:
         return bone_truth(self.labels, SweepBeams.of_sequence(self.sequence, Recipe(probe=LINEAR)))
 
     @cached_property
-    def seen(self) -> np.ndarray:
-        """Which points of the surface beams could reach, (n,) bool."""
-        return reached_points(self.truth)
-
-    @cached_property
     def reached(self) -> tuple[np.ndarray, np.ndarray]:
-        """These points and their normals, (m, 3) each."""
-        return self.truth.surface.points_reference[self.seen], self.truth.surface.normals_reference[self.seen]
+        """The points of the surface that beams could reach, and their normals, (m, 3) each."""
+        seen = reached_points(self.truth)
+        return self.truth.surface.points_reference[seen], self.truth.surface.normals_reference[seen]
 
     @cached_property
-    def passes(self) -> dict[str, TrackedSequence]:
-        """All frames, and those of each pass along the bone, by name."""
+    def passes(self) -> list[TrackedSequence]:
+        """The frames of each pass along the bone."""
         times = np.array([record.timestamp for record in self.sequence.records])
         edges = [0, *(np.flatnonzero(np.diff(times) > PASS_GAP) + 1), len(times)]
-        pieces = [(start, stop) for start, stop in pairwise(edges) if stop - start >= PASS_FRAMES]
-        single = {f"pass {n}": select_frames(self.sequence, start, stop - 1) for n, (start, stop) in enumerate(pieces, 1)}
-        return {ALL: self.sequence, **single}
+        return [select_frames(self.sequence, start, stop - 1) for start, stop in pairwise(edges) if stop - start >= PASS_FRAMES]
 
     def cases(self) -> Iterator[Case]:
         """Everything that is tried."""
-        with_bone = (AVERAGE.name, *BONE_METHODS)
-        yield Case("CT in place", (*WITHOUT_BONE, *REFERENCES, *BONE_METHODS))
-        for name in self.passes:
-            if name != ALL:
-                yield Case("CT in place", with_bone, name)
-        for sigma in WIDTHS:
-            yield Case("CT in place", BONE_METHODS, sigma=sigma)
-        axes = self.axes
+        yield Case(IN_PLACE, (*WITHOUT_BONE, *REFERENCES, *BONE_METHODS))
+        axes, misplaced = self.axes, (PLAIN, OURS)
         for mm in SHIFTS:
             for name, sign, axis in (("away from the probe", 1, 0), ("toward it", -1, 0), ("to one side", 1, 1), ("to the other", -1, 1)):
                 moved = np.eye(4)
                 moved[:3, 3] = sign * mm * axes[axis]
-                yield Case(f"CT {mm:g} mm {name}", with_bone, ct_error=moved)
+                yield Case(f"CT {mm:g} mm {name}", misplaced, ct_error=moved)
         for degrees in TURNS:
             for name, axis in (("across the beams", 1), ("along the beams", 0)):
-                yield Case(f"CT {degrees:g} degrees about an axis {name}", with_bone, ct_error=self._turned(axes[axis], degrees))
+                yield Case(f"CT {degrees:g} degrees about an axis {name}", misplaced, ct_error=self._turned(axes[axis], degrees))
 
     def row(self, case: Case, method: str) -> Row:
         """Reconstruct and measure."""
@@ -160,42 +134,32 @@ class RealBone:
             metrics.update(by_incidence(result.intensity, self.truth, result.mask))
         else:
             metrics.update(false_bone(result.intensity, self.truth, case.ct_error))
-        return Row(case.condition, case.frames, method, case.sigma if method in WITH_BONE else 0.0, metrics)
+        return Row(case.condition, method, metrics)
 
     def reconstructed(self, case: Case, method: str) -> Reconstruction:
         """The volume of a case by a method; where none of it depends on the CT, that made before."""
         if method in WITH_BONE:
-            return self._reconstruct(self.passes[case.frames], method, self._placed_map(case, method))
-        if (method, case.frames) not in self._without_ct:
-            made = self._joined() if method == CONTRAST else self._reconstruct(self.passes[case.frames], method, None)
-            self._without_ct[method, case.frames] = made
-        return self._without_ct[method, case.frames]
+            return self._reconstruct(self.sequence, method, self._placed_map(case, method))
+        if method not in self._without_ct:
+            self._without_ct[method] = self._joined() if method == CONTRAST else self._reconstruct(self.sequence, method, None)
+        return self._without_ct[method]
 
     def _joined(self) -> Reconstruction:
         """Plain means of the single passes, joined by their contrast."""
-        grid = self.reconstructed(Case("CT in place", (AVERAGE.name,)), AVERAGE.name).grid
-        return largest_contrast([self._reconstruct(each, AVERAGE.name, None, grid) for name, each in self.passes.items() if name != ALL])
+        grid = self.reconstructed(Case(IN_PLACE, (PLAIN,)), PLAIN).grid
+        return largest_contrast([self._reconstruct(each, PLAIN, None, grid) for each in self.passes])
 
     @cached_property
-    def _without_ct(self) -> dict[tuple[str, str], Reconstruction]:
-        return {}
-
-    @cached_property
-    def _maps(self) -> dict[float, BoneMap]:
+    def _without_ct(self) -> dict[str, Reconstruction]:
         return {}
 
     def _placed_map(self, case: Case, method: str) -> BoneMap:
         """The bone map of a case where its CT lies."""
-        if method in CHOOSING and case.sigma == SIGMA:
-            return LabeledBone(self.labels, case.ct_error, self.passes[case.frames], Recipe(probe=LINEAR)).map(method)
-        bone = self._map(case.sigma)
+        if method in BONE_METHODS and method_named(method).follows_agreement:
+            return LabeledBone(self.labels, case.ct_error, self.sequence, Recipe(probe=LINEAR)).map(method)
+        bone = BoneMap.from_labels(self.labels, sigma_mm=SIGMA)
         inside = bone.inside.placed_by(case.ct_error) if bone.inside else None
         return BoneMap(bone.probability.placed_by(case.ct_error), inside)
-
-    def _map(self, sigma: float) -> BoneMap:
-        if sigma not in self._maps:
-            self._maps[sigma] = BoneMap.from_labels(self.labels, sigma_mm=sigma)
-        return self._maps[sigma]
 
     def _reconstruct(self, sequence: TrackedSequence, method: str, bone: BoneMap | None, grid: VoxelGrid | None = None) -> Reconstruction:
         settings = ReconstructionSettings(method=REFERENCES.get(method, method), spacing=SPACING, hole_limit=HOLE_LIMIT)
@@ -225,7 +189,8 @@ class RealBone:
 
 def real_bone_rows(bone: RealBone, folder: Path, jobs: int = 2, progress: Progress | None = None) -> list[Row]:
     """The rows of all cases, made or, where an earlier run has written them to `folder`, read: one file for each case and method."""
-    given = {f"{case.name}-{method}".replace(" ", "-"): (bone.folder, case, method) for case in bone.cases() for method in case.methods}
+    every = [(case, method) for case in bone.cases() for method in case.methods]
+    given = {f"{case.condition}-{method}".replace(" ", "-"): (bone.folder, case, method) for case, method in every}
     return run_tasks(_rows_of, given, Row, folder, jobs, progress, "reconstructions")
 
 

@@ -1,4 +1,4 @@
-"""The study on real bone in pictures: cuts across it, its surface seen from the probe, curves, and its echoes by the angle."""
+"""The study on real bone in pictures: cuts across it, curves, and its echoes by the angle."""
 
 from __future__ import annotations
 
@@ -13,12 +13,10 @@ from AIFReconLib.compounding.methods.average import AVERAGE
 from AIFReconLib.compounding.methods.table import BONE_METHODS
 from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.io.disk.atomic import atomic_output
 
-from .method_figure import COLORS
-from .real_bone_cases import ALL, CONTRAST, SIGMA, Case, RealBone, Row
-from .real_bone_measures import INCIDENCES, THRESHOLDS, incidence, surface_response
-from .real_bone_page import IN_PLACE
+from .method_figure import COLORS, new_figure, saved
+from .real_bone_cases import CONTRAST, IN_PLACE, Case, RealBone, Row
+from .real_bone_measures import INCIDENCES, THRESHOLDS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,20 +44,14 @@ def real_bone_figures(folder: Path, bone: RealBone, rows: list[Row]) -> list[Pat
     volumes = {method: bone.reconstructed(case, method).intensity for method in SHOWN}
     drawn = {
         "real-bone-cuts.png": _cuts(bone, volumes),
-        "real-bone-surface.png": _surface(bone, volumes),
-        "real-bone-curves.png": _curves(
-            [row for row in rows if row.frames == ALL and row.condition == IN_PLACE and row.sigma in (0, SIGMA)]
-        ),
+        "real-bone-curves.png": _curves([row for row in rows if row.condition == IN_PLACE]),
     }
-    for name, figure in drawn.items():
-        with atomic_output(folder / name) as temporary:
-            figure.savefig(temporary, dpi=110, format="png")
-    return [folder / name for name in drawn]
+    return [saved(figure, folder / name) for name, figure in drawn.items()]
 
 
 def angle_figure(folder: Path, angles: list[dict[str, float]], shadows: list[dict[str, float]]) -> Path:
     """How bright real bone is by the angle, and what is left behind it, as `angle_rows` and `shadow_rows` have it."""
-    figure = _figure(12.0, 3.8)
+    figure = new_figure(12.0, 3.8)
     levels, shares, shadow = figure.subplots(1, 3)
     middles = [row["middle"] for row in angles]
 
@@ -87,34 +79,27 @@ def angle_figure(folder: Path, angles: list[dict[str, float]], shadows: list[dic
         (shares, "echo over tissue, of that met squarely", "angle of incidence, degrees"),
         (shadow, "gray level in the shadow", "mm behind the echo"),
     ):
-        ax.set_title(title, fontsize=10, loc="left")
-        ax.set_xlabel(label, fontsize=9)
+        _bare(ax, title, label)
         ax.set_ylim(bottom=0)
-        ax.grid(linewidth=0.3)
         ax.legend(frameon=False, fontsize=8)
-        for side in ("top", "right"):
-            ax.spines[side].set_visible(False)
     figure.supxlabel(SOURCE.replace("; reconstructed by AIFRecon", ""), fontsize=8)
-    path = folder / "real-bone-angles.png"
-    with atomic_output(path) as temporary:
-        figure.savefig(temporary, dpi=110, format="png")
-    return path
+    return saved(figure, folder / "real-bone-angles.png")
 
 
-def _figure(width: float, height: float) -> Figure:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained", facecolor="white")
-    FigureCanvasAgg(figure)
-    return figure
+def _bare(ax: Axes, title: str, label: str) -> None:
+    """The title and the label below; no frame above and beside."""
+    ax.set_title(title, fontsize=10, loc="left")
+    ax.set_xlabel(label, fontsize=9)
+    ax.grid(linewidth=0.3)
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
 
 
 def _cuts(bone: RealBone, volumes: dict[str, Volume]) -> Figure:
     """Cuts across the bone, the probe above, the CT's outline over them."""
     down, across, _ = bone.axes
     points = bone.reached[0]
-    figure = _figure(2.6 * len(volumes), 2.7 * len(PLACES))
+    figure = new_figure(2.6 * len(volumes), 2.7 * len(PLACES))
     axes = figure.subplots(len(PLACES), len(volumes))
     pixels = (np.arange(-CUT / 2, CUT / 2, PITCH) + PITCH / 2)[:, None]
     plane = pixels[None] * across + pixels[:, None] * down
@@ -135,35 +120,9 @@ def _cuts(bone: RealBone, volumes: dict[str, Volume]) -> Figure:
     return figure
 
 
-def _surface(bone: RealBone, volumes: dict[str, Volume]) -> Figure:
-    """The surface that beams reached, its points in the gray level that the volume shows there."""
-    points, normals = bone.reached
-    down, across, along = bone.axes
-    beside, length, height = points @ across, points @ along, points @ down
-    angle = np.radians(20.0)
-    # Seen from the probe, from one side a little, so that both flanks show
-    x, depth = beside * np.cos(angle) - height * np.sin(angle), height * np.cos(angle) + beside * np.sin(angle)
-    order = np.argsort(-depth)
-    figure = _figure(10.0, 1.6 * (len(volumes) + 1))
-    axes = figure.subplots(len(volumes) + 1, 1)
-    steep = incidence(bone.truth)[bone.seen]
-    drawn = [("best angle of incidence", steep, "viridis", 85)]
-    drawn += [(method, surface_response(volume, points, normals), "gray", 255) for method, volume in volumes.items()]
-    for ax, (name, values, colors, most) in zip(axes, drawn, strict=True):
-        shown = ax.scatter(length[order], x[order], c=values[order], s=11, cmap=colors, vmin=0, vmax=most, linewidths=0)
-        ax.set_facecolor("black")
-        ax.set_aspect("equal")
-        ax.set_xticks([])
-        ax.set_yticks([])
-        ax.set_title(name, fontsize=10, loc="left")
-        figure.colorbar(shown, ax=ax, label="degrees" if most == 85 else "gray level", pad=0.01)
-    figure.supxlabel(f"{SOURCE} The brightest within 1.5 mm of each point of bone.", fontsize=8)
-    return figure
-
-
 def _curves(rows: list[Row]) -> Figure:
     """Coverage and CNR against incidence, and precision against what is shown."""
-    figure = _figure(12.0, 3.8)
+    figure = new_figure(12.0, 3.8)
     covered, contrast, precise = figure.subplots(1, 3)
     middles = [(low + high) / 2 for low, high in pairwise(INCIDENCES)]
     for row in rows:
@@ -178,11 +137,7 @@ def _curves(rows: list[Row]) -> Figure:
         (contrast, "CNR", "best angle of incidence, degrees"),
         (precise, "of bright voxels near bone, % within 1.5 mm of it", "of bone that beams reached, % shown so bright"),
     ):
-        ax.set_title(title, fontsize=10, loc="left")
-        ax.set_xlabel(label, fontsize=9)
-        ax.grid(linewidth=0.3)
-        for side in ("top", "right"):
-            ax.spines[side].set_visible(False)
+        _bare(ax, title, label)
     handles, labels = covered.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(handles), frameon=False, fontsize=10)
     return figure

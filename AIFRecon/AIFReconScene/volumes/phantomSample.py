@@ -16,6 +16,9 @@ from .volumeNodes import updateVolumeNode
 FRAMES, FEW_FRAMES = 360, 180
 """Forty at each of the nine pairs of tilts, which is as slow and dense as a scan should be; and half of them, a scan that was too fast."""
 
+WHOLE_BODY = 12.0
+"""mm by which the scan begins earlier, so that it sees the first vertebra to its upper end."""
+
 CT_SPACING = 1.25
 """mm, as CT scans of the spine have between slices."""
 
@@ -40,9 +43,9 @@ class PhantomNodes:
         return [self.ct, self.segmentation, self.ctToReference, self.browser]
 
 
-def beginPhantom(*, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING):
+def beginPhantom(*, seed: int = 0, frames: int = FRAMES, spacing: float = CT_SPACING, above: float = WHOLE_BODY):
     """A `Task` that simulates a patient beside the windows; arguments as for `simulated_patient`."""
-    return worker.begin(simulated_patient, seed, len(LEVELS), frames, spacing)
+    return worker.begin(simulated_patient, seed, len(LEVELS), frames, spacing, above)
 
 
 def loadPhantom(progress: Progress | None = None, begun=None, **choices) -> PhantomNodes:

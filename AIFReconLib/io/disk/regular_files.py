@@ -16,22 +16,20 @@ def require_regular_file(path: Path, error: type[FileFormatError]) -> None:
 
     It is opened once, so that the guard at the door knows of it: compiled libraries open files without a word to Python.
     """
-    try:
-        if not S_ISREG(path.stat().st_mode):
-            raise error(f"{path}: this is {'a folder' if path.is_dir() else 'not a regular file'}. Give the name of a file.")
-        open(path, "rb").close()
-    except (FileNotFoundError, NotADirectoryError):
-        raise error(f"{path}: there is no such file. Check the path.") from None
-    except OSError as cause:
-        raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
+    with reading(error, path):
+        pass
 
 
 @contextlib.contextmanager
 def reading(error: type[FileFormatError], path: Path) -> Iterator[None]:
     """Raise `error` unless `path` is a file that may be read, and for every OSError of the block."""
-    require_regular_file(path, error)
     try:
+        if not S_ISREG(path.stat().st_mode):
+            raise error(f"{path}: this is {'a folder' if path.is_dir() else 'not a regular file'}. Give the name of a file.")
+        open(path, "rb").close()
         yield
+    except (FileNotFoundError, NotADirectoryError):
+        raise error(f"{path}: there is no such file. Check the path.") from None
     except OSError as cause:
         raise error(f"{path}: the file cannot be read ({cause.strerror}). Check its permissions.") from cause
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Floats, Mask, Matrix
 from ...errors import SettingsError
 from ...geometry.transform_graph import MISSING, TransformName, TransformSample, TransformStatus
-from ...geometry.transforms import are_rigid, invert, why_not_an_image_pose, why_not_rigid
+from ...geometry.transforms import invert, why_not_an_image_pose, why_not_rigid
 from ...message import Sentence, message_of
 from ...remedies import (
     CALIBRATION_UNIT,
@@ -176,8 +176,6 @@ def _lasting(times: Floats | None, poses: PoseTable, settings: ImportOptions) ->
 def _are_rigid(matrices: Matrix, name: TransformName, of: str = "") -> bool:
     """Whether all poses that there are are rigid; those that are neither that nor those of an image are refused by their number."""
     known = np.flatnonzero(np.isfinite(matrices).all(axis=(1, 2)))
-    if are_rigid(matrices[known]):
-        return True
     reasons = {number: reason for number in known.tolist() if (reason := why_not_rigid(matrices[number]))}
     for number, reason in reasons.items():
         pixels = matrices[number] if name.source == IMAGE_FRAME else invert(matrices[number])

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...arrays import Numbers
 from ...errors import FileFormatError
-from ..sequence.decoded_images import decoding, frames_in_place, library
+from ..sequence.decoded_images import decoding, library
 from ..sequence.file_images import MAXIMUM_FRAMES
 
 if TYPE_CHECKING:
@@ -74,11 +74,11 @@ def _stack_of_imagej(tifffile: ModuleType, path: Path, page: TiffPage, count: in
     held = (path.stat().st_size - page.dataoffsets[0]) // page.nbytes
     if held < count:
         raise FileFormatError(f"{path}: ImageJ says that it holds {count} frames, but it ends after {held}. Copy or save it again.")
-    stored = frames_in_place(path, tuple(page.shape), dtype, page.dataoffsets[0])
 
     def read(number: int) -> Numbers:
         with readable(path):
-            return _as_shown(tifffile, path, page, stored(number))
+            stored = np.fromfile(path, dtype, page.size, offset=page.dataoffsets[0] + number * page.nbytes).reshape(page.shape)
+            return _as_shown(tifffile, path, page, stored)
 
     return read
 

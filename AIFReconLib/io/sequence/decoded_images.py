@@ -1,14 +1,14 @@
-"""Images that a function decodes one at a time, and what decoders share: optional packages, errors of one line, frames at known places."""
+"""Images that a function decodes one at a time, and what decoders share: optional packages, errors of one line, streams that go back."""
 
 from __future__ import annotations
 
 import contextlib
-import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from importlib import import_module
-from pathlib import Path
+from itertools import islice
 from types import ModuleType
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from .file_images import MAXIMUM_FRAME_BYTES, MAXIMUM_FRAMES
 
 _INSTALLED_AS = {"PIL": "Pillow", "imageio_ffmpeg": "imageio-ffmpeg"}
 """What pip calls a package whose import has another name."""
+
+Item = TypeVar("Item")
 
 
 class DecodedImages(ImagesOnDemand):
@@ -104,17 +106,27 @@ def decoding(what: str, advice: str) -> Iterator[None]:
         raise FileFormatError(f"{what} ({str(error)[:200] or type(error).__name__}). {advice}") from error
 
 
-def frames_in_place(path: Path, shape: tuple[int, ...], dtype: NumberType, offset: int) -> Callable[[int], Numbers]:
-    """A function that reads frame n from the file."""
-    count = math.prod(shape)
+class Forward(Generic[Item]):
+    """What a generator yields, by number: it is read on from the one before. Going back, or on after a failure, begins it anew."""
 
-    def read(number: int) -> Numbers:
-        try:
-            return np.fromfile(path, dtype, count, offset=offset + number * count * dtype.itemsize).reshape(shape)
-        except (OSError, ValueError) as error:
-            raise FileFormatError(f"{path}: frame {number} cannot be read ({error}). Copy the file again.") from error
+    def __init__(self, begin: Callable[[], Generator[Item, None, None]]):
+        self._begin, self._items = begin, begin()
+        self._next: float = 0
 
-    return read
+    def __getitem__(self, number: int) -> Item:
+        if number < self._next:
+            self.close()
+            self._items, self._next = self._begin(), 0
+        items = islice(self._items, int(number - self._next), None)
+        self._next = np.inf
+        for item in items:
+            self._next = number + 1
+            return item
+        raise ValueError(f"it ends before frame {number}")
+
+    def close(self) -> None:
+        """End what is under way."""
+        self._items.close()
 
 
 def in_pixels(shape: tuple[int, ...], dtype: NumberType) -> str:

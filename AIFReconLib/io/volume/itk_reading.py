@@ -113,20 +113,14 @@ def read_metafile_volume(path: Path) -> StoredVolume:
     else:
         _check_nrrd(metafile)
     check_payload(metafile)
-    image = _read(path, "MetaImageIO" if is_metaimage else "NrrdImageIO", *{metafile.data_path} - {path})
+    with itk_reads(path, VolumeFormatError, "Export the volume again.", *{metafile.data_path} - {path}) as name:
+        # Left to look for a reader itself, it asks others too
+        image = sitk.ReadImage(name, imageIO="MetaImageIO" if is_metaimage else "NrrdImageIO")
+    _require_real(path, image)
     array = array_of(image)
     if array.nbytes != metafile.pixel_bytes:
         raise metafile.failure("SimpleITK takes it for another size. Save the volume from Slicer again.")
     return array, ijk_to_lps(image), metafile.fields
-
-
-def _read(path: Path, reader: str, *beside: Path) -> sitk.Image:
-    """The image in a file, whose voxels may be in another one beside it."""
-    with itk_reads(path, VolumeFormatError, "Export the volume again.", *beside) as name:
-        # Left to look for a reader itself, it asks others too
-        image = sitk.ReadImage(name, imageIO=reader)
-    _require_real(path, image)
-    return image
 
 
 def _require_real(path: Path, image: sitk.Image | sitk.ImageFileReader) -> None:

@@ -102,7 +102,7 @@ class ReplayServer:
         self._version = header_version
         self._missed = 0
         self._clients: list[_Client] = []
-        self._stopping, self._played, self._ended = threading.Event(), threading.Event(), threading.Event()
+        self._stopping, self._played = threading.Event(), threading.Event()
         self._is_deserted = False
         self._error: Exception | None = None
         self._thread: threading.Thread | None = None
@@ -121,10 +121,7 @@ class ReplayServer:
             return
         listener = _listen(self.host, self.port)
         self.port = listener.getsockname()[1]
-        self._played.clear()
-        self._ended.clear()
-        self._error = None
-        self._stopping.clear()
+        self._stopping, self._played, self._error = threading.Event(), threading.Event(), None
         thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
         try:
             thread.start()
@@ -162,7 +159,7 @@ class ReplayServer:
         AIFReconError
             When the recording turned out to be damaged.
         """
-        while not self._ended.is_set():  # whose own wait may turn an interrupt into an error of its lock
+        while self._thread is not None and self._thread.is_alive():  # whose own wait may turn an interrupt into an error of its lock
             time.sleep(POLL)
         self.wait()
 
@@ -206,7 +203,6 @@ class ReplayServer:
             self._error = error
             logger.exception("The replay ended")
         finally:
-            self._ended.set()
             self._played.set()
 
     async def _serve(self, listener: socket.socket) -> None:

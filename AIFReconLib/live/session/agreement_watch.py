@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
 
 from ...arrays import Floats
@@ -22,22 +21,6 @@ MOST_SEEN = 6000
 """Echoes of the scan so far that are kept, evenly in space; a few times as many between two sortings."""
 
 
-@dataclass(frozen=True)
-class _LiveState:
-    """What is known of the last seconds.
-
-    Parameters
-    ----------
-    agreement : Agreement or None
-        None while they have shown too little bone.
-    has_fallen : bool
-        CT and patient agreed in this scan and do so no longer.
-    """
-
-    agreement: Agreement | None = None
-    has_fallen: bool = False
-
-
 class AgreementWatch(Watch):
     """Compares the bone echoes of the newest frame with the placed CT, from time to time. Memory does not grow with the scan.
 
@@ -45,6 +28,13 @@ class AgreementWatch(Watch):
     ----------
     labels_to_reference : (4, 4) array, mm
         Rigid.
+
+    Attributes
+    ----------
+    agreement : Agreement or None
+        Of the last seconds; None while they have shown too little bone.
+    has_fallen : bool
+        CT and patient agreed in this scan and do so no longer.
     """
 
     def __init__(self, session: LiveSession, bone: BoneField, labels_to_reference: Floats):
@@ -53,7 +43,8 @@ class AgreementWatch(Watch):
         self._live: LiveAgreement | None = None
         # Of the scan so far, and of the last seconds: replaced together
         self._echoes: tuple[list[SweepEchoes], SweepEchoes] = [], SweepEchoes.joined(())
-        self.state = _LiveState()
+        self.agreement: Agreement | None = None
+        self.has_fallen = False
         self._start()
 
     def place(self, labels_to_reference: Floats) -> None:
@@ -62,13 +53,13 @@ class AgreementWatch(Watch):
 
     def echoes(self) -> SweepEchoes:
         """Bone echoes to place the CT by: of the whole scan, or since CT and patient have come apart, but at least of the last seconds."""
-        has_fallen, (scan, recent) = self.state.has_fallen, self._echoes
+        has_fallen, (scan, recent) = self.has_fallen, self._echoes
         seen = SweepEchoes.joined(scan)
         return recent if has_fallen and len(seen) < len(recent) else seen
 
     def _tell_problem(self, problem: str) -> None:
         super()._tell_problem(problem)
-        self.state = _LiveState(None, self.state.has_fallen)
+        self.agreement = None
 
     def _move(self, labels_to_reference: Floats) -> None:
         self._labels_to_reference = labels_to_reference
@@ -89,7 +80,7 @@ class AgreementWatch(Watch):
         return ()
 
     def _judge(self, live: LiveAgreement, scan: list[SweepEchoes]) -> None:
-        agreement, has_fallen = live.agreement(), live.has_fallen()
+        has_fallen = live.has_fallen()
         # What was seen before is of a patient who lay elsewhere
-        self._echoes = ([] if has_fallen and not self.state.has_fallen else scan), live.echoes()
-        self.state, self.problem = _LiveState(agreement, has_fallen), None
+        self._echoes = ([] if has_fallen and not self.has_fallen else scan), live.echoes()
+        self.agreement, self.has_fallen, self.problem = live.agreement(), has_fallen, None

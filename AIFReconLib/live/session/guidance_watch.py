@@ -217,11 +217,11 @@ class GuidanceWatch(Watch):
             return
         pose, advice = self._poses[-1], None
         if self._advisor is not None:
+            move = None if self.state.advice is None else self.state.advice.move
             if now - self._advised >= ADVISE_EVERY:
                 gains = yield from self._advisor.moves.gains(aim)
-                advice, self._advised = self._advisor.advise(aim, pose, gains), now
-            else:
-                advice = self._advisor.to(None if self.state.advice is None else self.state.advice.move, pose)
+                move, self._advised = self._advisor.moves.advise(aim, pose, gains), now
+            advice = self._advisor.to(move, pose)
         self.state = Guidance.of(colored, met, advice)
 
     def _why_not(self, met: CoverageAccumulator) -> str | None:
@@ -232,7 +232,7 @@ class GuidanceWatch(Watch):
         return FAR if far else None
 
     def _look_at_passes(self, aim: CoverageAccumulator) -> Iterator[object]:
-        advisor = Advisor(aim, np.array(self._poses), draws=0)
+        advisor = Advisor(aim, np.array(self._poses))
         candidates = advisor.moves.candidates
         while candidates.is_rough:
             yield from candidates.look_again()
@@ -251,7 +251,7 @@ class GuidanceWatch(Watch):
             for met in mets:
                 met.insert(pose)
         mets[0] = unrefuted(mets[0])
-        advisor = Advisor(mets[-1], poses, draws=0)
+        advisor = Advisor(mets[-1], poses)
         yield from advisor.moves.candidates.look_again()
         self._colored, self._bone, self._mets, self._advisor = ColoredBone.of(mets[0].bone), mets[0].bone, mets, advisor
         self._again, self._renewed = list(self._since), time.monotonic()

@@ -67,7 +67,6 @@ class MotionWatch(Watch):
         self._in_force = np.eye(4)[None]
         self._finished = 0
         self.motion: PatientMotion | None = None
-        self.problem: str | None = None
         self._start()
 
     @property
@@ -75,9 +74,6 @@ class MotionWatch(Watch):
         """What was found, in sentences."""
         told = () if self.motion is None else self.motion.lines
         return told if self.problem is None else (*told, self.problem)
-
-    def _tell_problem(self, problem: str) -> None:
-        self.problem = problem
 
     def _look(self, frame: LiveFrame | None) -> Steps[None]:
         imaging = None if frame is None else self._session.imaging()

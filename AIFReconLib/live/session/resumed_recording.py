@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -19,8 +18,6 @@ from ..pairing.synchronizer import LiveFrame
 from .recording import growing_files
 from .statistics import ALL, Spans
 
-logger = logging.getLogger(__name__)
-
 
 def unfinished_frames(path: Path, configuration: PlusConfiguration, spans: Spans = ALL) -> Iterator[tuple[LiveFrame, bool]]:
     """The frames of an unfinished recording in their order, placed as a session places them, and whether each counts.
@@ -36,12 +33,9 @@ def unfinished_frames(path: Path, configuration: PlusConfiguration, spans: Spans
     spans : Spans
         Which frames enter the volume; others are recorded only.
     """
-    header = growing_files(path)[0]
     try:
-        sequence = replace(read_sequence(header), configuration=configuration)
-    except AIFReconError as error:
-        if header.exists():
-            logger.warning("The frames of %s are kept, but not taken up: %s", header, message_of(error))
+        sequence = replace(read_sequence(growing_files(path)[0]), configuration=configuration)
+    except AIFReconError:  # a `Recorder` tells what it cannot take up
         return
     try:
         poses = sweep_poses(sequence)

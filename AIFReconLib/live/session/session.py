@@ -98,6 +98,8 @@ class LiveSession:
 
     Attributes
     ----------
+    grid : VoxelGrid or None
+        The voxels that are or will be filled.
     earlier : iterable of (LiveFrame, bool)
         To be set before `start`: frames that are recorded already and come before those of the source, and whether each counts.
 
@@ -173,16 +175,16 @@ class LiveSession:
             inputs=[] if configuration.path is None else [configuration.path],
         )
         self._inserter = Inserter(self.settings, bone, longest_delay, sign, parts)
-        self._grid = grid = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
+        self.grid: VoxelGrid | None = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock, self._looking = threading.RLock(), threading.Lock()
         self.pool = ThreadPoolExecutor(MOST_WATCHES, "aifrecon live watch")
         self._known = known_imaging(configuration, True, region, probe)
         # With gray levels that are told no frame must be awaited
         self._seen_imaging = None if self._known is None or asked.gray_levels is None else self._known.judging((), asked)
         self._look_from = 0
-        self._phase = SCOUTING if grid is None else LOOKING if self._must_look else RECONSTRUCTING
+        self._phase = SCOUTING if self.grid is None else LOOKING if self._must_look else RECONSTRUCTING
         self._scouted = ScoutedFrames()
-        self._paused = self._prepared = self._started = self._closed = False
+        self._paused = self._started = self._closed = False
         self._heard, self._still = StreamHealth(), StillImages()
         self._collect_error: Exception | None = None
         self.earlier: Iterable[tuple[LiveFrame, bool]] = ()
@@ -247,7 +249,7 @@ class LiveSession:
     def use_grid(self, grid: VoxelGrid) -> None:
         """Reconstruct on `grid` from now on, beginning with the frames seen while scouting that were kept."""
         with self._lock:
-            self._grid = grid
+            self.grid = grid
             if self._must_look and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
                 self._phase = LOOKING
             else:
@@ -356,11 +358,6 @@ class LiveSession:
             return self._seen_imaging
 
     @property
-    def grid(self) -> VoxelGrid | None:
-        """The voxels that are or will be filled."""
-        return self._grid
-
-    @property
     def scouted(self) -> int:
         """Tracked frames seen since scouting began."""
         return self._scouted.usable
@@ -406,13 +403,11 @@ class LiveSession:
         )
 
     def _start_inserting(self) -> None:
-        if not self._prepared:
-            self._prepared = True
-            if self._grid is not None and self._imaging is not None:
-                # Before frames come: what they tell of gray levels is handed on before the first is inserted
-                self._made_before = True
-                self._inserter.begin(self._grid, lambda: self._find_imaging(ScoutedFrames()))
-            self._inserter.start()
+        if self.grid is not None and self._imaging is not None and not self._made_before:
+            # Before frames come: what they tell of gray levels is handed on before the first is inserted
+            self._made_before = True
+            self._inserter.begin(self.grid, lambda: self._find_imaging(ScoutedFrames()))
+        self._inserter.start()
 
     # ---- the receiving thread
 
@@ -465,8 +460,8 @@ class LiveSession:
             self._meter.skip(LEFT_OUT)
         elif self._phase in (SCOUTING, LOOKING):
             self._scouted.add(frame)
-            if self._grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
-                self._begin(self._grid)
+            if self.grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
+                self._begin(self.grid)
         else:
             self._put(frame, live)
 
@@ -506,8 +501,8 @@ class LiveSession:
     def _close_scouting(self) -> None:
         """Account for the frames that still wait for a grid or for more of them."""
         with self._lock:
-            if self._grid is not None and self._phase == LOOKING and self._scouted.usable:
-                self._begin(self._grid)
+            if self.grid is not None and self._phase == LOOKING and self._scouted.usable:
+                self._begin(self.grid)
             for frame in self._scouted:
                 self._meter.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()

@@ -19,6 +19,7 @@ _IMAGE = struct.Struct(">HBBBB3H12f6H")
 _UTF8, _ASCII = 106, 3
 _LITTLE = 2
 _RAS = 1
+_OK = 1
 _SCALARS = {"i1": 2, "u1": 3, "i2": 4, "u2": 5, "i4": 6, "u4": 7, "f4": 10, "f8": 11}
 
 
@@ -103,9 +104,9 @@ def encode_transform(device: str, timestamp: float, matrix: Matrix, *, version: 
     return encode_message("TRANSFORM", device, timestamp, content, version=version, metadata=metadata)
 
 
-def encode_status(device: str, timestamp: float, code: int = 1, text: str = "", *, version: int = 1) -> bytes:
-    """A STATUS message; code 1 is OK."""
-    content = struct.pack(">Hq20s", code, 0, b"") + text.encode("utf-8") + b"\0"
+def encode_status(device: str, timestamp: float, text: str = "", *, version: int = 1) -> bytes:
+    """A STATUS message: all is well."""
+    content = struct.pack(">Hq20s", _OK, 0, b"") + text.encode("utf-8") + b"\0"
     return encode_message("STATUS", device, timestamp, content, version=version)
 
 

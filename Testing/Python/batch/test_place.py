@@ -128,13 +128,6 @@ def test_results_of_a_run_that_was_ended_before_it_said_so_are_replaced(lab, mon
     done(lab, lab / "out")
 
 
-def test_a_worker_of_another_version_that_joins_late_computes_nothing(lab):
-    (lab / "out" / RECORDS).mkdir(parents=True)
-    record = carry_out(first_case(lab), lab / "out", version="9.9")
-    assert (record.state, "was read by 9.9" in record.message) == (LOST, True)
-    assert not (lab / "out" / "P1").exists()
-
-
 @pytest.mark.parametrize("state", [FAILED, LOST])
 def test_results_of_before_are_known_after_a_case_has_failed(lab, monkeypatch, state):
     done(lab, lab / "out")

@@ -63,20 +63,11 @@ def corners_off(matrix) -> float:
     return float(np.linalg.norm(((matrix - IMAGE_TO_PROBE) @ CORNERS)[:3], axis=0).max())
 
 
-def test_the_calibration_is_found(found):
+def test_the_calibration_is_found_in_spite_of_speckle_and_a_bottom_and_holds_for_the_other_half(found):
     assert found.accepted
     assert corners_off(found.image_to_probe) < 0.05
-
-
-def test_pixels_that_are_wider_than_high_are_found_so(found):
     np.testing.assert_allclose(np.linalg.norm(found.image_to_probe[:3, :2], axis=0), (0.15, 0.12), rtol=1e-3)
-
-
-def test_nearly_all_frames_show_their_wires_in_spite_of_speckle_and_a_bottom(found):
     assert found.shown >= 0.95 * found.tried == 57
-
-
-def test_what_one_half_tells_holds_for_the_other(found):
     assert found.other_half < 0.03
     assert found.apart < 0.05
 

@@ -156,22 +156,18 @@ def test_pixels_are_scaled_about_the_first(patient, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    ("output", "is_configured", "words"),
     [
-        (("--output", "new.nii"), "must end in .xml or .tfm"),
-        (("--output", "missing/New.xml"), "does not exist. Create it"),
+        ("new.nii", True, "must end in .xml or .tfm"),
+        ("missing/New.xml", True, "does not exist. Create it"),
+        ("New.xml", False, "Give it with --config"),
     ],
 )
-def test_what_cannot_be_written_is_said_before_the_long_work(patient, tmp_path, capsys, monkeypatch, options, words):
+def test_what_cannot_be_written_is_said_before_the_long_work(patient, tmp_path, capsys, monkeypatch, output, is_configured, words):
     monkeypatch.chdir(tmp_path)
-    assert calibrate(patient, patient.configuration, *options) == 2
+    config = ["--config", patient.configuration] if is_configured else []
+    assert main(["calibrate", *map(str, [patient.sequence, *config, "--bone-labels", patient.labels, "--output", output])]) == 2
     assert words in capsys.readouterr().err
-
-
-def test_a_configuration_is_not_written_from_none(patient, tmp_path, capsys):
-    words = [patient.sequence, "--bone-labels", patient.labels, "--output", tmp_path / "New.xml"]
-    assert main(["calibrate", *map(str, words)]) == 2
-    assert "Give it with --config" in capsys.readouterr().err
 
 
 def test_sweeps_of_two_depths_are_refused(patient, tmp_path, capsys):

@@ -95,22 +95,17 @@ def test_frames_are_chosen_by_first_last_and_step(patient, results):
     assert [record.timestamp for record in found.records] == [patient.sequence.records[n].timestamp for n in (1, 3, 5)]
 
 
-def test_a_cropped_image_stays_in_its_place(patient, results):
-    found = convert(patient.sweep, results / "s.mha", "--crop", 7, 4, 20, 15, "--config", patient.config)
+@pytest.mark.parametrize("frame", ["Image", "Video"])
+def test_a_cropped_image_stays_in_its_place_whatever_its_frame_is_called(frame, patient, results):
+    text = patient.config.read_text()
+    patient.config.write_text(text.replace('From="Image"', f'From="{frame}"').replace('"Image" Out', f'"{frame}" Out'))
     original = read_sequence(patient.sweep, config=patient.config)
+    convert(patient.sweep, results / "s.mha", "--crop", 7, 4, 20, 15, "--config", patient.config)
+    found = read_sequence(results / "s.mha", config=patient.config)
     assert found.frame_size == (20, 15)
     np.testing.assert_array_equal(found.images[3], original.images[3][4:19, 7:27])
     before = sweep_poses(original).image_to_reference[3] @ (9.0, 6.0, 0.0, 1.0)
     np.testing.assert_allclose(sweep_poses(found).image_to_reference[3] @ (2.0, 2.0, 0.0, 1.0), before, atol=1e-9)
-
-
-def test_a_cropped_image_of_another_frame_stays_in_its_place(patient, results):
-    """Not every configuration calls the image's frame Image."""
-    patient.config.write_text(patient.config.read_text().replace('From="Image"', 'From="Video"').replace('"Image" Out', '"Video" Out'))
-    before = sweep_poses(read_sequence(patient.sweep, config=patient.config)).image_to_reference[3] @ (9.0, 6.0, 0.0, 1.0)
-    convert(patient.sweep, results / "s.mha", "--crop", 7, 4, 20, 15, "--config", patient.config)
-    after = sweep_poses(read_sequence(results / "s.mha", config=patient.config)).image_to_reference[3] @ (2.0, 2.0, 0.0, 1.0)
-    np.testing.assert_allclose(after, before, atol=1e-9)
 
 
 def test_an_infinite_pose_is_cropped_without_a_word_of_python(patient, results, capsys):
@@ -213,8 +208,6 @@ def test_slicers_sequences_become_one_recording(tmp_path):
     ],
 )
 def test_what_cannot_be_done_is_explained(patient, results, capsys, options, message):
-    import re
-
     assert re.search(message, refused(["convert", patient.sweep, results / "s.mha", *options], capsys, results))
 
 

@@ -23,8 +23,8 @@ from AIFReconLib.io.volume.label_files import read_labels
 
 
 @pytest.fixture(scope="module")
-def shown(tmp_path_factory):
-    """The folder that the demo wrote, and the lines that it printed."""
+def folder(tmp_path_factory):
+    """What the demo wrote, and what it printed."""
     folder = tmp_path_factory.mktemp("demo")
     printed = io.StringIO()
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(printed):
@@ -32,17 +32,13 @@ def shown(tmp_path_factory):
         patch.setattr(demo, "SPACING", 1.5)
         patch.setattr(demo, "HOLE_LIMIT", 3.0)
         assert main(["demo", "--output", str(folder)]) == 0
-    return folder, printed.getvalue().splitlines()
+    (folder / "printed.txt").write_text(printed.getvalue())
+    return folder
 
 
 @pytest.fixture(scope="module")
-def folder(shown):
-    return shown[0]
-
-
-@pytest.fixture(scope="module")
-def printed(shown):
-    return shown[1]
+def printed(folder):
+    return (folder / "printed.txt").read_text().splitlines()
 
 
 @pytest.fixture(scope="module")

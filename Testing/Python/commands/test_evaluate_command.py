@@ -63,12 +63,7 @@ def test_the_csv_holds_every_number_of_every_volume(case, tmp_path):
     assert float(shell["bone_coverage"]) > 0.9
     assert float(noise["bone_coverage"]) < 0.1
     assert float(shell["bone_cnr"]) > 5 * float(noise["bone_cnr"])
-
-
-def test_the_ball_lies_where_its_registration_puts_it(case, tmp_path):
-    output = tmp_path / "metrics.csv"
-    assert main(command(case, "shell", extra=["--csv", output])) == 0
-    assert abs(float(rows_of(output)[0]["bone_localization_bias"])) < 0.3
+    assert abs(float(shell["bone_localization_bias"])) < 0.3, "the ball lies where its registration puts it"
 
 
 def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, capsys):
@@ -79,23 +74,8 @@ def test_without_a_sweep_it_says_that_reachability_is_unknown(case, tmp_path, ca
     assert row["reachability"] == "unknown"
     assert row["oblique_coverage"] == ""
     assert float(row["bone_area"]) == pytest.approx(4 * np.pi * 16, rel=0.15)
-
-
-def test_less_bone_counts_with_a_sweep_than_without(case, tmp_path):
-    areas = []
-    for sweep in (True, False):
-        assert main(command(case, "shell", sweep=sweep, extra=["--csv", tmp_path / "m.csv"])) == 0
-        areas.append(float(rows_of(tmp_path / "m.csv")[0]["bone_area"]))
-    assert 0 < areas[0] < areas[1]
-
-
-def test_volumes_of_one_name_are_told_apart_by_their_folders(case, tmp_path, capsys):
-    (tmp_path / "other").mkdir()
-    (tmp_path / "shell.nrrd").replace(tmp_path / "other" / "shell.nrrd")
-    (tmp_path / "noise.nrrd").replace(tmp_path / "shell.nrrd")
-    assert main(command(case, "shell", "other/shell")) == 0
-    names = [line.split()[0] for line in capsys.readouterr().out.splitlines()[1:3]]
-    assert names == [f"{tmp_path.name}/shell.nrrd", "other/shell.nrrd"]
+    assert main(command(case, "shell", extra=["--csv", output])) == 0
+    assert 0 < float(rows_of(output)[0]["bone_area"]) < float(row["bone_area"]), "with a sweep less bone counts"
 
 
 @pytest.mark.parametrize(
@@ -103,7 +83,8 @@ def test_volumes_of_one_name_are_told_apart_by_their_folders(case, tmp_path, cap
     [
         (["a/x.nrrd", "b/y.nrrd"], ["x.nrrd", "y.nrrd"]),
         (["a/x.nrrd", "b/x.nrrd", "b/y.nrrd"], ["a/x.nrrd", "b/x.nrrd", "y.nrrd"]),
-        (["a/c/x.nrrd", "b/c/x.nrrd"], ["a/c/x.nrrd", "b/c/x.nrrd"]),
+        (["a/c/x.nrrd", "y.nrrd", "b/c/x.nrrd"], ["a/c/x.nrrd", "y.nrrd", "b/c/x.nrrd"]),
+        (["x.nrrd", "a/x.nrrd", "x.nrrd"], ["x.nrrd", "a/x.nrrd"]),
     ],
 )
 def test_names_are_as_short_as_they_can_be(tmp_path, paths, expected):
@@ -137,6 +118,7 @@ def test_the_report_holds_the_volumes_and_where_they_come_from(case, tmp_path, c
     html = page.read_text("utf-8")
     for name in ("shell.nrrd", "noise.nrrd", case.sweep.name, case.config.name, case.labels.name, case.transform.name, "6 frames"):
         assert name in html
+    assert str(tmp_path) not in html
 
 
 def test_the_report_says_how_a_volume_was_made_and_of_which_it_is_not_known(case, tmp_path):
@@ -154,12 +136,6 @@ def test_a_volume_with_damaged_settings_is_measured_all_the_same(case, tmp_path)
     replace(read_volume(shell), fields={SETTINGS: '{"alpha": "many"'}).write(shell)
     assert main(command(case, "shell", extra=["--report", page])) == 0
     assert "Not known of shell.nrrd" in page.read_text("utf-8")
-
-
-def test_the_report_names_no_place_on_this_machine(case, tmp_path):
-    page = tmp_path / "report.html"
-    assert main(command(case, "shell", extra=["--report", page])) == 0
-    assert str(tmp_path) not in page.read_text("utf-8")
 
 
 def of_cases(tmp_path, count):

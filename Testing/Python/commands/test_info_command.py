@@ -49,11 +49,6 @@ def test_several_sequences_are_told_one_after_the_other(patient, capsys):
     assert len(json.loads(capsys.readouterr().out)) == 2
 
 
-def test_one_sequence_that_cannot_be_reconstructed_is_told_by_the_exit_code(patient, capsys):
-    assert main(["info", str(patient.sweep)]) == 1
-    assert "To do so:" not in capsys.readouterr().out
-
-
 @pytest.fixture
 def unknown_probe(patient, tmp_path):
     """The sweep of the patient, lit from side to side: no outline tells the probe."""

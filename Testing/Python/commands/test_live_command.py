@@ -205,7 +205,6 @@ def test_a_recording_goes_on_after_an_error(serve, live, results, monkeypatch):
     assert len(read_sequence(results / "scan.mha")) == 9
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent differently there")
 def frames_by_now(recorded) -> int:
     """How many frames a recording holds that is being written; its header and its lines may be read in between."""
     try:
@@ -214,6 +213,7 @@ def frames_by_now(recorded) -> int:
         return 0
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="interrupts are sent differently there")
 def test_ctrl_c_saves_what_there_is(serve, live, results):
     recorded = results / "scan.recording.mhd"
     arguments = live(serve(loop=True), "--output", results / "v.nrrd", "--record", results / "scan.mhd")

@@ -13,7 +13,7 @@ from AIFReconLib.errors import VolumeFormatError
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.metafile.opening import read_metafile
 from AIFReconLib.io.volume.files import read_volume
-from AIFReconLib.provenance.record import made_by
+from AIFReconLib.provenance.record import made_in_header
 
 SUFFIXES = [".nrrd", ".mha", ".mhd"]
 
@@ -59,7 +59,7 @@ def test_a_ct_beside_its_labels_is_an_input_of_which_no_voxel_is_made(patient, r
     words = [*patient.reconstruct, *patient.bone, "--ct", str(tmp_path / "ct.nrrd"), "--method", "aif"]
     assert main([*map(str, words), "-q", "-o", str(results / "v.nrrd")]) == 0
     assert [each["name"] for each in json.loads(fields_of(results / "v.nrrd")["AIFRecon_inputs"]) if each.get("shown")] == ["ct.nrrd"]
-    named = made_by(read_volume(results / "v.nrrd"))["inputs"]
+    named = made_in_header(read_volume(results / "v.nrrd").fields)["inputs"]
     assert patient.labels.name in named
     assert "ct.nrrd" not in named
 

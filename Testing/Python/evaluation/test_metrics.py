@@ -101,16 +101,6 @@ def test_the_peak_is_found_where_it_is(offset, uvs, truth):
     assert found.localization_error == pytest.approx(abs(offset), abs=0.06)
 
 
-def test_errors_to_both_sides_cancel_in_the_bias_only(uvs, truth):
-    found = measures(TISSUE + ridge(uvs[2], offset=0.8 * np.sign(uvs[1])), truth).bone
-    assert found.localization_bias == pytest.approx(0.0, abs=0.05)
-    assert found.localization_error == pytest.approx(0.8, abs=0.05)
-
-
-def test_a_response_beyond_the_window_does_not_count(uvs, truth):
-    assert measures(TISSUE + ridge(uvs[2], offset=2.6), truth).bone.coverage == 0.0
-
-
 # Contrast
 
 
@@ -157,6 +147,8 @@ def test_coverage_is_the_share_that_has_the_ridge(uvs, truth):
     found = measures(speckle() / 2 + ridge(uvs[2], height=200.0) * (uvs[0] > 0.5), truth)
     # 25 rows of points, 1 mm apart, of which 12 have it
     assert found.bone.coverage == pytest.approx(12 / 25, abs=0.02)
+    # Beyond 45 degrees at best
+    assert found.oblique.area == pytest.approx(truth.surface.areas[truth.best_cosine < 0.7].sum())
     assert found.oblique.coverage > 0.98
     assert found.interspinous.coverage < 0.02
 
@@ -176,11 +168,6 @@ def test_speckle_without_bone_is_hardly_ever_taken_for_bone(seed, truth):
     assert 0.3 < found.cnr < 1.5
 
 
-def test_even_noise_of_independent_voxels_is_rarely_taken_for_bone(truth):
-    found = [measures(noise(seed), truth).bone.coverage for seed in range(4)]
-    assert np.mean(found) < 0.04
-
-
 def test_tissue_that_ends_at_a_shadow_is_not_a_response(uvs, truth):
     assert measures(np.where(uvs[2] > 0, speckle(), 3.0), truth).bone.coverage < 0.01
 
@@ -189,6 +176,7 @@ def test_tissue_that_ends_at_a_shadow_is_not_a_response(uvs, truth):
 def test_the_slope_of_something_brighter_beside_the_surface_is_not_a_response(side, uvs, truth):
     # At 1.5 mm it is still far brighter than the tissue
     assert measures(TISSUE + ridge(uvs[2], height=200.0, fwhm=1.6, offset=2.1 * side), truth).bone.coverage == 0.0
+    assert measures(TISSUE + ridge(uvs[2], offset=2.6 * side), truth).bone.coverage == 0.0
 
 
 # What was measured
@@ -224,12 +212,6 @@ def test_bone_that_no_beam_reached_does_not_count(uvs, truth):
     found = measures(TISSUE + ridge(uvs[2]) * (uvs[0] > 0), reached).bone
     assert found.area == pytest.approx(truth.surface.areas[u > 0].sum())
     assert found.coverage > 0.98
-
-
-def test_the_oblique_part_is_beyond_45_degrees(uvs, truth):
-    found = measures(TISSUE + ridge(uvs[2]), truth)
-    u = transform_points(np.linalg.inv(TURN), truth.surface.points_reference)[:, 0]
-    assert found.oblique.area == pytest.approx(truth.surface.areas[u > 6.0].sum())
 
 
 def test_without_a_sweep_measured_bone_counts_and_oblique_is_unknown(uvs, truth):

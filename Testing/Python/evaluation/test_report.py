@@ -14,11 +14,8 @@ import pytest
 
 from AIFReconLib.compounding.methods.table import METHODS
 from AIFReconLib.errors import OutputError
-from AIFReconLib.evaluation.figures import within_spinous_process
 from AIFReconLib.evaluation.quantities import PARTS, QUANTITIES, BoneMetrics, SurfaceMetrics, achieved, best_of, metrics_csv
 from AIFReconLib.evaluation.report import Report, report_html, software_versions, write_report
-from AIFReconLib.evaluation.surface import BoneSurface
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
 from AIFReconLib.recipe.recipe import ReconstructionSettings
 
 PNG = b"\x89PNG\r\n\x1a\nnot really"
@@ -210,23 +207,7 @@ def test_the_best_are_those_that_look_best(key, values, expected):
     assert best_of(key, metrics) == set(expected)
 
 
-# ---- table and figure
-
-
-@pytest.fixture
-def block():
-    """A 20 x 30 x 25 mm volume about the origin with a gradient in it."""
-    grid = VoxelGrid.from_spacing((-10, -15, -12), (20, 30, 25), 1.0)
-    return Volume(np.indices(grid.shape)[0].astype(np.uint8) * 9, grid.ijk_to_reference)
-
-
-def test_the_figure_looks_into_the_spinous_process_nearest_to_the_middle(block):
-    """Two rods that run 30 mm from front to back, at z = -8 and z = 1: the second one's middle is found."""
-    y = np.linspace(-15, 15, 3001)
-    points = np.concatenate([np.stack([np.full_like(y, 2.0), y, np.full_like(y, z)], axis=1) for z in (-8.0, 1.0)])
-    labels = np.repeat([1, 2], len(y))
-    surface = BoneSurface(points, np.zeros_like(points), np.ones(len(points)), labels)
-    assert within_spinous_process(surface, block.grid) == pytest.approx((2.0, 0.0, 1.0), abs=0.3)
+# ---- table
 
 
 @pytest.mark.parametrize("name", ["=cmd|' /C calc'!A0", "@SUM(1)", "-2+3", "+1", "\tx=1", "\uff1d1+1", " =1"])

@@ -39,17 +39,11 @@ def test_points_of_a_distance_lie_on_the_surface_between_the_voxels():
 
 @pytest.mark.parametrize("pitch", [0, 0.7, 2.0])
 def test_areas_sum_to_that_of_the_ball_at_any_pitch(pitch):
-    assert bone_surface(ball(), pitch=pitch).areas.sum() == pytest.approx(4 * np.pi * RADIUS**2, rel=0.01)
-
-
-def test_areas_of_half_a_ball_sum_to_half():
-    surface = bone_surface(ball(), pitch=0)
+    surface, area = bone_surface(ball(), pitch=pitch), 4 * np.pi * RADIUS**2
+    assert surface.areas.sum() == pytest.approx(area, rel=0.01)
+    assert pitch < 2 or len(surface) == pytest.approx(area / pitch**2, rel=0.02)
     side = (surface.points_reference - CENTER) @ [0.36, -0.48, 0.8] > 0
-    assert surface.areas[side].sum() == pytest.approx(2 * np.pi * RADIUS**2, rel=0.02)
-
-
-def test_thinning_leaves_about_one_point_per_square_of_the_pitch():
-    assert len(bone_surface(ball(), pitch=2.0)) == pytest.approx(np.pi * RADIUS**2, rel=0.02)
+    assert surface.areas[side].sum() == pytest.approx(area / 2, rel=0.05)
 
 
 def test_a_surface_of_labels_lies_within_a_fraction_of_a_voxel():
@@ -123,11 +117,6 @@ def test_bone_beside_the_midline_does_not_belong_to_the_border():
     surface, border = border_of(labels)
     assert border.any()
     assert np.abs(surface.points_reference[border, 0] - 29.5).max() < 5
-
-
-def test_the_border_moves_with_the_registration():
-    motion = rigid((40, 10, -70), (3, 4, 5))
-    np.testing.assert_array_equal(border_of(two_vertebrae(motion=motion))[1], border_of(two_vertebrae())[1])
 
 
 def test_a_gap_too_wide_has_no_border():

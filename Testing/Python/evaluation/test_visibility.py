@@ -113,13 +113,6 @@ def test_beams_of_a_sector_come_from_its_apex():
     np.testing.assert_allclose(best, 50.0 / np.hypot(50.0, points[:, 0]), atol=1e-9)
 
 
-def test_the_shadow_of_a_sector_widens_with_depth():
-    # The plate's edge at x = 0 and an apex at x = 10, y = 0: at 38 mm the shadow reaches x = 10 - 10 * 38 / 20 = -9
-    probe = ProbeGeometry(SECTOR, (75.0, 0.0))
-    points = np.array([(-11.0, 38.0, 0.0), (-4.0, 38.0, 0.0)])
-    assert look(points, sweep(probe=probe), bone(table))[0].tolist() == [SHADOWED, REACHED]
-
-
 def test_beams_farther_than_the_grazing_angle_do_not_reach():
     points = np.array([(0.0, 30.0, 0.0)] * 2)
     normals = np.array([(np.sin(np.radians(a)), -np.cos(np.radians(a)), 0.0) for a in (84.0, 86.0)])
@@ -144,14 +137,6 @@ def test_bone_is_where_the_labels_are_and_the_map_tells_shadow_from_tissue():
     ijk = transform_points(truth.shadows.grid.reference_to_ijk, np.array([(-10.0, 32.0, 3.0), (10.0, 32.0, 3.0)]))
     i, j, k = np.round(ijk).astype(int).T
     assert truth.shadows.array[k, j, i].tolist() == [SHADOWED, REACHED]
-
-
-def test_without_a_sweep_nothing_is_said_about_reach():
-    labels = Volume((bone(ball).array <= 0).astype(np.uint8), bone(ball).ijk_to_reference)
-    truth = bone_truth(labels)
-    assert truth.best_cosine is None
-    assert truth.shadows is None
-    assert not truth.border.any()
 
 
 @pytest.mark.parametrize("shape", [ball, table])

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from AIFReconLib.errors import GeometryError, TransformError
-from AIFReconLib.geometry.transform_graph import TransformName, find_ways, largest_gap
+from AIFReconLib.geometry.transform_graph import TransformName, find_ways
 
 IMAGE_TO_PROBE = rigid((0.1, 0.2, -0.3), (5.0, 6.0, 7.0)) @ scaled(0.2, 0.3, 0.25)
 PROBE_TO_TRACKER = rigid((1.1, -0.4, 0.2), (100.0, 50.0, -20.0))
@@ -37,7 +37,7 @@ def followed(transforms, source: str = "Image", target: str = "Reference") -> tu
     """The product along the way, and what is said of other ways that disagree."""
     found = ways(transforms, source, target)
     matrix, pairs = found.follow({TransformName.parse(name): one for name, one in transforms.items()})
-    return matrix, [found.describe(n) for n, pair in enumerate(pairs) if largest_gap(pair, np.ones((4, 1))) > 0.1]
+    return matrix, [found.describe(n) for n, pair in enumerate(pairs) if np.linalg.norm((pair[1] - pair[0]) @ np.ones(4)) > 0.1]
 
 
 @pytest.mark.parametrize(

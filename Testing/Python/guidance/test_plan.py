@@ -137,9 +137,15 @@ def expected(bone, probe, poses):
     return expected_visibility(support), np.where(bone.border, bone.surface.areas, 0.0)
 
 
+def looked_at(*passes_and_target):
+    candidates = Candidates(*passes_and_target)
+    candidates.look()
+    return candidates
+
+
 def test_a_pass_adds_the_area_that_its_frames_show_and_again_what_is_left(bone, probe):
     passes = freehand_passes(bone)[4:7]
-    candidates = Candidates(passes, bone, probe, "interspinous")
+    candidates = looked_at(passes, bone, probe, "interspinous")
     nothing = candidates.looked(np.zeros(len(bone)))
     for number, one in enumerate(passes):
         first, _ = expected(bone, probe, one.poses(probe))
@@ -153,7 +159,7 @@ def test_a_pass_adds_the_area_that_its_frames_show_and_again_what_is_left(bone, 
 
 
 def test_a_pass_adds_the_less_the_more_is_shown(bone, probe):
-    candidates = Candidates(freehand_passes(bone)[:12:3], bone, probe, "all", Hand())
+    candidates = looked_at(freehand_passes(bone)[:12:3], bone, probe, "all", Hand())
     support, rng = candidates.looked(np.zeros(len(bone))), np.random.default_rng(2)
     before = carry_out(candidates.gains(support))
     for _ in range(3):
@@ -165,16 +171,15 @@ def test_a_pass_adds_the_less_the_more_is_shown(bone, probe):
 
 def test_a_hand_that_never_errs_makes_the_pass_that_was_planned(bone, probe):
     passes = freehand_passes(bone)[:4]
-    exact, steady = (Candidates(passes, bone, probe, "interspinous", hand) for hand in (None, Hand(0.0, 0.0, 0.0, 0.0)))
+    exact, steady = (looked_at(passes, bone, probe, "interspinous", hand) for hand in (None, Hand(0.0, 0.0, 0.0, 0.0)))
     nothing = exact.looked(np.zeros(len(bone)))
     np.testing.assert_allclose(carry_out(steady.gains(nothing)), carry_out(exact.gains(nothing)), rtol=1e-4)
 
 
 def test_passes_that_are_looked_at_again_one_by_one_are_told_as_if_they_had_been_at_once(bone, probe):
     passes = freehand_passes(bone)[:4]
-    at_once, by_and_by = (Candidates(passes, bone, probe, "interspinous", Hand(), draws=draws) for draws in (DRAWS, 1))
-    nothing = at_once.looked(np.zeros(len(bone)))
-    told = [carry_out(by_and_by.gains(nothing))]
+    at_once, by_and_by = (make(passes, bone, probe, "interspinous", Hand()) for make in (looked_at, Candidates))
+    nothing, told = at_once.looked(np.zeros(len(bone))), []
     while by_and_by.is_rough:
         carry_out(by_and_by.look_again())
         told.append(carry_out(by_and_by.gains(nothing)))

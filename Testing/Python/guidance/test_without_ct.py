@@ -167,7 +167,8 @@ def test_the_next_move_leads_to_where_bone_may_go_on(bone, place):
     """Seen from above all along but for one end: that is where to go."""
     poses = np.stack([above(place, z=z) for z in np.linspace(-24.0, 8.0, 40)])
     met = unrefuted(met_by(bone, poses))
-    advice = Advisor(met, poses).advise(met, poses[-1])
+    advisor = Advisor(met, poses)
+    advice = advisor.to(advisor.moves.advise(met, poses[-1]), poses[-1])
     assert advice.move is not None
     assert advice.seen is not None
     assert advice.seen.over == ()

@@ -7,10 +7,12 @@ import inspect
 import os
 import pickle
 import socket
+import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -274,11 +276,15 @@ def test_a_list_under_the_name_of_a_video_is_not_followed(inputs, text):
         open_images([inputs / "sweep.mp4"])
 
 
-def test_a_decoder_of_videos_may_read_that_file_and_formats_of_videos_alone(inputs):
+def test_a_decoder_of_videos_may_read_that_file_and_formats_of_videos_alone(inputs, monkeypatch):
     """What ffmpeg is told, where there is none to try it on."""
-    from AIFReconLib.io.foreign.video import _Video
-
-    command = _Video("ffmpeg", inputs / "sweep.mp4")._command
+    told = []
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", SimpleNamespace(get_ffmpeg_exe=lambda: "ffmpeg"))
+    monkeypatch.setattr(subprocess, "run", lambda command, **_: told.append(command) or SimpleNamespace(stdout=b"", stderr=b""))
+    (inputs / "sweep.mp4").write_bytes(b"")
+    with pytest.raises(AIFReconError, match="cannot be decoded as a video"):
+        open_images([inputs / "sweep.mp4"])
+    (command,) = told
     options = command[: command.index("-i")]
     assert options[options.index("-protocol_whitelist") + 1] == "file"
     assert "concat" not in options[options.index("-format_whitelist") + 1]

@@ -64,6 +64,15 @@ def calibration(tmp_path):
     return tmp_path / "ImageToProbe.txt"
 
 
+def pictures(folder, images):
+    """Images as PNG files, called by their numbers."""
+    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
+    folder.mkdir()
+    for n, image in enumerate(images):
+        pil.fromarray(image).save(folder / f"{n}.png")
+    return folder
+
+
 def imported(results, *arguments):
     assert main(["import", *map(str, arguments), "--output", str(results / "sweep.igs.mha")]) == 0
     return read_sequence(results / "sweep.igs.mha")
@@ -77,11 +86,7 @@ def expected_volume():
 
 
 def test_exported_pictures_and_poses_give_the_same_volume(tmp_path, results, calibration):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    folder = tmp_path / "frames"
-    folder.mkdir()
-    for n, image in enumerate(SEQUENCE.images):
-        pil.fromarray(image).save(folder / f"{n}.png")
+    folder = pictures(tmp_path / "frames", SEQUENCE.images)
     poses = save(tmp_path / "poses.csv", [[t, *row] for t, row in zip(TIMES, flat(PROBE_TO_REFERENCE))])
     sequence = imported(results, folder, "--poses", poses, "--transform", "ProbeToReference", "--calibration", calibration)
     found, expected = reconstruct(sequence, ReconstructionSettings(spacing=1.0)).intensity, expected_volume()
@@ -145,11 +150,7 @@ def test_every_way_to_write_poses_puts_the_pixels_in_the_same_place(tmp_path, re
 
 
 def test_poses_are_paired_by_the_names_of_their_images(tmp_path, results):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    folder = tmp_path / "frames"
-    folder.mkdir()
-    for n, image in enumerate(SEQUENCE.images):
-        pil.fromarray(image).save(folder / f"{n}.png")
+    folder = pictures(tmp_path / "frames", SEQUENCE.images)
     rows = [[f"somewhere/else/{n}.png", TIMES[n], *flat(IMAGE_TO_REFERENCE)[n]] for n in (5, 0, 3, 1, 2)]
     poses = save(tmp_path / "p.csv", rows, ["image", "time", *(f"m{r}{c}" for r in range(4) for c in range(4))])
     sequence = imported(results, folder, "--poses", poses, "--transform", "ImageToReference")
@@ -247,11 +248,7 @@ def test_what_does_not_fit_is_explained(tmp_path, results, frames, calibration, 
 
 
 def test_a_damaged_picture_leaves_nothing_behind(tmp_path, results, capsys):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    folder = tmp_path / "frames"
-    folder.mkdir()
-    for n, image in enumerate(SEQUENCE.images):
-        pil.fromarray(image).save(folder / f"{n}.png")
+    folder = pictures(tmp_path / "frames", SEQUENCE.images)
     (folder / "4.png").write_bytes((folder / "4.png").read_bytes()[:200])
     poses = save(tmp_path / "p.csv", flat(IMAGE_TO_REFERENCE))
     said = refused(["import", folder, "--poses", poses, "--transform", "ImageToReference", "--output", results / "s.mha"], capsys, results)
@@ -259,19 +256,11 @@ def test_a_damaged_picture_leaves_nothing_behind(tmp_path, results, capsys):
 
 
 def test_two_images_of_one_name_are_not_given_one_pose(tmp_path, results, capsys):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    for folder in ("a", "b"):
-        (tmp_path / folder).mkdir()
-        for n in range(2):
-            pil.fromarray(np.asarray(SEQUENCE.images)[n]).save(tmp_path / folder / f"{n}.png")
+    folders = [pictures(tmp_path / name, np.asarray(SEQUENCE.images)[:2]) for name in "ab"]
     rows = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE)[:2])]
     poses = save(tmp_path / "p.csv", rows, header=["image", *(f"m{i}{j}" for i in range(4) for j in range(4))])
-    words = ["import", tmp_path / "a", tmp_path / "b", "--poses", poses, "--transform", "ImageToReference", "-o", results / "x.mha"]
+    words = ["import", *folders, "--poses", poses, "--transform", "ImageToReference", "-o", results / "x.mha"]
     assert "Two of the images are called 0.png" in refused(words, capsys, results)
-
-
-def table(path, header, rows):
-    return save(path, rows, header)
 
 
 COLUMNS = ["time", "x", "y", "z", "qx", "qy", "qz", "qw"]
@@ -312,19 +301,19 @@ def twelve(tmp_path):
     ],
 )
 def test_what_no_hand_does_and_what_can_be_two_things_is_asked(tmp_path, results, twelve, capsys, header, rows, message):
-    poses = table(tmp_path / "p.csv", header, rows)
+    poses = save(tmp_path / "p.csv", header=header, rows=rows)
     said = refused(["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "-o", results / "s.mha"], capsys, results)
     assert re.search(message, said)
 
 
 def test_poses_that_the_tracker_lost_are_not_judged(tmp_path, results, twelve):
     rows = [[*row, "OK"] if n % 2 else [row[0], *[0] * 7, "MISSING"] for n, row in enumerate(moving())]
-    poses = table(tmp_path / "p.csv", [*COLUMNS, "status"], rows)
+    poses = save(tmp_path / "p.csv", header=[*COLUMNS, "status"], rows=rows)
     imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker")
 
 
 def test_who_is_sure_gets_what_he_asks_for_and_the_doubt(tmp_path, results, twelve, capsys):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(speed=3000.0))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(speed=3000.0))
     imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--sure")
     assert "doubt: The tool moves at 3 m/s" in capsys.readouterr().out
 
@@ -335,14 +324,14 @@ def places(sequence):
 
 def test_equal_numbers_do_not_outvote_clocks_that_disagree(tmp_path, results, twelve):
     """12 images at 20 a second, 12 poses at 10 a second: frame 2 was taken at the second pose."""
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(step=0.1))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(step=0.1))
     sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
     assert [record.timestamp for record in sequence.records] == pytest.approx([0.05 * n for n in range(12)])
 
 
 def test_a_rate_pairs_images_with_more_poses_by_time(tmp_path, results, twelve):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.01))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.01))
     sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     np.testing.assert_allclose(places(sequence), 10 + 20 * 0.05 * np.arange(12), atol=1e-9)
 
@@ -353,16 +342,10 @@ PAUSED = np.r_[0.0:0.3:0.05, 1.8:2.1:0.05][:12]
 
 @pytest.mark.parametrize(("header", "form"), [(["time"], "{t}"), (["image", "time_ms"], "{n}.png,{ms}"), (None, "{t}")])
 def test_images_that_paused_have_the_times_of_a_table(tmp_path, results, twelve, header, form):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    images = twelve
-    if header and "image" in header:
-        images = tmp_path / "frames"
-        images.mkdir()
-        for n, image in enumerate(np.load(twelve)):
-            pil.fromarray(image).save(images / f"{n}.png")
+    images = pictures(tmp_path / "frames", np.load(twelve)) if header and "image" in header else twelve
     rows = [form.format(n=n, t=f"{t:.3f}", ms=f"{1000 * t:.0f}").split(",") for n, t in enumerate(PAUSED)]
     times = save(tmp_path / "times.csv", rows if header is None or len(header) == 1 else rows[::-1], header)
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
     sequence = imported(results, images, "--poses", poses, "--transform", "ProbeToTracker", "--times", times)
     np.testing.assert_allclose(places(sequence), 10 + 20 * PAUSED, atol=1e-6)
 
@@ -377,36 +360,20 @@ def test_images_that_paused_have_the_times_of_a_table(tmp_path, results, twelve,
 )
 def test_times_that_do_not_fit_are_refused(tmp_path, results, twelve, capsys, text, message):
     (tmp_path / "times.csv").write_text(text)
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
-    words = [
-        "import",
-        twelve,
-        "--poses",
-        poses,
-        "--transform",
-        "ProbeToTracker",
-        "--times",
-        tmp_path / "times.csv",
-        "--output",
-        results / "s.mha",
-    ]
-    assert main([*map(str, words)]) == 2
-    assert message in capsys.readouterr().err
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
+    words = ["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "--times", tmp_path / "times.csv"]
+    assert message in refused([*words, "--output", results / "s.mha"], capsys, results)
 
 
 def test_images_at_a_rate_that_last_less_than_the_poses_are_told(tmp_path, results, twelve, capsys):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
     imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     out = " ".join(capsys.readouterr().out.split())
     assert "the images last 0.6 s at 20 a second, the poses 3.0 s. If the images paused, give --times FILE instead of --rate." in out
 
 
 def test_rows_without_an_image_are_poses_of_none(tmp_path, results):
-    pil = pytest.importorskip("PIL.Image", reason="Pillow is not installed")
-    folder = tmp_path / "frames"
-    folder.mkdir()
-    for n, image in enumerate(SEQUENCE.images):
-        pil.fromarray(image).save(folder / f"{n}.png")
+    folder = pictures(tmp_path / "frames", SEQUENCE.images)
     of_images = [[f"{n}.png", *row] for n, row in enumerate(flat(IMAGE_TO_REFERENCE))]
     rows = [["", *of_images[0][1:]], *of_images, ["", *of_images[-1][1:]]]
     poses = save(tmp_path / "p.csv", rows, ["image", *(f"m{r}{c}" for r in range(4) for c in range(4))])
@@ -414,7 +381,7 @@ def test_rows_without_an_image_are_poses_of_none(tmp_path, results):
 
 
 def test_clocks_that_began_at_other_times_are_in_step(tmp_path, results, twelve):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(start=1_700_000_000.0))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(start=1_700_000_000.0))
     sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     assert sequence.records[1].timestamp == pytest.approx(1_700_000_000.05)
 
@@ -435,7 +402,7 @@ def test_the_marker_on_the_patient_is_the_reference(tmp_path, results, twelve, c
 
 
 def test_images_that_began_later_get_the_poses_of_their_moment(tmp_path, results, twelve):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.05))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.05))
     options = ["--transform", "ProbeToTracker", "--rate", 20, "--time-offset", 1.025]
     sequence = imported(results, twelve, "--poses", poses, *options)
     np.testing.assert_allclose(places(sequence), 10 + 20 * (1.025 + 0.05 * np.arange(12)), atol=1e-9)
@@ -444,7 +411,7 @@ def test_images_that_began_later_get_the_poses_of_their_moment(tmp_path, results
 @pytest.mark.parametrize("offset", [0.0, 0.5])
 def test_a_clock_of_another_zero_begins_with_the_images_and_that_is_said(tmp_path, results, twelve, capsys, offset):
     rows = [[1_700_000_000.0 + float(row[0]), *row[1:]] for row in moving(count=60, step=0.05)]
-    poses = table(tmp_path / "p.csv", COLUMNS, rows)
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=rows)
     sequence = imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20, "--time-offset", offset)
     np.testing.assert_allclose(places(sequence), 10 + 20 * (offset + 0.05 * np.arange(12)), atol=1e-4)
     began = f"the images were taken to begin {offset:g} s after the poses"
@@ -452,7 +419,7 @@ def test_a_clock_of_another_zero_begins_with_the_images_and_that_is_said(tmp_pat
 
 
 def test_images_at_a_rate_and_poses_from_zero_are_told(tmp_path, results, twelve, capsys):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.02))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.02))
     imported(results, twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     assert "both count from 0" in capsys.readouterr().out
 
@@ -460,7 +427,7 @@ def test_images_at_a_rate_and_poses_from_zero_are_told(tmp_path, results, twelve
 def test_a_tool_that_is_not_used_may_be_a_marker_on_the_patient(tmp_path, results, twelve, capsys):
     axes = ("x", "y", "z", "qx", "qy", "qz", "qw")
     columns = ["time", *(f"{tool}_{axis}" for tool in ("Probe", "Back") for axis in axes)]
-    poses = table(tmp_path / "p.csv", columns, [[*row, *row[1:]] for row in moving(count=40)])
+    poses = save(tmp_path / "p.csv", [[*row, *row[1:]] for row in moving(count=40)], columns)
     options = ["--poses", poses, "--tool", "Probe", "--transform", "ProbeToTracker", "--rate", 20]
     imported(results, twelve, *options)
     assert "If a tool of these is a marker on the patient, give it with --reference-tool." in capsys.readouterr().out
@@ -468,37 +435,37 @@ def test_a_tool_that_is_not_used_may_be_a_marker_on_the_patient(tmp_path, result
     assert "not used" not in capsys.readouterr().out
 
 
-def test_an_offset_that_is_asked_for_is_found_and_applied_in_the_same_run(tmp_path, results, capsys):
-    late = late_sweep(late=0.2)
-    np.save(tmp_path / "a.npy", np.asarray(late.images))
-    matrices = [record.transforms[TransformName("Image", "Reference")].matrix for record in late.records]
+def exported(tmp_path, sweep):
+    """Images and poses of a sweep at 20 a second, as files."""
+    np.save(tmp_path / "a.npy", np.asarray(sweep.images))
+    matrices = [record.transforms[TransformName("Image", "Reference")].matrix for record in sweep.records]
     rows = [[0.05 * n, *matrix.ravel()] for n, matrix in enumerate(matrices)]
-    poses = table(tmp_path / "p.csv", ["time", *(f"m{i}{j}" for i in range(4) for j in range(4))], rows)
+    return tmp_path / "a.npy", save(tmp_path / "p.csv", rows, ["time", *(f"m{i}{j}" for i in range(4) for j in range(4))])
+
+
+def test_an_offset_that_is_asked_for_is_found_and_applied_in_the_same_run(tmp_path, results, capsys):
+    images, poses = exported(tmp_path, late_sweep(late=0.2))
     options = ["--transform", "ImageToTracker", "--spacing", 1, 1, "--rate", 20, "--time-offset"]
-    imported(results, tmp_path / "a.npy", "--poses", poses, *options, "auto")
+    imported(results, images, "--poses", poses, *options, "auto")
     said = capsys.readouterr().out
     assert float(re.search(r"time offset: (\S+) s, found in the images and applied", said)[1]) == pytest.approx(0.2, abs=0.01)
     assert "Images and poses are in step" in said
 
 
 def test_an_offset_that_a_sweep_does_not_tell_is_told_by_where_tool_and_images_begin(tmp_path, results, capsys):
-    late = late_sweep(lambda t: 16.0 * max(t - 2.0, 0.0), late=1.3, seconds=8.0)
-    np.save(tmp_path / "a.npy", np.asarray(late.images))
-    matrices = [record.transforms[TransformName("Image", "Reference")].matrix for record in late.records]
-    rows = [[0.05 * n, *matrix.ravel()] for n, matrix in enumerate(matrices)]
-    poses = table(tmp_path / "p.csv", ["time", *(f"m{i}{j}" for i in range(4) for j in range(4))], rows)
+    images, poses = exported(tmp_path, late_sweep(lambda t: 16.0 * max(t - 2.0, 0.0), late=1.3, seconds=8.0))
     options = ["--transform", "ImageToTracker", "--spacing", 1, 1, "--rate", 20]
-    words = ["import", tmp_path / "a.npy", "--poses", poses, *options, "--time-offset", "auto", "--output", results / "s.igs.mha"]
+    words = ["import", images, "--poses", poses, *options, "--time-offset", "auto", "--output", results / "s.igs.mha"]
     said = refused(words, capsys, results)
     assert float(re.search(r"If that is one movement, give --time-offset (\S+);", said)[1]) == pytest.approx(1.3, abs=0.15)
-    imported(results, tmp_path / "a.npy", "--poses", poses, *options)
+    imported(results, images, "--poses", poses, *options)
     capsys.readouterr()
     assert main(["info", str(results / "sweep.igs.mha"), "--reference", "Tracker"]) == 0
     assert "after the images begin to change. If that is one movement, give --time-offset 1." in " ".join(capsys.readouterr().out.split())
 
 
 def test_an_offset_is_not_sought_without_a_calibration_and_that_is_said_in_options(tmp_path, results, twelve, capsys):
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=60, step=0.02))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=60, step=0.02))
     words = ["import", twelve, "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20, "--time-offset", "auto"]
     said = refused([*words, "--output", results / "s.igs.mha"], capsys, results)
     assert "give the calibration with --calibration" in said
@@ -510,7 +477,7 @@ def test_two_clocks_from_zero_are_told(tmp_path, results, capsys):
     from dicom_samples import write_dicom
 
     images = write_dicom(dicom, tmp_path / "a.dcm", np.asarray(SEQUENCE.images)[:3], FrameTime=40.0)
-    poses = table(tmp_path / "p.csv", COLUMNS, moving(count=20, step=0.02))
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=moving(count=20, step=0.02))
     imported(results, images, "--poses", poses, "--transform", "ProbeToTracker")
     advice = "If the images began 2 s after the poses, give --time-offset 2; if 2 s before, -2"
     assert f"both count from 0, and were taken to begin at one moment. {advice}" in capsys.readouterr().out
@@ -528,7 +495,7 @@ def test_no_pose_is_made_up_where_the_tracker_lost_the_tool(tmp_path):
 
 def test_when_tool_and_images_begin_to_move_is_told(tmp_path, results, capsys):
     still, shown = [[f"{0.02 * n:.2f}", 10, 20, 30, 0, 0, 0, 1] for n in range(65)], np.random.default_rng(1).integers(0, 255, (40, 24, 32))
-    poses = table(tmp_path / "p.csv", COLUMNS, [*still, *moving(count=60, step=0.02, speed=100.0, start=1.3)])
+    poses = save(tmp_path / "p.csv", header=COLUMNS, rows=[*still, *moving(count=60, step=0.02, speed=100.0, start=1.3)])
     np.save(tmp_path / "a.npy", shown.astype(np.uint8)[np.maximum(np.arange(40) - 6, 0)])
     imported(results, tmp_path / "a.npy", "--poses", poses, "--transform", "ProbeToTracker", "--rate", 20)
     begun = re.search(r"begins to move at (\S+) s, and the images to change at (\S+) s. .* --time-offset (\S+);", capsys.readouterr().out)

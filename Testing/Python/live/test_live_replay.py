@@ -102,19 +102,18 @@ def at_the_end(inbox: Inbox) -> bool:
 # ---- what is sent
 
 
-def test_every_image_arrives_pixel_for_pixel_in_order_and_in_its_place(serve, sequence):
+def test_every_image_arrives_in_order_and_in_its_place_with_all_transforms_of_its_time(serve, sequence):
     inbox = serve(sequence).connect().until(at_the_end)
     assert len(inbox.images()) == len(sequence)
     assert all(np.array_equal(message.image, sequence.images[n]) for n, message in enumerate(inbox.images()))
     assert {message.device for message in inbox.images()} == {"Image_Reference"}
     expected = sweep_poses(sequence).image_to_reference
     assert np.allclose([message.image_to_sender for message in inbox.images()], expected, atol=2e-4)
-
-
-def test_image_and_transforms_of_a_frame_share_their_time_to_the_last_bit(serve, sequence):
-    inbox = serve(sequence).connect().until(at_the_end)
+    # Those of a frame share their time to the last bit
     names = {tuple(message.device for message in group) for group in of_one_time(inbox).values()}
     assert names == {("Image_Reference", "ProbeToTracker", "ReferenceToTracker", "ImageToReference")}
+    text = inbox.images()[3].metadata["ProbeToTrackerTransform"]
+    assert np.array_equal(np.array(text.split(), float).reshape(4, 4), sequence.records[3].transforms[PROBE_TO_TRACKER].matrix)
 
 
 def test_frames_are_as_far_apart_as_recorded(serve, sequence):
@@ -130,12 +129,6 @@ def test_a_transform_can_be_derived_on_request(serve, sequence):
     assert np.allclose(inbox.transforms()[0].matrix, expected, atol=2e-4)
 
 
-def test_metadata_carry_every_recorded_transform_in_full(serve, sequence):
-    inbox = serve(sequence).connect().until(at_the_end)
-    text = inbox.images()[3].metadata["ProbeToTrackerTransform"]
-    assert np.array_equal(np.array(text.split(), float).reshape(4, 4), sequence.records[3].transforms[PROBE_TO_TRACKER].matrix)
-
-
 def test_a_recording_without_calibration_is_sent_without_a_pose(serve, patient):
     inbox = serve(read_sequence(patient.sweep)).connect().until(at_the_end)
     assert {message.device for message in inbox.images()} == {"Image"}
@@ -145,10 +138,17 @@ def test_a_recording_without_calibration_is_sent_without_a_pose(serve, patient):
 # ---- validity
 
 
-def test_an_invalid_transform_and_what_depends_on_it_are_left_out_but_the_image_is_sent(serve, sequence):
+def test_an_invalid_transform_and_what_depends_on_it_are_left_out_but_the_image_is_sent_with_its_recorded_pose(serve, sequence):
     inbox = serve(losing_the_probe(sequence, 2)).connect().until(at_the_end)
-    group = list(of_one_time(inbox).values())[2]
-    assert [message.device for message in group] == ["Image_Reference", "ReferenceToTracker"]
+    image, *transforms = list(of_one_time(inbox).values())[2]
+    assert (image.device, [message.device for message in transforms]) == ("Image_Reference", ["ReferenceToTracker"])
+    assert np.allclose(image.image_to_sender, sweep_poses(sequence).image_to_reference[2], atol=2e-4)
+    assert image.metadata["ProbeToTrackerTransformStatus"] == "OUT_OF_VIEW"
+
+
+def test_a_frame_without_image_sends_its_transforms_only(serve, sequence):
+    inbox = serve(changed(sequence, 1, image_status=TransformStatus.INVALID)).connect().until(at_the_end)
+    assert (len(inbox.images()), len(inbox.transforms("ProbeToTracker"))) == (5, 6)
 
 
 def test_an_invalid_transform_is_sent_as_identity_where_that_is_asked_for(serve, sequence):
@@ -156,18 +156,6 @@ def test_an_invalid_transform_is_sent_as_identity_where_that_is_asked_for(serve,
     message = inbox.transforms("ProbeToTracker")[2]
     assert np.array_equal(message.matrix, np.eye(4))
     assert (message.status, message.metadata["TransformValid"]) == (TransformStatus.OUT_OF_VIEW, "0")
-
-
-def test_the_image_of_an_invalid_tool_carries_the_pose_that_was_recorded_all_the_same(serve, sequence):
-    inbox = serve(losing_the_probe(sequence, 2)).connect().until(at_the_end)
-    assert np.allclose(inbox.images()[2].image_to_sender, sweep_poses(sequence).image_to_reference[2], atol=2e-4)
-    assert inbox.images()[2].metadata["ProbeToTrackerTransformStatus"] == "OUT_OF_VIEW"
-
-
-def test_a_frame_without_image_sends_its_transforms_only(serve, sequence):
-    inbox = serve(changed(sequence, 1, image_status=TransformStatus.INVALID)).connect().until(at_the_end)
-    assert len(inbox.images()) == 5
-    assert len(inbox.transforms("ProbeToTracker")) == 6
 
 
 def test_a_missing_transform_is_not_taken_from_the_configuration(sequence):
@@ -207,11 +195,6 @@ def test_the_header_version_is_the_one_that_the_client_asks_for_or_that_is_kept(
     assert {part.version for part in parts} == {sent}
 
 
-def test_a_version_that_is_none_is_refused(sequence):
-    with pytest.raises(SettingsError, match="Input header_version must be 1 or 2; got 3"):
-        ReplayServer(sequence, header_version=3)
-
-
 # ---- the end, and the beginning
 
 
@@ -236,19 +219,12 @@ def test_waiting_ends_when_the_recording_has_been_sent(serve, sequence):
     assert server.sent == 6
 
 
-def test_the_recording_begins_again_once_every_client_has_left(serve, sequence):
-    server = serve(sequence)
-    first = server.connect().until(at_the_end)
-    first.client.stop()
-    wait_for(lambda: server.clients == 0, "the client's leave")
-    second = server.connect().until(at_the_end)
-    assert len(second.images()) == 6
-
-
-def test_a_client_that_comes_when_the_others_left_half_way_gets_the_whole_recording(serve, sequence):
-    server = serve(sequence, rate=25.0)
-    first = server.connect().until(lambda inbox: len(inbox.images()) >= 2)
-    first.client.stop()
+@pytest.mark.parametrize(
+    ("rate", "enough"), [(200.0, at_the_end), (25.0, lambda inbox: len(inbox.images()) >= 2)], ids=["at the end", "half way"]
+)
+def test_the_recording_begins_again_once_every_client_has_left(serve, sequence, rate, enough):
+    server = serve(sequence, rate=rate)
+    server.connect().until(enough).client.stop()
     wait_for(lambda: server.clients == 0, "the client's leave")
     second = server.connect().until(at_the_end)
     assert np.array_equal(second.images()[0].image, sequence.images[0])
@@ -322,12 +298,6 @@ def test_an_address_of_another_machine_is_refused(sequence):
         ReplayServer(sequence, 0, "192.0.2.1").start()
 
 
-@pytest.mark.parametrize("port", [-1, 65536, "18944"])
-def test_a_port_that_is_none_is_refused(sequence, port):
-    with pytest.raises(SettingsError, match="Input port must be a whole number from 0 to 65535"):
-        ReplayServer(sequence, port)
-
-
 def test_stopping_ends_every_thread(serve, sequence):
     before = threading.active_count()
     server = serve(sequence, loop=True)
@@ -350,15 +320,28 @@ def test_damage_in_the_recording_ends_the_replay_with_its_error(serve, tmp_path)
 # ---- settings
 
 
-def test_an_empty_recording_is_refused():
-    with pytest.raises(SettingsError, match="has no frames to replay"):
-        ReplayFrames(TrackedSequence(np.empty((0, 2, 2), np.uint8), []))
+def of_pixels(dtype, columns, frames=1):
+    return TrackedSequence(np.zeros((frames, 1, columns), dtype), [FrameRecord(timestamp=1.0)] * frames)
 
 
-@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf"), 1e6])
-def test_a_rate_that_is_none_is_refused(sequence, rate):
-    with pytest.raises(SettingsError, match="Input rate must be above 0 and at most 1000 frames/s"):
-        ReplayFrames(sequence, rate=rate)
+@pytest.mark.parametrize(
+    ("options", "kind", "why"),
+    [
+        ({"header_version": 3}, SettingsError, "Input header_version must be 1 or 2; got 3"),
+        *(({"port": port}, SettingsError, "Input port must be a whole number from 0 to 65535") for port in (-1, 65536, "18944")),
+        *(({"rate": rate}, SettingsError, "Input rate must be above 0 and at most 1000 frames/s") for rate in (0, -1, np.nan, np.inf, 1e6)),
+        ({"transforms": ["NeedleToReference"]}, TransformError, "Nothing says where Needle lies in Reference"),
+        ({"image_to_reference": "ImageToNeedle"}, TransformError, "Nothing says where Image lies in Needle"),
+        ({"sequence": of_pixels(np.uint8, 2, frames=0)}, SettingsError, "has no frames to replay"),
+        *(
+            ({"sequence": of_pixels(*like)}, SettingsError, "cannot be sent over OpenIGTLink")
+            for like in ((np.int64, 2), (np.float16, 2), (np.uint8, 70_000))
+        ),
+    ],
+)
+def test_what_cannot_be_served_is_refused_in_a_sentence(options, kind, why, sequence):
+    with pytest.raises(kind, match=why):
+        ReplayServer(**{"sequence": sequence, **options})
 
 
 @pytest.mark.parametrize("time", [None, float("nan"), 3.0])
@@ -373,22 +356,6 @@ def test_equal_times_are_moved_apart_so_that_no_two_frames_are_mixed_up():
     records = [FrameRecord(timestamp=time) for time in (1.0, 1.0, 2.0)]
     frames = ReplayFrames(TrackedSequence(np.zeros((3, 2, 2), np.uint8), records))
     assert (np.diff(frames.offsets) > 0).all()
-
-
-def test_a_transform_that_cannot_be_derived_is_refused(sequence):
-    with pytest.raises(TransformError, match="Nothing says where Needle lies in Reference"):
-        ReplayFrames(sequence, transforms=["NeedleToReference"])
-
-
-def test_a_chain_that_was_asked_for_and_is_not_there_is_refused(patient):
-    with pytest.raises(TransformError, match="Nothing says where Image lies in Reference"):
-        ReplayFrames(read_sequence(patient.sweep), image_to_reference="ImageToReference")
-
-
-@pytest.mark.parametrize(("dtype", "columns"), [(np.int64, 2), (np.float16, 2), (np.uint8, 70_000)])
-def test_images_that_the_protocol_cannot_carry_are_refused(dtype, columns):
-    with pytest.raises(SettingsError, match="cannot be sent over OpenIGTLink"):
-        ReplayFrames(TrackedSequence(np.zeros((1, 1, columns), dtype), [FrameRecord(timestamp=1.0)]))
 
 
 # ---- configurations of Plus

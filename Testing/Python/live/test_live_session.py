@@ -173,28 +173,29 @@ def test_gray_levels_are_those_of_the_first_frames_and_the_header_repeats_them(s
     np.testing.assert_array_equal(again.intensity.array, live.intensity.array)
 
 
-def test_an_importance_mask_weights_a_live_average_as_offline(session_of, configuration):
-    sequence = replace(tracked_sequence(), configuration=configuration)
-    settings = ReconstructionSettings(method="average", output_type="float32")
-    importance = np.linspace(0.0, 1.0, 40, dtype=np.float32)[None].repeat(30, axis=0)
-    offline = reconstruct(sequence, replace(settings, importance_mask=importance), None, GRID)
-    live = run(session_of(streamed(sequence), replace(settings, importance_mask=importance)))
-    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
-
-
-def test_frames_without_tracking_are_skipped_alike(session_of, configuration):
-    sequence = tracked_sequence(statuses={1: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.MISSING})
-    sequence = replace(sequence, configuration=configuration)
-    offline, live = reconstruct(sequence, grid=GRID), run(session_of(streamed(sequence)))
-    assert live.skipped == offline.skipped == {"ProbeToTracker OUT_OF_VIEW": [1], "ProbeToTracker MISSING": [4]}
-    np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
-
-
-def test_skip_uses_the_same_frames_as_offline(session_of, configuration):
-    sequence = replace(tracked_sequence(), configuration=configuration)
-    settings = ReconstructionSettings(skip=2)
+@pytest.mark.parametrize(
+    ("options", "skipped"),
+    [
+        ({}, {"ProbeToTracker OUT_OF_VIEW": [1], "ProbeToTracker MISSING": [4]}),
+        ({"skip": 2}, None),
+        (
+            {
+                "method": "average",
+                "output_type": "float32",
+                "importance_mask": np.linspace(0, 1, 40, dtype=np.float32)[None].repeat(30, axis=0),
+            },
+            None,
+        ),
+    ],
+    ids=["untracked", "skip", "importance"],
+)
+def test_the_same_frames_enter_as_offline_and_weigh_as_much(options, skipped, session_of, configuration):
+    statuses = {1: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.MISSING} if skipped else {}
+    sequence, settings = replace(tracked_sequence(statuses=statuses), configuration=configuration), ReconstructionSettings(**options)
     offline, live = reconstruct(sequence, settings, grid=GRID), run(session_of(streamed(sequence), settings))
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
+    if skipped:
+        assert live.skipped == offline.skipped == skipped
 
 
 def test_the_recording_of_a_session_reconstructs_to_its_very_volume(session_of, configuration, tmp_path):
@@ -206,38 +207,21 @@ def test_the_recording_of_a_session_reconstructs_to_its_very_volume(session_of, 
     assert live.skipped == offline.skipped
 
 
-def test_a_scouted_box_is_that_of_an_offline_sweep(session_of, configuration):
+def test_a_scouted_box_is_that_of_an_offline_sweep_and_what_was_scouted_enters_the_volume(session_of, configuration):
     sequence = replace(tracked_sequence(), configuration=configuration)
     session = session_of(streamed(sequence), ReconstructionSettings(spacing=0.8), grid=None)
     session.start()
     session.queue.put(image(99.0, "Image"))
     wait_for(lambda: session.scouted == 6)
     grid = session.grid_from_scout()
-    poses = sweep_poses(sequence).image_to_reference
-    region = configuration.scan_region
-    expected = grid_around_sweep(poses, sequence.frame_size, region, (0.8, 0.8, 0.8))
+    expected = grid_around_sweep(sweep_poses(sequence).image_to_reference, sequence.frame_size, configuration.scan_region, (0.8, 0.8, 0.8))
     assert grid.size == expected.size
     np.testing.assert_allclose(grid.ijk_to_reference, expected.ijk_to_reference, atol=1e-9)
-
-
-def test_frames_seen_while_scouting_enter_the_volume(session_of, configuration):
-    sequence = replace(tracked_sequence(), configuration=configuration)
-    session = session_of(streamed(sequence), grid=None)
-    session.start()
-    session.queue.put(image(99.0, "Image"))
-    wait_for(lambda: session.scouted == 6)
-    session.use_grid(GRID)
-    np.testing.assert_array_equal(session.finish().intensity.array, reconstruct(sequence, grid=GRID).intensity.array)
-
-
-def test_a_margin_makes_the_scouted_box_larger_on_every_side(session_of):
-    session = session_of(streamed(tracked_sequence()), grid=None)
-    session.start()
-    session.queue.put(image(99.0, "Image"))
-    wait_for(lambda: session.scouted == 6)
     small, large = session.grid_from_scout(1.0), session.grid_from_scout(1.0, margin=2.5)
     np.testing.assert_allclose(large.origin, small.origin - 3)
     assert large.size == tuple(n + 6 for n in small.size)
+    session.use_grid(GRID)
+    np.testing.assert_array_equal(session.finish().intensity.array, reconstruct(sequence, grid=GRID).intensity.array)
 
 
 def test_without_a_tracked_frame_there_is_no_box(session_of):
@@ -654,7 +638,7 @@ def test_over_a_socket_the_volume_is_that_of_the_file(configuration):
     np.testing.assert_array_equal(live.intensity.array, offline.intensity.array)
 
 
-def test_a_server_that_comes_back_is_reconstructed_from_again(configuration):
+def test_a_server_that_goes_away_leaves_the_volume_and_is_reconstructed_from_again_when_it_is_back(configuration):
     sequence = replace(tracked_sequence(count=50), configuration=configuration)
     server = ReplayServer(sequence, port=0, rate=50.0, loop=True)
     server.start()
@@ -663,21 +647,10 @@ def test_a_server_that_comes_back_is_reconstructed_from_again(configuration):
         wait_for(lambda: session.statistics.inserted > 3)
         server.stop()
         wait_for(lambda: session.statistics.connection != "connected")
+        assert session.snapshot().frames_inserted > 3
         before = session.statistics.inserted
         with ReplayServer(sequence, port=server.port, rate=50.0, loop=True):
             wait_for(lambda: session.statistics.inserted > before + 3)
-
-
-def test_a_server_that_goes_away_leaves_the_volume(configuration):
-    sequence = replace(tracked_sequence(count=200), configuration=configuration)
-    server = ReplayServer(sequence, port=0, rate=50.0, loop=True)
-    server.start()
-    session = LiveSession(OpenIGTLinkClient(server.host, server.port), grid=GRID, configuration=configuration)
-    with session:
-        wait_for(lambda: session.statistics.inserted > 3)
-        server.stop()
-        wait_for(lambda: session.statistics.connection != "connected")
-        assert session.snapshot().frames_inserted > 3
 
 
 # ---- what real servers sent

@@ -84,35 +84,6 @@ class Failing(Watch):
         self.told.append(problem)
 
 
-class Busy(Session):
-    """Rests or not, as it is said to; each wait for the next rest is counted."""
-
-    def __init__(self, rest):
-        self.rest, self.waits = rest, 0
-
-    def wait_for_rest(self, timeout):
-        self.waits += timeout > 0
-        return self.rest
-
-
-@pytest.mark.parametrize(("rest", "waits"), [(True, 0), (False, 3)])
-def test_steps_go_on_unless_a_frame_waits(rest, waits):
-    session = Busy(rest)
-    watch = Failing(session)
-    watch.stop()
-    watch._closing.clear()
-    session.waits = 0
-    for _ in range(3):
-        assert watch._make_way()
-    assert session.waits == waits
-
-
-def test_a_step_after_the_end_is_not_begun():
-    watch = Failing(Busy(True))
-    watch.stop()
-    assert not watch._make_way()
-
-
 def test_what_fails_at_every_frame_is_told_each_time_and_logged_once(caplog):
     session = Session()
     with caplog.at_level(logging.ERROR):

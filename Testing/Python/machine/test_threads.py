@@ -21,30 +21,6 @@ def test_every_part_is_done_once(parts, threads):
     assert sorted(done) == list(range(parts))
 
 
-def test_an_error_in_a_part_is_raised_and_no_thread_stays():
-    before = threading.active_count()
-
-    def work(part):
-        if part == 3:
-            raise ValueError("part 3")
-
-    with pytest.raises(ValueError, match="part 3"):
-        in_parts(work, 50, 4)
-    assert threading.active_count() == before
-
-
-def test_after_an_error_no_new_part_is_begun():
-    done = []
-
-    def work(part):
-        done.append(part)
-        raise ValueError
-
-    with pytest.raises(ValueError):
-        in_parts(work, 1000, 1)
-    assert done == [0]
-
-
 def test_work_in_parts_is_canceled_between_two_of_them():
     done, before = [], threading.active_count()
     with pytest.raises(OperationCanceled):

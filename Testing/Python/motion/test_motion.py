@@ -17,6 +17,7 @@ from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.inspection.verdicts import Level, motion_verdict
 from AIFReconLib.motion.motion import PatientMotion, motion_of, passes_in, taken_out
 from AIFReconLib.motion.passes import Passes
 from AIFReconLib.motion.solve import BoneInPlace, MotionCurve
@@ -126,6 +127,10 @@ def test_a_calibration_that_is_off_is_no_motion_of_the_patient(scan, bone):
         assert found.curve.calibration_off == pytest.approx(wrong.calibration_off, abs=0.5)
         assert found.lines[0].startswith("WARNING: The patient lay still, but the calibration is ")
         assert left(found, shown, echoes, as_one=known is None) < 0.3
+        assert motion_verdict(found, taken_out=True).level is Level.LOOK
+        # Without a CT nothing tells where all of it lies
+        by = (found.curve.moved(shown).points - shown.points).mean(axis=0)
+        assert (np.linalg.norm(by) < 1e-6) == (known is None)
     both = wrong.moved(moved(scan, breathing=3.0))
     found = motion_of(both, passes, bone)
     assert found.applied

@@ -119,6 +119,12 @@ def patient(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def read(patient):
+    """The patient's sweep, labels, and their place."""
+    return read_sequence(patient.sweep, config=patient.config), read_labels(patient.labels), read_transform(patient.transform)
+
+
+@pytest.fixture(scope="module")
 def outcome(patient, tmp_path_factory):
     """What becomes of the sweep with these settings: the exit code, voxels and their place; the same settings run once."""
 
@@ -167,10 +173,9 @@ def test_what_predictions_cover_makes_a_difference(outcome, tmp_path):
 
 
 @pytest.fixture(scope="module")
-def in_python(patient):
+def in_python(read):
     """A reconstruction of the sweep by Python, with bone for the methods that need it; the same settings run once."""
-    sequence = read_sequence(patient.sweep, config=patient.config)
-    labels, place = read_labels(patient.labels), read_transform(patient.transform)
+    sequence, labels, place = read
 
     @lru_cache
     def run(text):
@@ -242,17 +247,17 @@ def test_where_it_concerns_nothing_that_is_said_and_the_header_does_not_claim_it
     assert _voxels(result) == _voxels(in_python(method=method))
 
 
-def test_the_sweep_itself_says_where_bone_is_where_a_recipe_asks_for_it(patient):
-    sequence = read_sequence(patient.sweep, config=patient.config)
+def test_the_sweep_itself_says_where_bone_is_where_a_recipe_asks_for_it(read):
+    sequence, labels, _place = read
     with pytest.raises(GeometryError, match="bone echoes, bright with darkness behind them, are too few"):
         reconstruct(sequence, Recipe(bone_from_sweep=True))
     with pytest.raises(SettingsError, match="Input bone_from_sweep looks for bone in the sweep, and a bone map is given"):
-        reconstruct(sequence, Recipe(bone_from_sweep=True), BoneMap.from_labels(read_labels(patient.labels)))
+        reconstruct(sequence, Recipe(bone_from_sweep=True), BoneMap.from_labels(labels))
 
 
-def test_how_bone_was_made_is_what_the_header_says_and_another_width_is_refused(patient):
-    sequence = read_sequence(patient.sweep, config=patient.config)
-    bone = BoneMap.from_labels(read_labels(patient.labels), 2.5)
+def test_how_bone_was_made_is_what_the_header_says_and_another_width_is_refused(read):
+    sequence, labels, _place = read
+    bone = BoneMap.from_labels(labels, 2.5)
     assert settings_of(reconstruct(sequence, Recipe(method="aif"), bone).intensity)["bone_sigma_voxels"] == 2.5
     with pytest.raises(SettingsError, match=r"Input bone_sigma_voxels must be that of the bone map, 2\.5; got 5"):
         reconstruct(sequence, Recipe(method="aif", bone_sigma_voxels=5), bone)
@@ -264,13 +269,12 @@ REFUSED_BY_RECONSTRUCTOR = {"grid_size": {"grid_to_reference": ASIDE}, **{name: 
 
 @pytest.mark.parametrize("engine", ["numpy", "numba"])
 @pytest.mark.parametrize("name", sorted({*VALUES} - {"grid_to_reference", "bone_sigma_voxels", "bone_belief", "method"}))
-def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, patient):
+def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, read):
     one, other, beside = VALUES[name]
     method = SOME_METHODS.get(name, ("average",))[-1]
-    sequence = read_sequence(patient.sweep, config=patient.config)
+    sequence, labels, place = read
     poses = sweep_poses(sequence)
-    labels = read_labels(patient.labels).placed_by(read_transform(patient.transform))
-    bone = BoneMap.from_labels(labels, sigma_mm=1.6) if method in BONE_METHODS else None
+    bone = BoneMap.from_labels(labels.placed_by(place), sigma_mm=1.6) if method in BONE_METHODS else None
     probe = None if {"probe", "apex_px"} & {name, *beside} else ProbeGeometry("linear")
 
     def made(**settings):
@@ -291,15 +295,13 @@ def test_a_reconstructor_obeys_it_or_refuses_it(name, engine, patient):
 
 @pytest.mark.filterwarnings("ignore::AIFReconLib.errors.DisagreementWarning")
 @pytest.mark.parametrize("name", sorted({*VALUES} - {"orientation"}))
-def test_a_window_s_job_is_that_of_python(name, patient, in_python):
+def test_a_window_s_job_is_that_of_python(name, read, in_python):
     """The panel's sequence is one that nobody has read as the recipe asks."""
+    sequence, labels, place = read
     settings = {"method": SOME_METHODS.get(name, ("average",))[-1], **VALUES[name][2], name: VALUES[name][1]}
-    labels = LabeledBone(read_labels(patient.labels), read_transform(patient.transform), recipe=Recipe(bone_sigma_mm=1.6))
-    width = {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings)
-    bone = LabeledBone(labels.labels, labels.place, recipe=Recipe()) if width else labels
-    job = ReconstructionJob(
-        read_sequence(patient.sweep, config=patient.config), Recipe(**settings), bone if settings["method"] in BONE_METHODS else None
-    )
+    width = {} if {"bone_sigma_mm", "bone_sigma_voxels"} & set(settings) else {"bone_sigma_mm": 1.6}
+    bone = LabeledBone(labels, place, recipe=Recipe(**width)) if settings["method"] in BONE_METHODS else None
+    job = ReconstructionJob(sequence, Recipe(**settings), bone)
     outcomes = []
     for make in (lambda: reconstructed(job, ("score",)).result, lambda: in_python(**settings)):
         try:
@@ -318,12 +320,11 @@ LIVE_BOX = ("spacing", "grid_size", "grid_to_reference")
 
 
 @pytest.mark.parametrize("name", sorted({*VALUES} - {*LIVE_BOX, "bone_sigma_mm", "bone_sigma_voxels", "bone_belief", "method"}))
-def test_a_live_scan_obeys_it_or_refuses_it(name, patient):
+def test_a_live_scan_obeys_it_or_refuses_it(name, read):
     one, other, beside = VALUES[name]
     method = SOME_METHODS.get(name, ("average",))[-1]
-    sequence = read_sequence(patient.sweep, config=patient.config)
-    labels = read_labels(patient.labels).placed_by(read_transform(patient.transform))
-    bone = BoneMap.from_labels(labels, sigma_mm=1.6) if method in BONE_METHODS else None
+    sequence, labels, place = read
+    bone = BoneMap.from_labels(labels.placed_by(place), sigma_mm=1.6) if method in BONE_METHODS else None
 
     def made(value):
         settings = {each: known for each, known in {**beside, "method": method, name: value}.items() if known is not None}

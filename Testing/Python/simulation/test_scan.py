@@ -114,11 +114,6 @@ def test_a_sequence_records_both_tracked_transforms_as_ok(sequence):
     assert names == {name: {TransformStatus.OK: 36} for name in ("ProbeToTracker", "ReferenceToTracker")}
 
 
-def test_the_reference_marker_does_not_coincide_with_the_tracker(sequence):
-    sample = next(s for name, s in sequence.records[0].transforms.items() if name.source == "Reference")
-    assert np.linalg.norm(sample.matrix[:3, 3]) > 500
-
-
 def test_the_same_seed_gives_the_same_sequence(phantom):
     short = single_angle_sweep(phantom, 3)
     one, same = (simulate_sweep(phantom, PROBE, short, seed=9, errors=TrackingErrors(breathing=1.0)) for _ in range(2))
@@ -129,12 +124,6 @@ def test_the_same_seed_gives_the_same_sequence(phantom):
 def test_errors_of_tracking_leave_the_images_as_they_are(phantom, sequence, path):
     wrong = simulate_sweep(phantom, PROBE, path, seed=4, errors=TrackingErrors(drift=0.5, time_offset=0.1))
     assert np.array_equal(wrong.images, sequence.images)
-
-
-def test_late_poses_lag_behind_the_images(phantom):
-    sweep = single_angle_sweep(phantom, 40)
-    late = sweep.delayed(0.1)
-    assert late.transducer_to_reference[20, :3, 3] == pytest.approx(sweep.transducer_to_reference[18, :3, 3], abs=1e-9)
 
 
 def test_a_time_offset_records_late_poses(phantom):
@@ -158,36 +147,28 @@ def test_a_random_motion_moves_its_point_and_turns_by_exactly_that_much():
     assert np.rad2deg(np.arccos((np.trace(motion[:3, :3]) - 1) / 2)) == pytest.approx(5.0)
 
 
-def test_configuration_holds_the_calibration():
+def test_configuration_holds_calibration_apex_and_fan():
     root = ElementTree.fromstring(plus_configuration_xml(PROBE))
-    transform = root.find("CoordinateDefinitions/Transform")
-    matrix = np.array(transform.get("Matrix").split(), dtype=float).reshape(4, 4)
+    transform, scan, fan = (root.find(path) for path in ("CoordinateDefinitions/Transform", "ScanConversion", "VolumeReconstruction"))
+
+    def numbers(element, name):
+        return [float(word) for word in element.get(name).split()]
+
     assert (transform.get("From"), transform.get("To")) == ("Image", "Probe")
-    assert matrix == pytest.approx(PROBE.image_to_probe, abs=1e-6)
-
-
-def test_configuration_holds_the_apex_by_the_rule_of_plus():
-    scan_conversion = ElementTree.fromstring(plus_configuration_xml(PROBE)).find("ScanConversion")
-    column, row = map(float, scan_conversion.get("TransducerCenterPixel").split())
-    spacing = float(scan_conversion.get("OutputImageSpacingMmPerPixel").split()[1])
-    assert (column, row - float(scan_conversion.get("RadiusStartMm")) / spacing) == pytest.approx(PROBE.apex_px)
-
-
-def test_configuration_holds_the_fan_in_pixels():
-    fan = ElementTree.fromstring(plus_configuration_xml(PROBE)).find("VolumeReconstruction")
-    assert tuple(map(float, fan.get("FanOriginPixel").split())) == pytest.approx(PROBE.fan.apex_px)
-    assert float(fan.get("FanRadiusStopPixel")) == pytest.approx(PROBE.fan.radii[1])
-    assert tuple(map(float, fan.get("FanAnglesDeg").split())) == PROBE.fan.angles_deg
+    assert numbers(transform, "Matrix") == pytest.approx(PROBE.image_to_probe.ravel(), abs=1e-6)
+    # Plus measures from the transducer's center, which lies a radius below the apex
+    (column, row), (_, spacing), (start,) = (
+        numbers(scan, name) for name in ("TransducerCenterPixel", "OutputImageSpacingMmPerPixel", "RadiusStartMm")
+    )
+    assert (column, row - start / spacing) == pytest.approx(PROBE.apex_px)
+    assert numbers(fan, "FanOriginPixel") == pytest.approx(PROBE.fan.apex_px)
+    assert numbers(fan, "FanRadiusStopPixel") == pytest.approx([PROBE.fan.radii[1]])
+    assert numbers(fan, "FanAnglesDeg") == pytest.approx(PROBE.fan.angles_deg)
 
 
 def test_a_sweep_can_be_canceled(phantom, path):
     with pytest.raises(OperationCanceled):
         simulate_sweep(phantom, PROBE, path, progress=lambda fraction, message: fraction < 0.05)
-
-
-def test_probe_poses_come_from_the_true_transducer(phantom, path, sequence):
-    found = image_to_reference(sequence.records[3]) @ invert(PROBE.image_to_transducer)
-    assert found == pytest.approx(path.transducer_to_reference[3], abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ import re
 import weakref
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from ....message import listed
 from ....sweep.frames import FrameRecord
 from ....sweep.pose_tracks import PoseTrack
 from ...disk.regular_files import files_in, require_regular_file
-from ..decoded_images import DecodedImages, decoding, library
+from ..decoded_images import DecodedImages, Forward, decoding, library
 from ..kinds import Recorded, RecordingKind
 
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
@@ -64,29 +63,6 @@ class _Found:
         return bool(self.tracks or self.still)
 
 
-class _Images:
-    """The images of a bag one at a time. They are read on from the one before; going back starts over."""
-
-    def __init__(self, path: Path, reader: Any, connections: list[Any]):
-        self._path, self._reader, self._connections = path, reader, connections
-        self._messages: Any = None
-        self._next = -1
-
-    def close(self) -> None:
-        """End what is under way, before the bag is closed."""
-        if self._messages is not None:
-            self._messages.close()
-
-    def image(self, number: int) -> Numbers:
-        with decoding(f"{self._path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
-            if not 0 <= self._next <= number:
-                self.close()
-                self._messages, self._next = self._reader.messages(connections=self._connections), 0
-            connection, _, raw = next(islice(self._messages, number - self._next, None))
-            self._next = number + 1
-            return _image_of(self._reader.deserialize(raw, connection.msgtype))
-
-
 def _read(path: Path, orientation: str | None) -> Recorded:
     if orientation is not None and not orientation.startswith("MF"):
         raise SequenceFormatError(f"{path}: images of a bag are taken as MF, the marked side on the right, the transducer at the top.")
@@ -102,9 +78,15 @@ def _read(path: Path, orientation: str | None) -> Recorded:
             leave_out = f"Leave out others: rosbags-convert --src {path.name} --dst one --exclude-topic {' '.join(names[1:])}"
             raise SequenceFormatError(f"{path}: it must hold the images of one topic; got {listed(names) or 'none'}. {leave_out}.")
         found = _found(reader)
-        stored = _Images(path, reader, topics)
+        stored = Forward(lambda: reader.messages(connections=topics))
         stack.callback(stored.close)
-        images = DecodedImages(len(found.times), stored.image, lambda n: f"{path}, image {n}")
+
+        def decode(number: int) -> Numbers:
+            with decoding(f"{path}, image {number}: it cannot be decoded", "Record or copy the bag again."):
+                connection, _, raw = stored[number]
+                return _image_of(reader.deserialize(raw, connection.msgtype))
+
+        images = DecodedImages(len(found.times), decode, lambda n: f"{path}, image {n}")
         weakref.finalize(images, stack.pop_all().close)
     tracks = {name: PoseTrack(samples).samples(found.times) for name, samples in found.tracks.items()}
     records = [FrameRecord(time, transforms={name: of[n] for name, of in tracks.items()}) for n, time in enumerate(found.times)]
