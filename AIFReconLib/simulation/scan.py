@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -20,9 +21,8 @@ from ..geometry.transforms import affine
 from ..progress import Progress, report
 from ..sweep.configuration import SIMULATION
 from ..sweep.frames import FrameRecord, TrackedSequence
-from .anatomy import LumbarPhantom
 from .phased_array import PhasedArray
-from .ultrasound import UltrasoundEffects, simulate_frame
+from .ultrasound import UltrasoundEffects, UltrasoundTarget, simulate_frame
 
 FRAME_RATE = 20.0
 """Hz."""
@@ -41,6 +41,18 @@ BREATH, BREATHES_ALONG = 3.7, np.array([0.2, 0.81, 0.55])
 
 PROBE_TO_TRACKER = TransformName("Probe", "Tracker")
 REFERENCE_TO_TRACKER = TransformName("Reference", "Tracker")
+
+
+class ScannedBack(UltrasoundTarget, Protocol):
+    """A target with a skin to put the probe on and a spine to aim at."""
+
+    def skin_y(self, x: ArrayLike, z: ArrayLike) -> Floats:
+        """Where the skin is at x, z in Reference, mm."""
+        ...
+
+    def spinous_tips(self) -> Floats:
+        """Tips of the spinous processes in Reference, (n, 3), mm."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +110,7 @@ class TrackingErrors:
 
 
 def contact_pose(
-    phantom: LumbarPhantom, target_x: float, target_z: float, *, in_plane_tilt_deg: float = 0.0, elevational_tilt_deg: float = 0.0
+    phantom: ScannedBack, target_x: float, target_z: float, *, in_plane_tilt_deg: float = 0.0, elevational_tilt_deg: float = 0.0
 ) -> Matrix:
     """The transducer on the skin, its middle beam through a point 30 mm under the skin at (target_x, target_z).
 
@@ -130,7 +142,7 @@ def contact_pose(
 
 
 def single_angle_sweep(
-    phantom: LumbarPhantom,
+    phantom: ScannedBack,
     frames: int = 60,
     *,
     in_plane_tilt_deg: float = 0.0,
@@ -152,13 +164,13 @@ def single_angle_sweep(
     return ProbePath(np.array(poses), np.arange(frames) / FRAME_RATE)
 
 
-def _along_the_spine(phantom: LumbarPhantom, way: Floats, above: float = 0.0) -> Floats:
+def _along_the_spine(phantom: ScannedBack, way: Floats, above: float = 0.0) -> Floats:
     """z of places on the way, 0 to 1, from above the first to below the last spinous process."""
     heights = phantom.spinous_tips()[:, 2]
     return np.asarray(heights.max() + BEYOND_TIPS + above - way * (np.ptp(heights) + 2 * BEYOND_TIPS + above))
 
 
-def multi_angle_sweep(phantom: LumbarPhantom, frames: int = 144, above: float = 0.0) -> ProbePath:
+def multi_angle_sweep(phantom: ScannedBack, frames: int = 144, above: float = 0.0) -> ProbePath:
     """A pass along the spine at every pair of tilts, to and fro, `frames` in all; the passes' planes interleave.
 
     Its way begins `above` mm earlier than need be for the first spinous process.
@@ -183,7 +195,7 @@ def multi_angle_sweep(phantom: LumbarPhantom, frames: int = 144, above: float = 
     return ProbePath(np.concatenate(poses), np.concatenate(times))
 
 
-def freehand_sweep(phantom: LumbarPhantom, frames: int = 150) -> ProbePath:
+def freehand_sweep(phantom: ScannedBack, frames: int = 150) -> ProbePath:
     """Along the spine as a hand does it: uneven speed, wandering a few mm sideways, with slow tilts of up to about 20 degrees."""
     rng = np.random.default_rng([0, 10])
     wander = scipy.ndimage.gaussian_filter1d(rng.standard_normal((5, frames)), frames / 12, axis=1, mode="reflect")
@@ -221,7 +233,7 @@ def tracker_poses(timestamps: Floats) -> Matrix:
 
 
 def simulate_sweep(
-    phantom: LumbarPhantom,
+    phantom: UltrasoundTarget,
     probe: PhasedArray,
     path: ProbePath,
     *,

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -25,7 +26,6 @@ from ..arrays import Bytes, Floats, Matrix, Numbers, Singles
 from ..errors import SettingsError
 from ..geometry.volume import Volume
 from ..recipe.recipe import SCANNER_SPEED
-from .anatomy import LumbarPhantom
 from .phased_array import PhasedArray
 
 DYNAMIC_RANGE_DB = 58.0
@@ -68,6 +68,19 @@ real shadows hold (docs/decisions/0022)."""
 
 Field = NDArray[np.complex64]
 """Echoes on scan lines, with their phases."""
+
+
+class UltrasoundTarget(Protocol):
+    """What can be scanned: a signed distance to bone in Reference, and how strongly soft tissue scatters."""
+
+    @property
+    def bone_distance(self) -> Volume:
+        """Signed distance to bone in Reference, mm, negative inside."""
+        ...
+
+    def scattering_db(self, points_reference: Floats, beams_reference: Floats) -> Singles:
+        """Strength of the scatter of soft tissue at points, along beams; both (..., 3)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -134,7 +147,7 @@ def diffuse_echo(cosine: ArrayLike) -> Floats:
 
 
 def simulate_frame(
-    phantom: LumbarPhantom,
+    phantom: UltrasoundTarget,
     probe: PhasedArray,
     probe_to_reference: Matrix,
     rng: np.random.Generator,
@@ -206,7 +219,7 @@ def _sample(array: Numbers, points_ijk: Singles) -> Singles:
 
 
 def _tissue(
-    phantom: LumbarPhantom,
+    phantom: UltrasoundTarget,
     probe: PhasedArray,
     transducer_to_reference: Matrix,
     hits: Floats,

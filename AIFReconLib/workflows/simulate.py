@@ -23,6 +23,7 @@ from ..simulation.phased_array import PhasedArray
 from ..simulation.scan import (
     FRAME_RATE,
     ProbePath,
+    ScannedBack,
     TrackingErrors,
     freehand_sweep,
     multi_angle_sweep,
@@ -34,7 +35,7 @@ from ..simulation.scan import (
 from ..simulation.ultrasound import UltrasoundEffects
 from ..sweep.frames import TrackedSequence
 
-PATHS: dict[str, Callable[[LumbarPhantom, int], ProbePath]] = {
+PATHS: dict[str, Callable[[ScannedBack, int], ProbePath]] = {
     "multi-angle": multi_angle_sweep,
     "single-angle": single_angle_sweep,
     "freehand": freehand_sweep,

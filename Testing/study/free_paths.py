@@ -6,7 +6,7 @@ import numpy as np
 
 from AIFReconLib.evaluation.lines import STEP, StraightLines, values_at
 from AIFReconLib.geometry.volume import Volume
-from AIFReconLib.simulation.anatomy import LumbarPhantom
+from AIFReconLib.simulation.scan import ScannedBack
 
 LINES = 3000
 
@@ -17,7 +17,7 @@ NARROWEST_CANAL = 10.0
 """mm of no bone between bone, in the midline."""
 
 
-def lines_to_canal(back: LumbarPhantom, labels: Volume, distance: Volume, seed: int = 0) -> StraightLines:
+def lines_to_canal(back: ScannedBack, labels: Volume, distance: Volume, seed: int = 0) -> StraightLines:
     """Random lines of a patient whose labels and signed distance to bone are given in Reference."""
     rng = np.random.default_rng([seed, 60])
     tips = back.spinous_tips()

@@ -60,7 +60,7 @@ def bone(files):
 
 def off(sequence, true) -> float:
     """mm, root mean square, by which pixels at bone lie beside where they are."""
-    return beside(*(sweep_poses(each).image_to_reference for each in (sequence, true)))
+    return beside(sweep_poses(sequence).image_to_reference, sweep_poses(true).image_to_reference)
 
 
 def beside(poses, true, together: bool = False) -> float:
