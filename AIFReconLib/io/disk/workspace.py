@@ -39,13 +39,20 @@ def _create(parent: Path, after: contextlib.ExitStack) -> Path:
     while True:
         folder = parent / f"{_prefix()}{secrets.token_hex(4)}"
         # Before it is made: a Ctrl-C that comes meanwhile leaves nothing behind
-        after.callback(shutil.rmtree, folder, ignore_errors=True)
+        after.callback(_remove, folder)
         folder.mkdir(0o700)
         # Let go first, because removing takes a descriptor too, and there may be no more
         with contextlib.suppress(BlockingIOError, FileNotFoundError):
             after.enter_context(_locked(folder))
             if folder.is_dir():
                 return folder
+
+
+def _remove(folder: Path) -> None:
+    try:
+        shutil.rmtree(folder, ignore_errors=True)
+    finally:  # once more, where a Ctrl-C came in the middle of it
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def remove_left_behind(parent: Path) -> None:
