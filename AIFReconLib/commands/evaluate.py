@@ -180,7 +180,14 @@ def unique_names(paths: Iterable[Path]) -> dict[str, Path]:
     """Files by their names; those of one name with their folders, as far as these differ."""
     files = list(dict.fromkeys(paths))
     alike = {path.name: [other.absolute().parent for other in files if other.name == path.name] for path in files}
-    return {path.absolute().relative_to(os.path.commonpath(alike[path.name])).as_posix(): path for path in files}
+
+    def called(path: Path) -> str:
+        try:
+            return path.absolute().relative_to(os.path.commonpath(alike[path.name])).as_posix()
+        except ValueError:  # they lie on two drives of Windows
+            return path.absolute().as_posix()
+
+    return {called(path): path for path in files}
 
 
 def _beams(asked: _EvaluateOptions) -> SweepBeams:

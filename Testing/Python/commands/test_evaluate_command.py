@@ -91,6 +91,15 @@ def test_names_are_as_short_as_they_can_be(tmp_path, paths, expected):
     assert list(unique_names([tmp_path / path for path in paths])) == expected
 
 
+def test_volumes_of_one_name_on_two_drives_have_their_whole_paths(tmp_path, monkeypatch):
+    def two_drives(folders):
+        raise ValueError("Paths don't have the same drive")
+
+    monkeypatch.setattr("os.path.commonpath", two_drives)
+    paths = [tmp_path / "a" / "v.nrrd", tmp_path / "b" / "v.nrrd"]
+    assert list(unique_names(paths)) == [path.as_posix() for path in paths]
+
+
 def test_a_mask_decides_what_was_measured(case, tmp_path, capsys):
     grid = VoxelGrid.from_spacing((-12, -12, -12), (49, 49, 49), 0.5)
     Volume(np.zeros(grid.shape, dtype=np.uint8), grid.ijk_to_reference).write(tmp_path / "mask.nrrd")
