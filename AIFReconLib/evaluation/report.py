@@ -41,7 +41,7 @@ class Section:
     table : tuple of tuple of str
         The first row holds the headings, the first column names.
     pictures : tuple of (str, bytes)
-        Captions, and PNG files.
+        Captions, and PNG or SVG files.
     """
 
     title: str
@@ -114,7 +114,7 @@ def report_html(report: Report) -> str:
     except ImportError:
         raise OutputError("A page takes the Python package jinja2. Install it with: pip install jinja2") from None
     environment = Environment(autoescape=True, trim_blocks=True)
-    environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
+    environment.filters["uri"] = _uri
     metrics = report.metrics
     numbers = {name: result.to_dict() for name, result in metrics.items()}
     notes = {name: number for number, name in enumerate([*OF_SURFACE, *OF_VOLUME], 1)}
@@ -143,6 +143,11 @@ def report_html(report: Report) -> str:
         inputs=[(name, _size(size)) for name, size in report.inputs],
     )
     return f"{page}\n"
+
+
+def _uri(picture: bytes) -> str:
+    """A PNG or SVG file as an address that holds it."""
+    return f"data:image/{'svg+xml' if picture.startswith(b'<svg') else 'png'};base64,{base64.b64encode(picture).decode('ascii')}"
 
 
 def _settings(settings: dict[str, Recipe]) -> list[tuple[str, str]]:

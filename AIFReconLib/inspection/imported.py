@@ -22,9 +22,10 @@ from ..recipe.recipe import AUTOMATIC
 from ..remedies import SURE
 from ..sweep.frames import TrackedSequence
 from ..sweep.poses import SweepPoses, sweep_poses
+from .drawing import Drawing
 from .offset_estimate import estimate_time_offset
 from .pose_reading import is_inverse_better
-from .sweep_drawing import Drawing, draw_sweep
+from .sweep_drawing import draw_sweep
 from .tracking_report import tracking_report
 
 

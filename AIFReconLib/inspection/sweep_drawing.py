@@ -1,15 +1,14 @@
-"""A drawing of a sweep for a check by eye: the frames' outlines and axes, seen along two axes of Reference; as SVG, or to be painted."""
+"""A drawing of a sweep for a check by eye: the frames' outlines and axes, seen along two axes of Reference."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from xml.sax.saxutils import escape
 
 import numpy as np
 
 from ..arrays import Floats, Matrix
 from ..imaging.region import ImageRegion, extreme_pixels
+from .drawing import Drawing, Stroke, Words
 
 VIEWS = ((0, 1), (2, 1))
 """Axes across and down of each panel: seen along z, and along x."""
@@ -21,59 +20,6 @@ PANEL = 420.0
 MARGIN = 48.0
 _AXES = "xyz"
 _COLUMN_COLOR, _ROW_COLOR, _SHOWN_COLOR = "#c0392b", "#1e8449", "#2471a3"
-DOT = 3.0
-"""Points. Radius of the end of an axis."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Stroke:
-    """A line through points (n, 2) of the page; `closed` ends where it begins, `tinted` inside, `dotted` at its end."""
-
-    points: Floats
-    color: str  #: #rrggbb
-    width: float = 1.0
-    closed: bool = False
-    tinted: bool = False
-    dotted: bool = False
-
-
-@dataclass(frozen=True)
-class _Words:
-    """A text that begins at a point of the page, on its line."""
-
-    x: float
-    y: float
-    text: str
-    color: str = "#000000"
-    size: int = 12
-
-
-@dataclass(frozen=True, eq=False)
-class Drawing:
-    """What is drawn, in points from the upper left corner of a white page."""
-
-    width: float
-    height: float
-    strokes: tuple[_Stroke, ...]
-    words: tuple[_Words, ...]
-
-    def to_svg(self) -> str:
-        """The text of an SVG file."""
-        page = f'width="{self.width:.0f}" height="{self.height:.0f}"'
-        box = f'viewBox="0 0 {self.width:.0f} {self.height:.0f}" font-family="sans-serif"'
-        lines = [f'<svg xmlns="http://www.w3.org/2000/svg" {page} {box}>']
-        lines += [f'<rect {page} fill="white"/>', *map(_svg_of, self.strokes)]
-        lines += [f'<text x="{w.x:.1f}" y="{w.y:.1f}" font-size="{w.size}" fill="{w.color}">{escape(w.text)}</text>' for w in self.words]
-        return "\n".join([*lines, "</svg>\n"])
-
-
-def _svg_of(stroke: _Stroke) -> str:
-    points = " ".join(f"{x:.1f},{y:.1f}" for x, y in stroke.points)
-    fill = f'fill="{stroke.color}" fill-opacity="0.2"' if stroke.tinted else 'fill="none"'
-    end = f'<circle cx="{stroke.points[-1, 0]:.1f}" cy="{stroke.points[-1, 1]:.1f}" r="{DOT:g}" fill="{stroke.color}"/>'
-    look = f'{fill} stroke="{stroke.color}" stroke-width="{stroke.width:g}"'
-    line = f'<poly{"gon" if stroke.closed else "line"} points="{points}" {look}/>'
-    return line + (end if stroke.dotted else "")
 
 
 def draw_sweep(
@@ -107,7 +53,7 @@ def draw_sweep(
     low, high = outlines.min(axis=(0, 1)), outlines.max(axis=(0, 1))
     extent = max(float((high - low).max()), 1e-6)
     scale = PANEL / extent
-    drawn: list[_Stroke | _Words] = [_Words(MARGIN, 20, title, size=14)]
+    drawn: list[Stroke | Words] = [Words(MARGIN, 20, title, size=14)]
     for number, axes in enumerate(VIEWS):
         corner = np.array([MARGIN + number * (PANEL + 2 * MARGIN), MARGIN])
         middle = (low + high)[list(axes)] / 2
@@ -118,19 +64,14 @@ def draw_sweep(
 
         drawn += _panel(on_page(outlines), corner, axes, scale, reference)
         if len(area):
-            drawn.append(_Stroke(on_page(area), _SHOWN_COLOR, closed=True, tinted=True))
-    return Drawing(
-        len(VIEWS) * (PANEL + 2 * MARGIN),
-        PANEL + 2 * MARGIN + 24,
-        tuple(each for each in drawn if isinstance(each, _Stroke)),
-        tuple(each for each in drawn if isinstance(each, _Words)),
-    )
+            drawn.append(Stroke(on_page(area), _SHOWN_COLOR, closed=True, tinted=True))
+    return Drawing.of(len(VIEWS) * (PANEL + 2 * MARGIN), PANEL + 2 * MARGIN + 24, drawn)
 
 
-def _axis(ends: Floats, name: str, color: str) -> Iterator[_Stroke | _Words]:
+def _axis(ends: Floats, name: str, color: str) -> Iterator[Stroke | Words]:
     """A line from one end to the other, which has a dot and a name."""
-    yield _Stroke(ends, color, width=2.0, dotted=True)
-    yield _Words(float(ends[1, 0]) + 5, float(ends[1, 1]) - 4, name, color)
+    yield Stroke(ends, color, width=2.0, dotted=True)
+    yield Words(float(ends[1, 0]) + 5, float(ends[1, 1]) - 4, name, color)
 
 
 def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
@@ -141,16 +82,16 @@ def _placed(pixels: Floats, image_to_reference: Matrix) -> Floats:
     return placed
 
 
-def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> Iterator[_Stroke | _Words]:
+def _panel(outlines: Floats, corner: Floats, axes: tuple[int, int], scale: float, reference: str) -> Iterator[Stroke | Words]:
     """One view of the outlines, (frames, 4, 2) on the page."""
     across, down = (_AXES[axis] for axis in axes)
-    yield _Stroke(corner + PANEL * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), "#bbbbbb", closed=True)
+    yield Stroke(corner + PANEL * np.array([(0, 0), (1, 0), (1, 1), (0, 1)]), "#bbbbbb", closed=True)
     for number, outline in enumerate(outlines):
         level = round(190 - 170 * number / max(len(outlines) - 1, 1))
-        yield _Stroke(outline, f"#{level:02x}{level:02x}{level:02x}", closed=True)
+        yield Stroke(outline, f"#{level:02x}{level:02x}{level:02x}", closed=True)
     yield from _axis(outlines[0, [0, 1]], "columns", _COLUMN_COLOR)
     yield from _axis(outlines[0, [0, 3]], "rows", _ROW_COLOR)
     length = 10.0 ** np.floor(np.log10(PANEL / 2 / scale))
     left, y = float(corner[0]), float(corner[1]) + PANEL + 20
-    yield _Stroke(np.array([(left, y), (left + length * scale, y)]), "#000000", width=2.0)
-    yield _Words(left + length * scale + 8, y + 4, f"{length:g} mm; {reference}: +{across} right, +{down} down")
+    yield Stroke(np.array([(left, y), (left + length * scale, y)]), "#000000", width=2.0)
+    yield Words(left + length * scale + 8, y + 4, f"{length:g} mm; {reference}: +{across} right, +{down} down")

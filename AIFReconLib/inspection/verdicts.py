@@ -15,6 +15,7 @@ from ..registration.agreement import ENOUGH, LARGEST_MEDIAN, Agreement
 if TYPE_CHECKING:
     from ..calibration.check import CalibrationCheck
     from ..motion.motion import PatientMotion
+    from .drawing import Drawing
     from .tracking_report import TrackingReport
 
 MOST_FRAMES, FEW_FRAMES = 0.9, 0.5
@@ -58,6 +59,7 @@ class Verdict:
     level: Level
     finding: str  #: What was found, with the number that decides
     advice: str = ""  #: What to do; empty where nothing is
+    drawing: Drawing | None = None  #: That shows it
 
 
 def unknown(why: str) -> Verdict:
@@ -156,10 +158,13 @@ def motion_verdict(motion: PatientMotion | None, taken_out: bool) -> Verdict:
 
         return unknown(CANNOT_TELL)
     if motion.applied:
+        from .motion_drawing import draw_motion
+
         found = f"{motion.moved} Passes show the bone {motion.before:.1f} mm apart, {motion.after:.1f} with that taken out."
+        drawing = draw_motion(motion)
         if motion.is_calibration:
-            return Verdict(Level.LOOK, found, CALIBRATE_ANEW)
-        return Verdict(Level.GOOD if taken_out else Level.LOOK, found, "" if taken_out else TAKE_OUT)
+            return Verdict(Level.LOOK, found, CALIBRATE_ANEW, drawing)
+        return Verdict(Level.GOOD if taken_out else Level.LOOK, found, "" if taken_out else TAKE_OUT, drawing)
     if motion.unexplained:
         return Verdict(Level.LOOK, f"passes show the bone {motion.before:.1f} mm apart, and no motion explains it", motion.unexplained)
     return Verdict(Level.GOOD, motion.still)

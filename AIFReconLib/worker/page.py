@@ -16,7 +16,7 @@ from ..inspection.tracking_report import TrackingReport
 from ..inspection.verdicts import registration_verdict
 from ..message import Spelling, advised, as_argument
 from ..progress import Progress, part, report
-from ..recipe.recipe import Recipe
+from ..recipe.recipe import AUTOMATIC, Recipe
 from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class PageAbout:
     plain: Volume | None = None  #: The plain mean of the echoes, on the same voxels
     ct: Volume | None = None
     spine: bytes | None = None  #: A PNG file of the bone in 3D
-    motion: PatientMotion | None = None  #: That was taken out of the sequence
+    motion: PatientMotion | None = None  #: That was taken out of the sequence; where the settings say that it was, it is looked for
 
 
 def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argument, progress: Progress | None = None) -> str:
@@ -56,14 +56,16 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
 
     `words` say what to do about what is found. Raises AIFReconError with what cannot be told or written.
     """
-    from ..evaluation.motion_figure import motion_figure
     from ..evaluation.report import Report, Section, software_versions, write_report
+    from ..inspection.motion_drawing import draw_motion
     from ..io.disk.atomic import check_writable
     from ..provenance.settings_schema import understood
 
     if path is not None:
         check_writable(path)
-    report(progress, 0.0, "Drawing the pictures")
+    made_with = understood(Path(about.name), json.loads(about.settings), "", ()).recipe
+    about = _without_motion(about, made_with, part(progress, 0.0, 0.2))
+    report(progress, 0.2, "Drawing the pictures")
     pictures = () if path is None else _pictures(about)
     sections = []
     for name, tracking in about.tracking.items():
@@ -71,10 +73,10 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
         title = "Sweep" if len(about.tracking) == 1 else f"Sweep {name}"
         sections.append(Section(title, rows, tuple(advised(sentence, words) for sentence in tracking.findings())))
     if about.motion is not None:
-        drawn = (("How the patient moved against the reference", motion_figure(about.motion)),)
+        drawn = (("How the patient moved against the reference", draw_motion(about.motion).to_svg().encode()),)
         sections.append(Section("Motion of the patient", lines=about.motion.lines, pictures=drawn))
     lines = []
-    for section, of_line in (_agreement(about, words, part(progress, 0.2, 0.6)), _coverage(about, words, part(progress, 0.6, 1.0))):
+    for section, of_line in (_agreement(about, words, part(progress, 0.3, 0.6)), _coverage(about, words, part(progress, 0.6, 1.0))):
         sections += [] if section is None else [section]
         lines += [of_line] if of_line else []
     versions = software_versions()
@@ -85,7 +87,6 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
     frames, software = f"{used} of {all_} frames{speed}", f"AIFRecon {about.version or versions['aifrecon']}"
     line = f"{about.name}: {'; '.join([frames, *lines, voxels, software])}. Research use only: not for guiding a needle."
     if path is not None:
-        made_with = understood(Path(about.name), json.loads(about.settings), "", ()).recipe
         page = Report(
             title=about.name,
             date=f"{datetime.now():%Y-%m-%d %H:%M}",
@@ -99,6 +100,20 @@ def tell(about: PageAbout, path: Path | None = None, words: Spelling = as_argume
         )
         write_report(path, page)
     return line
+
+
+def _without_motion(about: PageAbout, made_with: Recipe, progress: Progress | None) -> PageAbout:
+    """The same with the sweep as it went into the volume."""
+    from ..registration.labeled_bone import LabeledBone
+    from ..workflows.job import ReconstructionJob
+    from ..workflows.reconstruct import without_motion
+
+    if about.motion is not None or made_with.motion != AUTOMATIC:
+        return about
+    bone = None if about.labels is None else LabeledBone(about.labels, about.labels_to_reference, about.sequence, about.recipe)
+    job = ReconstructionJob(about.sequence, replace(about.recipe, motion=AUTOMATIC), bone)
+    mended, motion = without_motion(job, progress)
+    return replace(about, sequence=mended.sequence, motion=motion)
 
 
 def _pictures(about: PageAbout) -> tuple[Section, ...]:

@@ -1,7 +1,9 @@
 """The light for motion, and its checkbox, on a patient who lies elsewhere in each pass."""
 
+import tempfile
 import unittest
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import slicer
@@ -55,11 +57,26 @@ class AIFReconMotionTest(unittest.TestCase):
         self.assertTrue(waitFor(lambda: not self.widget._recorded.lights.isLooking, 60.0))
         return self.ui.motionSignalLabel.text, self.ui.motionVerdictLabel.text
 
+    def assert_the_page_tells(self):
+        """The page that the panel saves tells of the motion, and judges the CT by the sweep without it."""
+        with tempfile.TemporaryDirectory() as folder:
+            page = Path(folder) / "page.html"
+            picture = next(each for each in self.widget._recorded._followers if type(each).__name__ == "PicturePanel")
+            picture.saveReport(page)
+            text = page.read_text("utf-8")
+        for words in ("Motion of the patient", "Mended: echoes lie", "data:image/svg+xml"):
+            self.assertIn(words, text)
+        self.assertNotIn("do not agree", text)
+
     def test_motion_is_taken_out_and_the_checkbox_leaves_it_in_and_back(self):
         sign, words = self.reconstruct(moved(self.patient.sweep))
         self.assertIn("good", sign, words)
         self.assertIn("with that taken out", words)
         self.assertIn("Mended", self.ui.statusLabel.text)
+        self.ui.motionMoreButton.click()
+        self.assertFalse(self.ui.motionDetails.pixmap.isNull())
+        self.assertTrue(self.ui.motionDetails.isVisibleTo(self.widget.parent))
+        self.assert_the_page_tells()
         mended = slicer.util.arrayFromVolume(self.parameters.output).copy()
         self.ui.takeOutMotionCheckBox.click()
         sign, words = self.press()

@@ -12,6 +12,7 @@ from slicer.i18n import tr as _
 from AIFReconLib.errors import AIFReconError, OperationCanceled
 from AIFReconLib.io.foreign.options import ImportOptions, answer, questions_of
 
+from ..painting import paint
 from .panelPart import PanelPart
 
 UI = pathlib.Path(__file__).resolve().parents[2] / "Resources" / "UI" / "Import.ui"
@@ -150,7 +151,7 @@ class ImportDialog(PanelPart):
     def _show(self, drawing) -> None:
         ui = self._ui
         if drawing is not None:
-            _drawSweep(drawing, ui.drawingLabel)
+            paint(drawing, ui.drawingLabel, SCALE)
         ui.drawingLabel.visible = drawing is not None
         ui.takeButton.enabled = self._seen is not None
         ui.takeButton.toolTip = _("Load the sweep and select it") if ui.takeButton.enabled else _("Press “Check” first")
@@ -181,43 +182,3 @@ class ImportDialog(PanelPart):
         # The user's choice is looked at on the spot; what is typed, with Check
         box.connect("activated(int)", lambda row: self.onCheck())
         return box
-
-
-def _drawSweep(drawing, label) -> None:
-    """Paint a `Drawing` of a sweep on a label, on its white page and as sharp as the screen: Qt needs no plugin for that."""
-    ratio = label.devicePixelRatioF()
-    page = qt.QPixmap(round(ratio * SCALE * drawing.width), round(ratio * SCALE * drawing.height))
-    page.fill(qt.QColor("white"))
-    painter = qt.QPainter(page)
-    painter.setRenderHint(qt.QPainter.Antialiasing)
-    painter.scale(ratio * SCALE, ratio * SCALE)
-    for stroke in drawing.strokes:
-        _paint(stroke, painter)
-    font = painter.font()
-    for words in drawing.words:
-        font.setPixelSize(round(words.size / SCALE))
-        painter.setFont(font)
-        painter.setPen(qt.QPen(qt.QColor(words.color)))
-        painter.drawText(qt.QPointF(words.x, words.y), words.text)
-    painter.end()
-    page.setDevicePixelRatio(ratio)
-    label.setPixmap(page)
-
-
-def _paint(stroke, painter) -> None:
-    pen, tint = qt.QPen(qt.QColor(stroke.color)), qt.QColor(stroke.color)
-    pen.setWidthF(stroke.width)
-    tint.setAlphaF(0.2 if stroke.tinted else 0.0)
-    first, *others = ([float(each) for each in point] for point in stroke.points)
-    line = qt.QPainterPath()
-    line.moveTo(*first)
-    for point in others:
-        line.lineTo(*point)
-    if stroke.closed:
-        line.closeSubpath()
-    painter.setPen(pen)
-    painter.setBrush(qt.QBrush(tint))
-    painter.drawPath(line)
-    if stroke.dotted:
-        painter.setBrush(qt.QBrush(qt.QColor(stroke.color)))
-        painter.drawEllipse(qt.QPointF(*others[-1]), 2.0, 2.0)

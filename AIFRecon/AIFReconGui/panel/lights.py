@@ -7,6 +7,7 @@ from AIFReconScene.registration.sweepVerdicts import NAMES, WITHOUT_CT
 from slicer.i18n import tr as _
 
 from ..fields.choosers import Follower
+from ..painting import paint
 from ..signals import signOf
 from .layout import say
 from .panelPart import every
@@ -19,7 +20,7 @@ class Lights(Follower):
     """Shows the verdicts of `SweepVerdicts`, and opens and closes what belongs to each."""
 
     def __init__(self, ui, verdicts):
-        self._ui, self._verdicts = ui, verdicts
+        self._ui, self._verdicts, self._drawing = ui, verdicts, None
         self._timer = every(LOOKED_EVERY, self._look)
         for name in NAMES:
             button, details = getattr(ui, f"{name}MoreButton"), getattr(ui, f"{name}Details")
@@ -49,6 +50,7 @@ class Lights(Follower):
         ui.takeOutMotionCheckBox.visible = (
             ui.motionMoreButton.checked or shown["motion"].level.value == "look" or not ui.takeOutMotionCheckBox.checked
         )
+        self._draw(shown["motion"].drawing)
         ui.calibrateButton.visible = ui.calibrationMoreButton.checked or (ui.calibrateButton.enabled and isWrong)
 
     @property
@@ -74,6 +76,14 @@ class Lights(Follower):
             self.update()
         if not self._verdicts.sought:
             self._timer.stop()
+
+    def _draw(self, drawing) -> None:
+        if drawing is self._drawing:
+            return
+        self._drawing = drawing
+        self._ui.motionDetails.clear()
+        if drawing is not None:
+            paint(drawing, self._ui.motionDetails, 1.0)
 
     def _show(self, name: str, level: str, finding, advice) -> None:
         titles = {

@@ -17,6 +17,7 @@ from AIFReconLib.bone.echoes.found import SweepEchoes
 from AIFReconLib.bone.field import BoneField
 from AIFReconLib.geometry.transform_graph import TransformName, TransformSample, TransformStatus
 from AIFReconLib.geometry.transforms import transform_points
+from AIFReconLib.inspection.motion_drawing import COLORS, draw_motion
 from AIFReconLib.inspection.verdicts import Level, motion_verdict
 from AIFReconLib.motion.motion import PatientMotion, motion_of, passes_in, taken_out
 from AIFReconLib.motion.passes import Passes
@@ -101,6 +102,10 @@ def test_a_breath_is_told_by_its_size_and_time(scan):
     wave = np.sin(2 * np.pi * times / BREATH)[:, None] * [0.0, 2.1, 0.0]
     found = PatientMotion(replace(rest, shifts=wave), 1.4, 0.3, True)
     assert found.breath == pytest.approx((2.1, BREATH), rel=0.1)
+    drawn = [stroke.points for stroke in draw_motion(found).strokes if stroke.color == COLORS[1]]
+    heights = np.concatenate([points[:, 1] for points in drawn])
+    assert len(drawn) == len(scan[1])
+    assert np.corrcoef(heights, found.shifts[:, 1])[0, 1] == pytest.approx(-1.0)
     assert found.lines == ("The patient breathed: 2.0 mm, every 3.7 s.", "Mended: echoes lie 0.3 mm apart, before 1.4.")
 
 
