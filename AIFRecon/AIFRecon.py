@@ -329,7 +329,7 @@ class AIFReconLogic(ScriptedLoadableModuleLogic):
             parameters.output = node
             self.paths.remember(node, made.result)
             self.display.showOutput(parameters, part(progress, 0.85, 0.9))
-        self.verdicts.judge(parameters, made.comparison, next(iter(made.tracking.values())), job)
+        self.verdicts.judge(parameters, made.comparison, next(iter(made.tracking.values())), job, made.motion)
         unchecked = _("Whether the CT lies on the sweep was not looked at: it is shown where its file has it.")
         return "\n".join([*made.lines, *([unchecked] if parameters.ctVolume is not None and made.comparison is None else [])])
 

@@ -10,7 +10,7 @@ from ..arrays import Floats
 from ..motion.motion import AXES, PatientMotion
 from .drawing import Drawing, Stroke, Words
 
-PAGE, MARGINS = (360.0, 180.0), ((44.0, 12.0), (30.0, 36.0))
+PAGE, MARGINS = (330.0, 180.0), ((44.0, 12.0), (30.0, 36.0))
 """Points. Width and height; what is left free on the left and the right, above and below."""
 
 COLORS = ("#c0392b", "#1e8449", "#2471a3")

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Floats, Matrix
+from ..effective_settings import takes_out_motion
 from ..evaluation.quantities import BoneMetrics
 from ..geometry.labels import Labels
 from ..geometry.volume import Volume, VoxelGrid
@@ -29,6 +30,7 @@ from ..sweep.frames import TrackedSequence
 
 if TYPE_CHECKING:
     from ..calibration.calibration import Calibration
+    from ..motion.motion import PatientMotion
     from ..workflows.job import ReconstructionJob
 
 FAR = 0.5
@@ -65,30 +67,50 @@ def measured_volumes(
 
 
 def met_of_sweep(
-    sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
+    sequence: TrackedSequence,
+    labels: Volume,
+    labels_to_reference: Matrix,
+    recipe: Recipe,
+    motion: PatientMotion | None,
+    progress: Progress | None = None,
 ) -> dict[str, Share]:
-    """How much of what faces the back of each bone was met, by the label's number; see `coverage`."""
+    """How much of what faces the back of each bone was met, by the label's number; see `coverage`. `motion` was taken out of the sweep."""
     from ..guidance.coverage import back_of_labels, coverage
 
-    return back_of_labels(coverage(sequence, labels, labels_to_reference, recipe, progress=progress).met)
+    return back_of_labels(coverage(_as_seen(sequence, motion, recipe), labels, labels_to_reference, recipe, progress=progress).met)
 
 
 def calibration_of_sweep(
-    sequence: TrackedSequence, labels: Volume, labels_to_reference: Matrix, recipe: Recipe, progress: Progress | None = None
+    sequence: TrackedSequence,
+    labels: Volume,
+    labels_to_reference: Matrix,
+    recipe: Recipe,
+    motion: PatientMotion | None,
+    progress: Progress | None = None,
 ) -> Verdict:
-    """Whether the calibration agrees with the bone of a CT that lies on the sweep."""
+    """Whether the calibration agrees with the bone of a CT that lies on the sweep; what of `motion` is the patient's is taken out."""
     from ..calibration.check import checked
 
-    return calibration_verdict(checked(sequence, labels, labels_to_reference, recipe=recipe, progress=progress))
+    if motion is not None:
+        motion = replace(motion, curve=replace(motion.curve, calibration=np.eye(4)))
+    return calibration_verdict(checked(_as_seen(sequence, motion, recipe), labels, labels_to_reference, recipe=recipe, progress=progress))
 
 
-def motion_of_sweep(job: ReconstructionJob, progress: Progress | None = None) -> Verdict:
+def motion_of_sweep(job: ReconstructionJob, motion: PatientMotion | None, progress: Progress | None = None) -> Verdict:
     """Whether the patient moved in the sweep of a job, by its CT where it has one."""
-    from ..effective_settings import takes_out_motion
     from ..workflows.reconstruct import without_motion
 
+    if motion is not None:
+        return motion_verdict(motion, taken_out=True)
     looking = replace(job, recipe=replace(job.recipe, motion=AUTOMATIC))
     return motion_verdict(without_motion(looking, progress)[1], takes_out_motion(job.recipe))
+
+
+def _as_seen(sequence: TrackedSequence, motion: PatientMotion | None, recipe: Recipe) -> TrackedSequence:
+    """The sweep as it went into the volume."""
+    from ..motion.motion import taken_out
+
+    return sequence if motion is None else taken_out(sequence, motion, recipe)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +153,13 @@ def guidance_in_sweep(
 ) -> GuidanceSnapshot:
     """What is shown of what `guidance_of_sweep` tells."""
     from ..guidance.guidance import guidance_of_sweep
+    from ..registration.labeled_bone import LabeledBone
+    from ..workflows.reconstruct import mended
 
+    if takes_out_motion(recipe):
+        bone = None if labels is None else LabeledBone(labels, labels_to_reference, sequence, recipe)
+        sequence = mended(sequence, bone, recipe, part(progress, 0.0, 0.3))
+        progress = part(progress, 0.3, 1.0)
     return guidance_of_sweep(sequence, labels, labels_to_reference, recipe, grid=grid, unseen=unseen, progress=progress).seen()
 
 

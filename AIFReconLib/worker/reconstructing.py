@@ -91,7 +91,8 @@ def reconstructed(
             lines.append(f"The plain echo and the bone in 3D were not made. {error}")
     report(progress, 1.0, "Reconstructed")
     kept = shown_of(result, {*keep, "score"} if for_views else keep)
-    return ReconstructionOutput(kept, None, None, None, tracking_of(job, result), tuple(lines), comparison, measured, surface)
+    motion = None if decided.motion is None else replace(decided.motion, echoes=None)
+    return ReconstructionOutput(kept, None, None, motion, tracking_of(job, result), tuple(lines), comparison, measured, surface)
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,6 +72,8 @@ class AIFReconMotionTest(unittest.TestCase):
         sign, words = self.reconstruct(moved(self.patient.sweep))
         self.assertIn("good", sign, words)
         self.assertIn("with that taken out", words)
+        # What lies on the CT now lay 2 mm off it
+        self.assertIn("good", self.ui.calibrationSignalLabel.text, self.ui.calibrationVerdictLabel.text)
         self.assertIn("Mended", self.ui.statusLabel.text)
         self.ui.motionMoreButton.click()
         self.assertFalse(self.ui.motionDetails.pixmap.isNull())

@@ -33,25 +33,26 @@ class SweepVerdicts:
 
     def __init__(self):
         self._known: dict[str, dict[tuple, Verdict]] = {}
-        self._job, self._sought = None, {}
+        self._done, self._sought = None, {}
 
     def forget(self) -> None:
         """Nothing is known of any sweep."""
-        self._known, self._job = {}, None
+        self._known, self._done = {}, None
         self.cancelBeside()
 
     def of(self, parameters) -> dict[str, Verdict]:
         """The verdicts by name; where one is not known, what to do to be told."""
         return {name: self._known_or(name, parameters) for name in NAMES}
 
-    def judge(self, parameters, comparison, report, job=None) -> None:
+    def judge(self, parameters, comparison, report, job=None, motion=None) -> None:
         """Judge what was reconstructed, by its `TrackingReport` and the `Comparison` of CT and sweep (None without labels).
 
-        `job` is the `ReconstructionJob` that was carried out; it is kept until more of that is looked at.
+        `job` is the `ReconstructionJob` that was carried out, and `motion` what was taken out of its sweep; they are kept until more is
+        looked at.
         """
         self.forget()
         self._tell(TRACKING, parameters, tracking_verdict(report))
-        self._job = job
+        self._done = None if job is None else (job, motion)
         if comparison is None:
             pass
         elif comparison.agreement is None:
@@ -74,14 +75,14 @@ class SweepVerdicts:
 
     def beginBeside(self, parameters) -> None:
         """Have the worker look at what takes it seconds, of what was reconstructed last, where that can be told and is not."""
-        job, self._job = self._job, None
-        if job is None:
+        done, self._done = self._done, None
+        if done is None:
             return
         if parameters.bone is not None and REGISTRATION in self._known:
-            self._beginOnCT(parameters, job)
-        self._begin(MOTION, parameters, lambda verdict: verdict, motion_of_sweep, job)
+            self._beginOnCT(parameters, *done)
+        self._begin(MOTION, parameters, lambda verdict: verdict, motion_of_sweep, *done)
 
-    def _beginOnCT(self, parameters, job) -> None:
+    def _beginOnCT(self, parameters, job, motion) -> None:
         names = boneNames(parameters.bone, list(parameters.boneSegments))
         looks: dict[str, tuple] = {COVERAGE: (met_of_sweep, lambda back: _verdictOn(back, names))}
         if self._known_or(REGISTRATION, parameters).level is Level.GOOD:
@@ -90,7 +91,7 @@ class SweepVerdicts:
             advice = "If they do not wherever the CT is placed, the calibration may be wrong: press “More”."
             self._tell(CALIBRATION, parameters, Verdict(Level.UNKNOWN, "known where CT and sweep agree.", advice))
         for name, (look, verdictOf) in looks.items():
-            self._begin(name, parameters, verdictOf, look, job.sequence, job.bone.labels, job.bone.to_reference, job.recipe)
+            self._begin(name, parameters, verdictOf, look, job.sequence, job.bone.labels, job.bone.to_reference, job.recipe, motion)
 
     def _begin(self, name: str, parameters, verdictOf, look, *given) -> None:
         self._sought[name] = worker.begin(look, *given), _key(name, parameters), verdictOf, parameters.output
