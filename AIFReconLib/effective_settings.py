@@ -70,9 +70,10 @@ class ReconstructorParts:
     notes: tuple[str, ...] = ()
 
 
-def takes_out_motion(recipe: Recipe) -> bool:
-    """Whether the motion of the patient is to be taken out: as asked, else as the method has it."""
-    return recipe.motion == AUTOMATIC if recipe.motion else method_named(recipe.method_for(True)).mends_motion
+def takes_out_motion(recipe: Recipe, configured: str | None = None) -> bool:
+    """Whether the motion of the patient is to be taken out: as asked, else as the method has it, which may be one of a configuration."""
+    method = configured if configured and recipe.method is None else recipe.method_for(True)
+    return recipe.motion == AUTOMATIC if recipe.motion else method_named(method).mends_motion
 
 
 def resolve_settings(settings: Recipe, configuration: PlusConfiguration, has_bone: bool) -> Recipe:

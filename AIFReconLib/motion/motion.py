@@ -106,6 +106,11 @@ class PatientMotion:
         return max(float(np.sqrt(np.nanmean((self.shifts**2).sum(axis=1)))), self.curve.calibration_off)
 
     @property
+    def alone(self) -> PatientMotion:
+        """What of it is the patient's; what is wrong with the calibration stays in the sweep."""
+        return replace(self, curve=replace(self.curve, calibration=np.eye(4)))
+
+    @property
     def is_calibration(self) -> bool:
         """Whether a calibration that is off explains all of it."""
         return bool(self.applied and not np.ptp(self.curve.shifts, axis=0).any())

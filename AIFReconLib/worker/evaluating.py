@@ -91,9 +91,8 @@ def calibration_of_sweep(
     """Whether the calibration agrees with the bone of a CT that lies on the sweep; what of `motion` is the patient's is taken out."""
     from ..calibration.check import checked
 
-    if motion is not None:
-        motion = replace(motion, curve=replace(motion.curve, calibration=np.eye(4)))
-    return calibration_verdict(checked(_as_seen(sequence, motion, recipe), labels, labels_to_reference, recipe=recipe, progress=progress))
+    seen = _as_seen(sequence, motion and motion.alone, recipe)
+    return calibration_verdict(checked(seen, labels, labels_to_reference, recipe=recipe, progress=progress))
 
 
 def motion_of_sweep(job: ReconstructionJob, motion: PatientMotion | None, progress: Progress | None = None) -> Verdict:

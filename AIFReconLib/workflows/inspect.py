@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..arrays import Matrix
 from ..bone.echoes.surface import default_bone
 from ..compounding.methods.table import method_named
+from ..effective_settings import takes_out_motion
 from ..errors import AIFReconError
 from ..geometry.labels import Labels
 from ..imaging.beams import LINEAR, SECTOR
 from ..inspection.diagnosis import SequenceReport, diagnose
+from ..message import Sentence
+from ..motion.motion import taken_out
 from ..progress import Progress
-from ..recipe.recipe import Recipe
+from ..recipe.recipe import AUTOMATIC, Recipe
 from ..registration.labeled_bone import LabeledBone
 from ..sweep.frames import TrackedSequence
-from .reconstruct import ReconstructionPlan, plan
+from .job import ReconstructionJob
+from .reconstruct import ReconstructionPlan, plan, without_motion
 from .register import calibration_by
 
 
@@ -42,20 +46,28 @@ def inspected(
         return _InspectionOutput(diagnosis)
     has_bone = labels is not None
     unasked: tuple[str, ...] = ()
+    labeled = None if labels is None else LabeledBone(labels, placed, sequence, recipe)
+    job, motion = without_motion(ReconstructionJob(sequence, replace(recipe, motion=AUTOMATIC), labeled), progress)
+    is_mended = takes_out_motion(recipe, None if has_bone else sequence.configuration.method)
+    # As the reconstruction will see it
+    mended = job.sequence if is_mended else sequence
+    moved: tuple[str, ...] = () if motion is None else motion.lines
+    if motion is not None and motion.applied and not is_mended:
+        moved = (Sentence(f"WARNING: {motion.moved} That stays in the volume.", "Give {motion:auto} to take it out."),)
     try:
         if labels is None:
-            # As the reconstruction will decide
-            recipe, shown, unasked = default_bone(sequence, recipe, progress)
+            recipe, shown, unasked = default_bone(mended, recipe, progress)
             has_bone, unasked = shown is not None, unasked if shown is None else shown.notes
-        planned = plan(sequence, recipe, has_bone=has_bone, poses=diagnosis.poses)
+        planned = plan(mended, recipe, has_bone=has_bone)
     except AIFReconError as error:
         return _InspectionOutput(diagnosis, problem=error)
-    notes = (*planned.notes, *unasked)
-    if labels is None:
+    notes = (*moved, *planned.notes, *unasked)
+    if labeled is None:
         return _InspectionOutput(diagnosis, planned, notes=notes)
-    labeled = LabeledBone(labels, placed, sequence, recipe)
+    labeled = labeled.seen_by(mended)
     comparison = labeled.comparison()
     is_placed = comparison is None or comparison.agreement is None or comparison.agreement.enough
     lines = labeled.lines(planned.method) if method_named(planned.method).needs_bone else []
-    told = calibration_by([sequence], labels, placed, recipe).lines if is_placed else []
+    still = sequence if motion is None or not motion.applied else taken_out(sequence, motion.alone, recipe)
+    told = calibration_by([still], labeled.labels, placed, recipe).lines if is_placed else []
     return _InspectionOutput(diagnosis, planned, None, notes, (*labeled.labels.notes, *lines, *told), is_placed)

@@ -216,7 +216,7 @@ def without_motion(job: ReconstructionJob, progress: Progress | None = None) -> 
     """The job with the motion of the patient taken out of its sweep, where that is to be done and there is any; and that motion."""
     recipe, source, sequence = job.recipe, job.bone, job.sequence
     has_labels = isinstance(source, Volume | LabeledBone) or (isinstance(source, BoneSource) and source.labels is not None)
-    if not takes_out_motion(recipe):
+    if not takes_out_motion(recipe, sequence.configuration.method if source is None else None):
         return job, None
     labeled = found_bone(job) if has_labels else None
     bone = known = None

@@ -105,6 +105,21 @@ def test_another_method_takes_it_out_where_that_is_asked_for_alone(moving, bone)
     plain, asked = (reconstruct(moving, Recipe(method="aif", spacing=2.0, motion=motion), bone) for motion in (None, "auto"))
     assert not any("Mended" in line for line in plain.messages)
     assert any("Mended" in line for line in asked.messages)
+    # The configuration asks for a mean
+    configured = reconstruct(moving, Recipe(spacing=4.0))
+    assert configured.method == "average"
+    assert not any("Mended" in line for line in configured.messages)
+
+
+def test_info_says_what_becomes_of_a_motion(files, capsys):
+    asked = ["info", str(files.sequence), "--config", str(files.configuration)]
+    assert main(asked) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"WARNING: (The patient|Pass).* That stays in the volume\. Give --motion auto to take it out\.", said)
+    assert main([*asked, "--bone-labels", str(files.labels), "--bone-transform", str(files.ct_to_reference)]) == 0
+    said = capsys.readouterr().out
+    for words in ("Mended: echoes lie ", "CT and sweep agree", "Calibration: agrees"):
+        assert words in said
 
 
 def test_a_scan_that_moved_is_registered(moving, bone):
@@ -118,7 +133,6 @@ def test_a_scan_that_moved_is_registered(moving, bone):
 
 
 def test_the_page_of_an_average_tells_and_draws_it(files, tmp_path, capsys):
-    pytest.importorskip("matplotlib", reason="matplotlib is not installed")
     page = tmp_path / "page.html"
     asked = ["reconstruct", str(files.sequence), "--config", str(files.configuration), "--method", "average", "--spacing", "3"]
     assert main([*asked, "--motion", "auto", "--output", str(tmp_path / "volume.nrrd"), "--report", str(page)]) == 0
