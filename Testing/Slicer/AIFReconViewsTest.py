@@ -72,6 +72,17 @@ class AIFReconViewsTest(unittest.TestCase):
         self.assertTrue(sequences.isToolBarVisible())
         self.assertIs(sequences.toolBar().activeBrowserNode(), self.parameters.sweep)
 
+    def test_without_a_ct_no_letters_in_3d_take_a_trackers_axes_for_the_patients(self):
+        view = slicer.app.layoutManager().threeDWidget(0).threeDView().mrmlViewNode()
+        self.load()
+        self.assertFalse(view.GetAxisLabelsVisible())
+        self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
+        self.assertTrue(view.GetAxisLabelsVisible())
+        self.parameters.ctVolume = None
+        self.assertFalse(view.GetAxisLabelsVisible())
+        slicer.mrmlScene.Clear()
+        self.assertTrue(view.GetAxisLabelsVisible())
+
     def test_the_ct_is_in_the_slice_views_after_a_sweep_was_loaded(self):
         self.parameters.ctVolume, _bone, _registration = tinyScene.addCT()
         self.load()

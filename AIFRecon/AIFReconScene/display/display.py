@@ -66,6 +66,11 @@ class SceneDisplay:
                 sliceDisplay.setOpacity(output, parameters.opacity)
             if self._changed("rendering", (output.GetID(), parameters.volumeRendering)):
                 sliceDisplay.showVolumeRendering(output, parameters.volumeRendering)
+        isOfPatient = parameters.sweep is None or parameters.ctVolume is not None or parameters.bone is not None
+        # Where nothing has to be hidden they are as the user wants them
+        if self._drawn.setdefault("letters", True) != isOfPatient:
+            self._drawn["letters"] = isOfPatient
+            threeDViews.showLetters(isOfPatient)
         self._updateProbe(parameters)
         self._updateOutlines(parameters)
         if self._changed("in 3D", self._placeIn3D(parameters)) and self._drawn["in 3D"] is not None:
@@ -81,6 +86,8 @@ class SceneDisplay:
     def clear(self) -> None:
         """Remove what is drawn for orientation."""
         self._overlay.hide()
+        if not self._drawn.get("letters", True):
+            threeDViews.showLetters(True)
         self._drawn = {}
         self._imaging = (None, None, None)
 

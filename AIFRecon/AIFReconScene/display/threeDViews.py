@@ -52,6 +52,12 @@ def _withoutBox(view):
         node.SetAxisLabelsVisible(shown[1])
 
 
+def showLetters(isOfPatient: bool) -> None:
+    """Have the box in 3D say where the patient's right and head are, or not: where there is no CT its axes are a tracker's."""
+    for view in _views():
+        view.mrmlViewNode().SetAxisLabelsVisible(isOfPatient)
+
+
 def lookAlong(direction, up, model) -> None:
     """Have every 3D view look in this direction (RAS) at a model, which fills it, with `up` upward."""
     bounds = boundsOf(model)
