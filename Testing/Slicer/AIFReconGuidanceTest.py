@@ -267,10 +267,13 @@ class AIFReconGuidanceTest(unittest.TestCase):
 
     def test_what_a_scan_has_met_is_still_seen_when_it_is_over(self):
         self.start()
-        self.playUntil(self.colored)
+        self.playUntil(lambda: self.colored() and self.live._advised)
         self.ui.liveStopButton.click()
         self.assertTrue(self.colored())
         slicer.app.processEvents()
+        # No order to move the probe outlasts the scan
+        self.assertIsNone(self.model("Advised probe"))
+        self.assertFalse(self.annotation().GetText(2))
         self.assertEqual(self.ui.guidanceMoveLabel.text, "Look at the picture, or press Start")
         self.setBox(False)
         self.assertTrue(waitFor(lambda: not self.own()), self.own())

@@ -48,6 +48,10 @@ class GuidancePanel(PanelPart):
         button.toolTip = missing or _("Color the bone by what the chosen sweep has hit, and say where to scan next")
         if scanning != self._showing.isActive():
             (self._showing.start if scanning else self._showing.stop)()
+            if not scanning:
+                # No order to move the probe outlasts the scan
+                self._clearMove()
+                self._say("")
         if scanning and (self._live.guidance is not None) != parameters.guidance:
             self._live.guide(parameters.guidance)
         self._ui.guidanceWords.visible = self._ui.liveGuidanceCheckBox.checked = parameters.guidance
