@@ -34,7 +34,7 @@ from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.snapshots import SnapshotMaker
+
 from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage

@@ -112,8 +112,7 @@ class Recorder:
     -----
     A failure of the disk stops the recording, not its caller: `failure` then says what happened and where the frames are that were kept.
     A frame whose image differs in size or type from the first is recorded without its image, and counted in `without_image`. But before
-    the probe was seen, images may change as they like: then the new ones are recorded. Those before lose theirs, which a recording of
-    its own keeps.
+    the probe was seen, images may change as they like: what was recorded until then becomes a recording of its own.
     """
 
     def __init__(self, path: str | Path, takes_up: bool = False):
@@ -121,16 +120,14 @@ class Recorder:
         check_sequence_name(self.path)
         self.header_path, self._pixels_path = growing_files(self.path)
         self.note: str | None = None
-        self._before: list[str] = []
         self._cause: str | None = None
-        self._kept = 0
-        self._frames_are_in = self.header_path
-        self._forget()
+        self._is_finished = False
+        self._begin()
         if not (takes_up and self._take_up()):
             self._find_name()
             check_writable(self.path)
 
-    def _forget(self) -> None:
+    def _begin(self) -> None:
         """Begin with nothing."""
         self.frames = self.without_image = 0
         self._was_seen = False
@@ -147,16 +144,14 @@ class Recorder:
         self.path = _free(self._asked) if why else self._asked
         self.note = f"{why}, so this scan is recorded to {self.path.name}." if why else None
         self.header_path, self._pixels_path = growing_files(self.path)
-        self._frames_are_in = self.header_path
 
     @property
     def failure(self) -> str | None:
         """Why the recording stopped, and where its frames are; None while all is well."""
         if self._cause is None:
             return None
-        kept = f"{self._kept} frames are kept in {self._frames_are_in}." if self._kept else "No frame was recorded."
-        if self._kept < self.frames:
-            kept = f"Of {self.frames} frames {self._kept} can still be read, in {self._frames_are_in}: were its files removed?"
+        place = self.path if self._is_finished else self.header_path
+        kept = f"{self.frames} frames are kept in {place}." if self.frames else "No frame was recorded."
         return Sentence(f"Recording stopped: {self._cause} {kept}", message_of(self._cause))
 
     @property
@@ -167,7 +162,6 @@ class Recorder:
         return (
             f"{self.without_image} of {self.frames} recorded frames are without their image, which was not of the size and type of the "
             f"others ({self._shape[1]} x {self._shape[0]} pixels, {self._dtype}). Do not change the scanner's mode in the middle of a scan."
-            + (f" Those before the change are in {', '.join(self._before)}." if self._before else "")
         )
 
     def append(self, frame: LiveFrame) -> None:
@@ -176,7 +170,7 @@ class Recorder:
             return
         try:
             if self.frames and not self._was_seen and self._differs(frame.image):
-                self._start_anew(frame.image)
+                self._set_aside()
             self._append(frame.image, self._after_gap(frame.record))
             self._was_seen = self._was_seen or _shows_probe(frame.record)
         except (AIFReconError, OSError) as error:
@@ -206,7 +200,7 @@ class Recorder:
             return None
         finally:
             self.close()
-        self._frames_are_in, self._kept = self.path, self.frames
+        self._is_finished = True
         return self.path
 
     def _make(self, progress: Progress | None = None) -> None:
@@ -231,21 +225,17 @@ class Recorder:
     def _fail(self, error: AIFReconError | OSError) -> None:
         cause = "the disk is full" if getattr(error, "errno", None) in _FULL else getattr(error, "strerror", None) or error
         self._cause = message_of(error) if isinstance(error, AIFReconError) else f"{cause}."
-        try:
-            self._kept = len(read_sequence(self.header_path))
-        except AIFReconError:
-            self._kept = 0
         logger.exception("%s", self.failure)
 
     def _differs(self, image: Numbers) -> bool:
         return image.shape != self._shape or image.dtype != self._dtype
 
-    def _append(self, image: Numbers | None, record: FrameRecord) -> None:
-        """Add a frame; where `image` is None or unlike the first one, without an image."""
-        if image is not None and not self.frames:
+    def _append(self, image: Numbers, record: FrameRecord) -> None:
+        """Add a frame, without its image where that is unlike the first one."""
+        if not self.frames:
             self._shape, self._dtype = image.shape, image.dtype
-        is_missing = image is None or self._differs(image)
-        pixels = np.zeros(self._shape, self._dtype) if image is None or is_missing else image
+        is_missing = self._differs(image)
+        pixels = np.zeros(self._shape, self._dtype) if is_missing else image
         lines = []
         for key, value in checked(frame_entries([record])):
             name = key.removeprefix(_FIRST_FRAME)
@@ -290,7 +280,7 @@ class Recorder:
         except (AIFReconError, OSError) as error:
             logger.warning("%s is kept, but not taken up: %s", self.header_path, message_of(error))
             self.close()
-            self._forget()
+            self._begin()
             return False
         return True
 
@@ -337,19 +327,13 @@ class Recorder:
         """The line of the header that says so many frames, as long for any number of them."""
         return _SIZE.encode() + f"{self._shape[1]} {self._shape[0]} {frames}".ljust(_SIZE_LETTERS).encode()
 
-    def _start_anew(self, image: Numbers) -> None:
-        """Record images of another size or type from now on, and the frames so far without theirs: a recording of its own keeps it."""
-        records, path = list(read_sequence(self.header_path).records), self.path
-        self.path = _free(self._asked)
-        try:
-            self._make()
-            self._before.append(self.path.name)
-        finally:
-            self.path = path
-        self._forget()
-        self._shape, self._dtype = image.shape, image.dtype
-        for record in records:
-            self._append(None, record)
+    def _set_aside(self) -> None:
+        """Finish what was recorded under a name of its own, and begin anew."""
+        path, self.path = self.path, _free(self._asked)
+        self._make()
+        self.note = f"{self.note or ''} The images changed before the probe was seen; those before are in {self.path.name}.".lstrip()
+        self.path = path
+        self._begin()
 
     def _write_at(self, file: FileIO, offset: int, data: bytes) -> None:
         file.seek(offset)

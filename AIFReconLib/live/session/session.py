@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,7 +31,7 @@ from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import ImageMessage
-from ..wire.sources import CONNECTED, ENDED, MessageSource
+from ..wire.sources import CONNECTED, ENDED, QueueSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, ScoutedFrames
@@ -77,7 +77,7 @@ class LiveSession:
 
     Parameters
     ----------
-    source : MessageSource
+    source : QueueSource
         E.g. an `OpenIGTLinkClient`; started and stopped by the session.
     bone : BoneMap or None
         Needed by methods that weight by incidence.
@@ -120,7 +120,7 @@ class LiveSession:
 
     def __init__(
         self,
-        source: MessageSource,
+        source: QueueSource,
         settings: Recipe | None = None,
         bone: BoneMap | None = None,
         grid: VoxelGrid | None = None,
@@ -150,6 +150,7 @@ class LiveSession:
         # Gray levels are learned from the first frames, where nobody has told them
         self._learns = self._judges and asked.gray_levels is None
         self._asked, self._made_before = asked, False
+        self._prepared: Future[None] | None = None
         known = known_imaging(configuration, self._needs_probe, region, probe)
         self._imaging = None if known is None else known.judging((), asked)
         self._synchronizer = Synchronizer(synchronizer, configuration)
@@ -211,7 +212,7 @@ class LiveSession:
         """
         with self._lock:
             self._start_inserting()
-        return (self._inserter.ready if self._made_before else self._inserter.warm).wait(timeout)
+        return self._prepared is None or bool(wait([self._prepared], timeout).done)
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
@@ -403,11 +404,13 @@ class LiveSession:
         )
 
     def _start_inserting(self) -> None:
-        if self.grid is not None and self._imaging is not None and not self._made_before:
+        if self._prepared is not None:
+            return
+        self._made_before = self.grid is not None and self._imaging is not None
+        self._prepared = self._inserter.start()
+        if self.grid is not None and self._made_before:
             # Before frames come: what they tell of gray levels is handed on before the first is inserted
-            self._made_before = True
-            self._inserter.begin(self.grid, lambda: self._find_imaging(ScoutedFrames()))
-        self._inserter.start()
+            self._prepared = self._inserter.begin(self.grid, lambda: self._find_imaging(ScoutedFrames()))
 
     # ---- the receiving thread
 

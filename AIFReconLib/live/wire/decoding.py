@@ -22,6 +22,9 @@ from ...imaging.images import luminance
 from .framing import RawMessage
 from .messages import ImageMessage, TransformMessage
 
+MOST_TOOLS = 1000
+"""Tools in one message of tracking data; each of them becomes a message of its own, far larger than its bytes."""
+
 _MATRIX_TOOL, _QUATERNION_TOOL = struct.Struct(">20sBB12f"), struct.Struct(">20sBB7f")
 
 Decoded = ImageMessage | TransformMessage
@@ -124,6 +127,8 @@ def _tracking_data(raw: RawMessage, received: float) -> tuple[TransformMessage, 
     content, metadata = _content(raw)
     if len(content) % tool.size:
         raise LiveMessageError(f"{_describe(raw)} holds {len(content)} bytes, not {tool.size} for each tool. It is left out.")
+    if len(content) > MOST_TOOLS * tool.size:
+        raise LiveMessageError(f"{_describe(raw)} holds {len(content) // tool.size} tools, more than {MOST_TOOLS}. It is left out.")
     # The 20 bytes of a name may cut it; Plus tells the whole one by the number of the tool in the message
     full_names = {value.strip(): key.removesuffix("Index") for key, value in metadata.items() if key.endswith("Index")}
     messages = []

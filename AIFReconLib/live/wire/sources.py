@@ -15,6 +15,9 @@ CONNECTED = "connected"
 ENDED = "stopped"
 """The state of a source from which nothing more will come once `get` answers None."""
 
+DEVICES = 1000
+"""Devices that are counted by name; a server that makes up ever new names must not fill the memory."""
+
 REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
 
@@ -26,7 +29,7 @@ class StreamStatistics:
     Parameters
     ----------
     received : dict of (device, type) to int
-        Messages that arrived whole, with a right checksum, used or not.
+        Messages that arrived whole, with a right checksum, used or not. Beyond 1000 devices they are counted as ``(others)``.
     refused : int
         Those among them that cannot be used: 3D images, impossible contents.
     damaged : int
@@ -137,7 +140,8 @@ class QueueSource:
 
     def _count(self, device: str, kind: str) -> None:
         with self._changed:
-            self._counts.received[device, kind] += 1
+            received = self._counts.received
+            received[(device, kind) if (device, kind) in received or len(received) < DEVICES else ("(others)", "(others)")] += 1
 
     def _queue(self, message: StreamMessage) -> None:
         with self._changed:
