@@ -107,10 +107,6 @@ class Inserter:
         self._begin = partial(self._make, grid, imaging)
         return self._submit(self._begin)
 
-    def judge_by(self, imaging: Callable[[], Imaging]) -> None:
-        """Before any frame that is put from now on, take the gray levels of `imaging`, which is called on the thread."""
-        self._submit(self._judge, imaging)
-
     @property
     def bone_on_grid(self) -> bool:
         """Whether the next volume keeps its bone map on every voxel."""
@@ -232,13 +228,6 @@ class Inserter:
             filled.insert(frames)
             with self._volume:
                 self._reconstructor, self._notes = filled, notes
-
-    def _judge(self, imaging: Callable[[], Imaging]) -> None:
-        known = imaging()
-        with self._volume:
-            self._imaging = known
-            if self._reconstructor is not None:
-                self._reconstructor.judge_by(known.gray_levels)
 
     def _submit(self, work: Callable[..., None], *arguments: Any) -> Future[None] | None:
         if self._closed:
