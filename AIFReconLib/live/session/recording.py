@@ -69,17 +69,10 @@ def growing_files(path: Path) -> tuple[Path, Path]:
     return header, pixels
 
 
-def _finished_files(path: Path) -> list[Path]:
-    """Those that a recording to `path` would replace."""
-    files = [path, path.with_suffix(".raw")] if path.suffix.lower() == ".mhd" else [path]
-    return [file for file in files if os.path.lexists(file)]
-
-
-def _why_taken(path: Path) -> str | None:
-    """What is there of another recording to `path`, in words; None where nothing is."""
-    growing = [file for file in growing_files(path) if os.path.lexists(file)]
-    finished = [f"{file.name} is there already" for file in _finished_files(path)]
-    return next(iter([*finished, *(f"{file.name} is there, of a recording that is not finished" for file in growing)]), None)
+def _there(path: Path) -> list[Path]:
+    """Files of a recording to `path` that are there, the finished ones first."""
+    finished = [path, path.with_suffix(".raw")] if path.suffix.lower() == ".mhd" else [path]
+    return [file for file in (*finished, *growing_files(path)) if os.path.lexists(file)]
 
 
 def _free(path: Path) -> Path:
@@ -87,7 +80,7 @@ def _free(path: Path) -> Path:
     ending = re.search(r"(\.(igs|seq))?\.[^.]*$", path.name, re.IGNORECASE)
     start = ending.start() if ending else len(path.name)
     named = (path.with_name(f"{path.name[:start]}-{number}{path.name[start:]}") for number in itertools.count(2))
-    return next(path for path in named if not _why_taken(path))
+    return next(path for path in named if not _there(path))
 
 
 def _shows_probe(record: FrameRecord) -> bool:
@@ -140,9 +133,11 @@ class Recorder:
 
     def _find_name(self) -> None:
         """Use the name that was asked for, or one with a number where a recording of that name is there."""
-        why = _why_taken(self._asked)
-        self.path = _free(self._asked) if why else self._asked
-        self.note = f"{why}, so this scan is recorded to {self.path.name}." if why else None
+        there, self.note = _there(self._asked), None
+        self.path = _free(self._asked) if there else self._asked
+        if there:
+            what = "there, of a recording that is not finished" if there[0] in growing_files(self._asked) else "there already"
+            self.note = f"{there[0].name} is {what}, so this scan is recorded to {self.path.name}."
         self.header_path, self._pixels_path = growing_files(self.path)
 
     @property
@@ -205,7 +200,8 @@ class Recorder:
 
     def _make(self, progress: Progress | None = None) -> None:
         """Make the finished file, then remove the growing ones."""
-        if there := _finished_files(self.path):
+        there = [file for file in _there(self.path) if file not in (self.header_path, self._pixels_path)]
+        if there:
             self.path = _free(self._asked)
             self.note = f"{there[0].name} came about during the scan, which is therefore recorded to {self.path.name}."
         if self.path.suffix.lower() == ".mhd":
