@@ -8,7 +8,7 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Sequence
+from typing import Any
 
 from ...errors import LiveConnectionError, SettingsError
 from ...sweep.frames import TrackedSequence
@@ -38,8 +38,6 @@ GREETING = 0.25
 class ReplayServer:
     """Serves a recording over OpenIGTLink.
 
-    Ten parameters: a recording, an address, and what servers do differently, each of which `aifrecon replay` has an option for.
-
     Parameters
     ----------
     sequence : TrackedSequence
@@ -48,13 +46,11 @@ class ReplayServer:
         0 takes any free one; `port` then says which.
     host : str
         The address to listen on: 127.0.0.1 admits this machine only, 0.0.0.0 the whole network.
-    rate : float or None, frames/s
-        By default the recorded times.
     loop : bool
         Begin again at the end. The time goes on without a gap and the pose jumps, as with Plus.
     header_version : int or None
         1 or 2; None follows the client as Plus does: 1, until the client sends a message of version 2.
-    image_to_reference, reference, transforms, valid_only
+    rate, image_to_reference, reference, transforms, valid_only
         See `ReplayFrames`.
 
     Notes
@@ -76,24 +72,13 @@ class ReplayServer:
         port: int = PLUS_PORT,
         host: str = "127.0.0.1",
         *,
-        rate: float | None = None,
         loop: bool = False,
         header_version: int | None = None,
-        image_to_reference: str | None = None,
-        reference: str | None = None,
-        transforms: Sequence[str] | None = None,
-        valid_only: bool = True,
+        **of_frames: Any,
     ):
         if header_version not in (None, 1, 2):
             raise SettingsError(f"Input header_version must be 1 or 2; got {header_version!r}.")
-        self.frames = ReplayFrames(
-            sequence,
-            rate=rate,
-            image_to_reference=image_to_reference,
-            reference=reference,
-            transforms=transforms,
-            valid_only=valid_only,
-        )
+        self.frames = ReplayFrames(sequence, **of_frames)
         self.host = host
         self.port = check_port(port, lowest=0)
         self.loop = loop

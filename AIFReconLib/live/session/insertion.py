@@ -57,6 +57,11 @@ class Inserter:
         What makes a result one whose volumes say where they come from.
     parts : ReconstructorParts
         What else the configuration gives.
+
+    Attributes
+    ----------
+    counters : FrameCounters
+        By which frames are counted; others after a restart.
     """
 
     def __init__(
@@ -65,15 +70,15 @@ class Inserter:
         bone: BoneMap | None,
         longest_delay: float | None,
         sign: Callable[[Reconstruction, Imaging], Reconstruction],
-        parts: ReconstructorParts | None = None,
+        parts: ReconstructorParts,
     ):
-        self._settings, self._bone, self._sign = settings.left_open(*BEFORE_FRAMES), bone, sign
-        self._parts = parts or ReconstructorParts()
+        self._settings, self._bone, self._sign, self._parts = settings.left_open(*BEFORE_FRAMES), bone, sign, parts
+        self.counters = FrameCounters()
         self._imaging = Imaging(ImageRegion(), None)
         self.error: Exception | None = None
         self._longest_delay = longest_delay
         self._changed = threading.Condition()
-        self._waiting_frames = self._waiting_bytes = self._rests = self._restarts = 0
+        self._waiting_frames = self._waiting_bytes = self._rests = 0
         self._closed = False
         self._warm: Future[None] | None = None
         self._volume = threading.Lock()
@@ -120,7 +125,7 @@ class Inserter:
     def restart(self) -> None:
         """Empty the volume, and forget the frames that wait."""
         with self._changed:
-            self._restarts += 1
+            self.counters = FrameCounters()
             self._waiting_frames = self._waiting_bytes = 0
             self._changed.notify_all()
         if self._begin is not None:
@@ -135,10 +140,10 @@ class Inserter:
     def put_in_place(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...]) -> None:
         """Let a volume that was filled beside the one that grows take its place, and these frames enter it, before any that is put from now
         on; the notes are said of it."""
-        self._submit(self._replace, filled, frames, notes, self._restarts)
+        self._submit(self._replace, filled, frames, notes, self.counters)
 
-    def put(self, frame: LiveFrame, meter: FrameCounters, live: bool = True) -> None:
-        """Hand over a frame, usable or not, and what it is counted by.
+    def put(self, frame: LiveFrame, live: bool = True) -> None:
+        """Hand over a frame, usable or not.
 
         One that has not just come (`live`) is never left out, and its latency tells nothing.
         """
@@ -154,7 +159,7 @@ class Inserter:
                 frame = replace(frame, image=None)
             self._waiting_frames += frame.status == "OK"
             self._waiting_bytes += _bytes(frame)
-            self._submit(self._insert, frame, meter, live, self._restarts)
+            self._submit(self._insert, frame, live, self.counters)
 
     def wait_for_rest(self, timeout: float) -> bool:
         """Return when next a frame was inserted and none waits, or after `timeout`, s, with 0 at once; whether none waits."""
@@ -223,8 +228,8 @@ class Inserter:
             fixed_point=self._parts.fixed_point,
         )
 
-    def _replace(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...], restarts: int) -> None:
-        if restarts == self._restarts:
+    def _replace(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...], counters: FrameCounters) -> None:
+        if counters is self.counters:
             filled.insert(frames)
             with self._volume:
                 self._reconstructor, self._notes = filled, notes
@@ -242,20 +247,20 @@ class Inserter:
             self.error = error
             logger.exception("The reconstruction of a live scan stopped")
 
-    def _insert(self, frame: LiveFrame, meter: FrameCounters, live: bool, restarts: int) -> None:
-        if restarts != self._restarts:
+    def _insert(self, frame: LiveFrame, live: bool, counters: FrameCounters) -> None:
+        if counters is not self.counters:
             return
         reason: str | None = AFTER_ERROR
         try:
             reason = self._why_not_inserted(frame)
         finally:
             if reason is not None:
-                meter.skip(reason)
+                counters.skip(reason)
             else:
                 # What waited for the volume to be made tells nothing of the speed
-                meter.insert(time.monotonic() - frame.received if live and frame.received >= self._ready else None)
+                counters.insert(time.monotonic() - frame.received if live and frame.received >= self._ready else None)
             with self._changed:
-                if restarts == self._restarts:
+                if counters is self.counters:
                     self._waiting_frames -= frame.status == "OK"
                     self._waiting_bytes -= _bytes(frame)
                 self._rests += not self._waiting_frames

@@ -35,7 +35,7 @@ from ..wire.sources import CONNECTED, ENDED, QueueSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
 from .scouting import SCOUTED, Recognition, ScoutedFrames
-from .statistics import NO_IMAGES, FrameCounters, LiveStatistics, StreamHealth, tracking_words
+from .statistics import NO_IMAGES, LiveStatistics, StreamHealth, tracking_words
 
 logger = logging.getLogger(__name__)
 
@@ -162,7 +162,6 @@ class LiveSession:
         self.at_end: Callable[[Progress | None], None] | None = None
         self._predictions_device = predictions_device
         self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
-        self._meter = FrameCounters()
         names = self._synchronizer.settings
         sign = partial(
             with_origin,
@@ -218,7 +217,6 @@ class LiveSession:
     def reset(self) -> None:
         """Empty the volume and begin to count anew, on the same grid; frames that wait are forgotten. The recording goes on."""
         with self._lock:
-            self._meter = FrameCounters()
             self._inserter.restart()
             self._forget_motion()
             if self._phase in (SCOUTING, LOOKING):
@@ -391,7 +389,7 @@ class LiveSession:
             note=pairing.note,
             images_stopped=images_stopped,
             poses_stopped=poses_stopped,
-            **self._meter.counts(now),
+            **self._inserter.counters.counts(now),
         )
 
     def _start_inserting(self) -> None:
@@ -443,11 +441,11 @@ class LiveSession:
             self.latest = _moved(frame, self._motion)
             self.recent.append(self.latest)
         with self._lock:
-            self._meter.receive(frame.received)
+            self._inserter.counters.receive(frame.received)
             if not counts or (live and self._paused):
-                self._meter.skip(WHILE_PAUSED)
+                self._inserter.counters.skip(WHILE_PAUSED)
             elif is_left_out:
-                self._meter.skip(LEFT_OUT)
+                self._inserter.counters.skip(LEFT_OUT)
             elif self._phase == RECONSTRUCTING:
                 self._put(frame, live)
             else:
@@ -463,7 +461,7 @@ class LiveSession:
                 self.kept = None
             elif alike:
                 self.kept.append(frame)
-        self._inserter.put(_moved(frame, self._motion), self._meter, live)
+        self._inserter.put(_moved(frame, self._motion), live)
 
     def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was scouted first."""
@@ -491,7 +489,7 @@ class LiveSession:
             if self.grid is not None and self._phase == LOOKING and self._scouted.usable:
                 self._begin(self.grid)
             for frame in self._scouted:
-                self._meter.skip(SCOUTED if frame.status == "OK" else frame.status)
+                self._inserter.counters.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()
 
     def _find_imaging(self, scouted: ScoutedFrames) -> Imaging:
