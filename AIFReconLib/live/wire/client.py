@@ -143,7 +143,7 @@ class OpenIGTLinkClient(QueueSource):
         failed = connections = 0
         while not self._stopping.is_set():
             self._state = CONNECTING
-            before = self._counts.received.total()
+            before, reason = self._counts.received.total(), ""
             try:
                 connection = open_connection(self.host, self.port, self._connect_timeout)
             except LiveConnectionError as error:

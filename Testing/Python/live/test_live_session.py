@@ -132,7 +132,7 @@ def own_method(intensity, cosine, reach):
 
 IMPORTANCE = np.linspace(0, 1, 40, dtype=np.float32)[None].repeat(30, axis=0)
 UNTRACKED = {1: TransformStatus.OUT_OF_VIEW, 4: TransformStatus.MISSING}
-CASES = [
+CASES: list[tuple[dict[str, object], dict[int, TransformStatus]]] = [
     *(({"method": method, "output_type": "float32", "hole_limit": 2.0}, {}) for method in (*METHODS, own_method.name)),
     ({}, UNTRACKED),
     ({"skip": 2}, {}),

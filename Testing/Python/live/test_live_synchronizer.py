@@ -121,8 +121,11 @@ JUMP = [
     image(1.01, "Image_Image"),
     transform(1.02, "ProbeToReference", rigid(translation=(0, 80, 1))),
 ]
-OTHER_TIME = [transform(t, "ProbeToReference") for t in (1.0, 1.02, 1.04)]
-OTHER_TIME.insert(2, image(1.113, "Image_Image", metadata=metadata(**TOOLS_OK), version=2))
+OTHER_TIME = [
+    *(transform(t, "ProbeToReference") for t in (1.0, 1.02)),
+    image(1.113, "Image_Image", metadata=metadata(**TOOLS_OK), version=2),
+    transform(1.04, "ProbeToReference"),
+]
 
 STATUSES = {
     # Images that bring their pose
