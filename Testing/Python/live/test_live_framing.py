@@ -11,7 +11,6 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from igtl_streams import POSE, image_bytes, packed, picture, recorded, transform_bytes, with_size
-from pyigtl.messages import MessageBase
 
 from AIFReconLib.errors import LiveMessageError
 from AIFReconLib.geometry.transform_graph import TransformStatus
@@ -274,20 +273,6 @@ def test_a_quaternion_that_turns_nothing_is_an_invalid_pose(quaternion):
 
 
 # ---- encoding
-
-
-def test_pyigtl_reads_an_encoded_image():
-    data = encoding.encode_image("Image_Reference", 12.25, picture(5), POSE, version=2, metadata={"Depth": "60"})
-    header = MessageBase.parse_header(data[:58])
-    message = MessageBase.create_message("IMAGE")
-    message.unpack(header, data[58:])
-    assert np.array_equal(message.image[0], picture(5))
-    assert np.allclose(message.ijk_to_world_matrix, POSE, atol=1e-5)
-    assert (message.device_name, message.timestamp, message.metadata) == ("Image_Reference", 12.25, {"Depth": "60"})
-
-
-def test_an_encoded_transform_is_the_one_that_pyigtl_packs():
-    assert encoding.encode_transform("ProbeToTracker", 100.5, POSE) == transform_bytes()
 
 
 def test_the_request_for_statuses_is_the_one_that_a_real_server_answered():
