@@ -169,7 +169,11 @@ def _deflated(data: bytes) -> bytes:
 
 def _detached(folder: Path) -> list[bytes]:
     (folder / "data.raw").write_bytes(ramp(frames=3).tobytes())
-    return [_metaimages(folder)[0].split(b"LOCAL")[0] + b"data.raw\n"]
+    header = _metaimages(folder)[0].split(b"LOCAL")[0] + b"data.raw\n"
+    size = next(line for line in header.splitlines(keepends=True) if line.startswith(b"DimSize"))
+    # Of a recording that grows: its last frame stands behind the header
+    grows = b"RecordingUnfinished = True\n" + header.replace(size, size.replace(b"3\n", b"2\n"))
+    return [header, grows + b"Seq_Frame0002_ImageStatus = OK\n" + size]
 
 
 def _bundled(scene: bytes) -> bytes:

@@ -103,8 +103,13 @@ class ReplayServer:
         if self._thread is None:
             listener = _listen(self.host, self.port)
             self.port = listener.getsockname()[1]
-            self._thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
-            self._thread.start()
+            thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError:  # the system allows no more threads
+                listener.close()
+                raise
+            self._thread = thread
 
     def stop(self) -> None:
         """Close every connection and free the port; what was queued is sent if the clients take it within half a second."""

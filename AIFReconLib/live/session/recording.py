@@ -5,11 +5,10 @@ While it runs there are two files beside the one that was asked for, named after
     sweep.recording.mhd      a header of every frame so far, which grows
     sweep.recording.raw      the pixels, appended frame by frame
 
-`read_sequence` opens ``sweep.recording.mhd`` at any time, also after the program was killed or the disk was full. A frame is added in
-an order that allows that: its pixels; behind the last line of the header, where nobody reads any more, its lines and that line again; the
-number of frames; and at last one byte, which makes the older last line a field. The field `UNFINISHED` tells the reader that the
-pixels may go on behind the frames that the header lists. `finish` makes the file that was asked for, completely or not at all, and only
-then removes the two.
+`read_sequence` opens ``sweep.recording.mhd`` at any time, also after the program was killed or the disk was full. Nothing in the two
+files is ever changed, all is appended: of a frame first its pixels; then its lines, behind the header, the last of which says how many
+frames there are. The field `UNFINISHED` tells the reader to look for them there. `finish` makes the file that was asked for, completely or
+not at all, and only then removes the two.
 
 Whose they are: the pixels are locked by the program that appends to them. Nobody else appends to the two, or removes them, and no file that
 is there is replaced: a recording whose name is taken gets another one. Once their program has died they can be taken up.
@@ -36,7 +35,7 @@ from ...geometry.transform_graph import TransformStatus
 from ...io.disk.atomic import atomic_outputs, check_writable
 from ...io.disk.locks import hold
 from ...io.disk.workspace import workspace
-from ...io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
+from ...io.metafile.metafile import UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
@@ -50,11 +49,9 @@ logger = logging.getLogger(__name__)
 
 _FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)}
 _FIRST_FRAME = "Seq_Frame0000_"
-_SIZE = "DimSize = "
-_SIZE_LETTERS = 40
-"""Room for three numbers, the last of which grows."""
-
-_LAST_LINE = b"ElementDataFile"
+_SIZE, _LAST_LINE = b"DimSize = ", b"ElementDataFile = "
+_WHOLE = re.compile(rb"^(DimSize = [0-9 ]+|ElementDataFile = .*)\n", re.MULTILINE)
+"""Ends what is listed of a frame."""
 
 GAP = "AIFRecon_gap"
 """Field of a frame before which nothing was recorded for so many s, as its program was lost."""
@@ -129,7 +126,7 @@ class Recorder:
         self._dtype: NumberType = np.dtype(np.uint8)
         self._pixels: FileIO | None = None
         self._header: FileIO | None = None
-        self._size_at = self._end_at = 0
+        self._listed = 0
 
     def _find_name(self) -> None:
         """Use the name that was asked for, or one with a number where a recording of that name is there."""
@@ -208,7 +205,7 @@ class Recorder:
             self._finish_in_place()
         else:
             recorded = read_sequence(self.header_path)
-            fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
+            fields = {key: value for key, value in recorded.fields.items() if key != UNFINISHED}
             write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
         self._remove()
 
@@ -232,24 +229,17 @@ class Recorder:
             self._shape, self._dtype = image.shape, image.dtype
         is_missing = self._differs(image)
         pixels = np.zeros(self._shape, self._dtype) if is_missing else image
-        lines = []
-        for key, value in checked(frame_entries([record])):
-            name = key.removeprefix(_FIRST_FRAME)
-            text = TransformStatus.INVALID.value if is_missing and name == "ImageStatus" else value
-            lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")
-        written = "".join(lines).encode("utf-8", errors="surrogateescape")
+        record = replace(record, image_status=TransformStatus.INVALID) if is_missing else record
+        entries = [(key.removeprefix(_FIRST_FRAME), value) for key, value in checked(frame_entries([record]))]
         if self._pixels is None:
             self._pixels = self._own_pixels()
         self._write(self._pixels, np.ascontiguousarray(pixels, dtype=self._dtype.newbyteorder("<")).data)
-        end = _LAST_LINE + f" = {self._pixels_path.name}\n".encode()
         if self._header is None:
-            self._header = self._begin_header(pixels, written + end)
-            self._end_at = self._header.seek(0, os.SEEK_END) - len(end)
+            self._header = self._begin_header(pixels, record)
         else:
-            self._write_at(self._header, self._end_at + len(end), written + end)
-            self._write_at(self._header, self._size_at, self._size(self.frames + 1))
-            self._write_at(self._header, self._end_at, FORMER_LAST_LINE[:1].encode())
-            self._end_at += len(end) + len(written)
+            lines = "".join(f"Seq_Frame{self.frames:04d}_{name} = {value}\n" for name, value in entries)
+            self._write(self._header, memoryview(lines.encode("utf-8", errors="surrogateescape") + self._size(self.frames + 1)))
+        self._listed = self._header.tell()
         self.frames += 1
         self.without_image += is_missing
 
@@ -281,7 +271,7 @@ class Recorder:
         return True
 
     def _go_on(self, pixels: FileIO) -> None:
-        """Find where the next frame belongs. The last one is there if all of it was written, or not at all."""
+        """Find where the next frame belongs, and cut off what was begun of one."""
         recorded = read_sequence(self.header_path)
         if UNFINISHED not in recorded.fields or os.fstat(pixels.fileno()).st_nlink > 1:
             # Its program died in the middle of finishing: the finished file has the same pixels
@@ -290,38 +280,24 @@ class Recorder:
         self.without_image = sum(record.image_status is not TransformStatus.OK for record in recorded.records)
         self._was_seen = any(_shows_probe(record) for record in recorded.records)
         self._taken_up_at = recorded.records[-1].timestamp
-        header = self.header_path.read_bytes()
-        self._size_at = header.index(b"\n" + _SIZE.encode()) + 1
-        self._end_at = header.index(b"\n" + _LAST_LINE) + 1
-        end = header[self._end_at : header.index(b"\n", self._end_at) + 1]
-        self.frames = header.count(b"\n" + FORMER_LAST_LINE.encode(), 0, self._end_at) + 1
-        size = math.prod(self._shape) * self._dtype.itemsize
+        self.frames = len(recorded)
         self._header = open(self.header_path, "r+b", buffering=0)  # noqa: SIM115 (closed in close)
-        if header[self._end_at + len(end) :].endswith(b"\n" + end) and pixels.seek(0, os.SEEK_END) >= size * (self.frames + 1):
-            self.frames += 1
-            self._write_at(self._header, self._size_at, self._size(self.frames))
-            self._write_at(self._header, self._end_at, FORMER_LAST_LINE[:1].encode())
-            self._end_at = len(header) - len(end)
-        self._header.truncate(self._end_at + len(end))
-        pixels.truncate(size * self.frames)
-        pixels.seek(0, os.SEEK_END)
+        self._listed = max(line.end() for line in _WHOLE.finditer(self.header_path.read_bytes()))
+        for file, size in ((self._header, self._listed), (pixels, math.prod(self._shape) * self._dtype.itemsize * self.frames)):
+            file.truncate(size)
+            file.seek(size)
 
-    def _begin_header(self, image: Numbers, lines_of_frame: bytes) -> FileIO:
-        """The header of one frame as the sequence writer makes it, but for the lines of that frame."""
+    def _begin_header(self, image: Numbers, record: FrameRecord) -> FileIO:
+        """The header of the first frame, as the sequence writer makes it."""
         with workspace(self.path.absolute().parent) as folder:
-            path = folder / "header.mhd"
-            write_sequence(TrackedSequence(image[None], [FrameRecord()], {UNFINISHED: "True"}), path, compress=False)
-            lines = [line for line in path.read_bytes().splitlines(keepends=True)[:-1] if not line.startswith(_FIRST_FRAME.encode())]
-            size = next(number for number, line in enumerate(lines) if line.startswith(_SIZE.encode()))
-            self._size_at = sum(map(len, lines[:size]))
-            lines[size] = self._size(1) + b"\n"
-            path.write_bytes(b"".join(lines) + lines_of_frame)
+            path = folder / self.header_path.name
+            write_sequence(TrackedSequence(image[None], [record], {UNFINISHED: "True"}), path, compress=False)
             os.replace(path, self.header_path)
-        return open(self.header_path, "r+b", buffering=0)
+        return open(self.header_path, "ab", buffering=0)
 
     def _size(self, frames: int) -> bytes:
-        """The line of the header that says so many frames, as long for any number of them."""
-        return _SIZE.encode() + f"{self._shape[1]} {self._shape[0]} {frames}".ljust(_SIZE_LETTERS).encode()
+        """The line that says so many frames."""
+        return _SIZE + f"{self._shape[1]} {self._shape[0]} {frames}\n".encode()
 
     def _set_aside(self) -> None:
         """Finish what was recorded under a name of its own, and begin anew."""
@@ -330,10 +306,6 @@ class Recorder:
         self.note = f"{self.note or ''} The images changed before the probe was seen; those before are in {self.path.name}.".lstrip()
         self.path = path
         self._begin()
-
-    def _write_at(self, file: FileIO, offset: int, data: bytes) -> None:
-        file.seek(offset)
-        self._write(file, memoryview(data))
 
     @staticmethod
     def _write(file: FileIO, data: memoryview) -> None:
@@ -351,13 +323,11 @@ class Recorder:
                 os.link(self._pixels_path, pixels)
             except OSError:  # not every file system gives a file two names
                 shutil.copyfile(self._pixels_path, pixels)
-            with open(self.header_path, "rb") as growing, open(header, "wb") as file:
-                for line in growing:
-                    if line.startswith(_LAST_LINE):
-                        break
-                    if not line.startswith((FORMER_LAST_LINE.encode(), UNFINISHED.encode())):
-                        file.write(self._size(self.frames) + b"\n" if line.startswith(_SIZE.encode()) else line)
-                file.write(_LAST_LINE + f" = {pixels.name}\n".encode())
+            lines = self.header_path.read_bytes()[: self._listed].splitlines(keepends=True)
+            kept = [line for line in lines if not line.startswith((_SIZE, _LAST_LINE, UNFINISHED.encode()))]
+            place = next(number for number, line in enumerate(lines) if line.startswith(_SIZE))
+            kept.insert(place, self._size(self.frames))
+            header.write_bytes(b"".join(kept) + _LAST_LINE + f"{pixels.name}\n".encode())
 
     def _remove(self) -> None:
         """Remove the growing files, if they are ours."""

