@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from ...compounding.state import Reconstruction
 from ...effective_settings import BEFORE_FRAMES, Imaging, ReconstructorParts
 from ...geometry.volume import VoxelGrid
 from ...imaging.beams import LINEAR, ProbeGeometry
+from ...imaging.region import ImageRegion
 from ...progress import Progress
 from ...recipe.recipe import Recipe
 from ...sweep.frames import TrackedFrame
@@ -43,16 +44,8 @@ WARM_UP = 2
 """Insertions that tell nothing of the speed: engines are compiled and tables built."""
 
 
-class _Growing(NamedTuple):
-    """A volume that grows, and what is to be said of it."""
-
-    reconstructor: Reconstructor
-    imaging: Imaging
-    notes: tuple[str, ...] = ()
-
-
 class Inserter:
-    """Inserts frames in their order on a thread of its own, which alone touches the volume until it ends.
+    """Inserts frames in their order on a thread of its own.
 
     Parameters
     ----------
@@ -81,13 +74,17 @@ class Inserter:
     ):
         self._settings, self._bone, self._sign, self._parts = settings.left_open(*BEFORE_FRAMES), bone, sign, parts
         self.counters = FrameCounters()
+        self._imaging = Imaging(ImageRegion(), None)
         self.error: Exception | None = None
         self._longest_delay = longest_delay
         self._changed = threading.Condition()
         self._waiting_frames = self._waiting_bytes = self._rests = 0
         self._closed = False
         self._warm: Future[None] | None = None
-        self._growing: _Growing | None = None
+        self._volume = threading.Lock()
+        self._turnstile = threading.Lock()
+        self._reconstructor: Reconstructor | None = None
+        self._notes: tuple[str, ...] = ()
         self._begin: Callable[[], None] | None = None
         self._image_like: tuple[tuple[int, ...], NumberType] | None = None
         self._insertions = 0
@@ -136,8 +133,9 @@ class Inserter:
 
     def beside(self) -> Reconstructor | None:
         """An empty volume as the one that grows, to be filled beside it; None where there is none."""
-        growing = self._growing
-        return None if growing is None else self._empty(growing.reconstructor.grid, growing.reconstructor.settings, growing.imaging)
+        with self._volume:
+            growing, imaging = self._reconstructor, self._imaging
+        return None if growing is None else self._empty(growing.grid, growing.settings, imaging)
 
     def put_in_place(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...]) -> None:
         """Let a volume that was filled beside the one that grows take its place, and these frames enter it, before any that is put from now
@@ -172,27 +170,24 @@ class Inserter:
             return not self._waiting_frames
 
     def snapshot(self, progress: Progress | None = None) -> Reconstruction | None:
-        """The volume of all frames that were put, holes filled; None before there is one. Later ones wait only while voxels are copied."""
-
-        def capture() -> tuple[_Growing, Callable[[Progress | None], Reconstruction]] | None:
-            growing = self._growing
-            return None if growing is None else (growing, growing.reconstructor.capture())
-
-        with self._changed:
-            captured = None if self._closed else self._thread.submit(capture)
-        if captured is None:
-            self._thread.shutdown()
-        taken = capture() if captured is None else captured.result()
-        return None if taken is None else self._signed(taken[1](progress), taken[0])
+        """The volume as it is now, holes filled; None before there is one. Frames wait only while the voxels are copied."""
+        with self._turnstile, self._volume:
+            if self._reconstructor is None:
+                return None
+            make, imaging = self._reconstructor.capture(), self._imaging
+        return self._signed(make(progress), imaging)
 
     def finish(self, progress: Progress | None = None) -> Reconstruction | None:
         """The final volume, after `close`; it can be asked for once."""
-        growing, self._growing = self._growing, None
-        return None if growing is None else self._signed(growing.reconstructor.finish(progress), growing)
+        with self._volume:
+            if self._reconstructor is None:
+                return None
+            reconstructor, self._reconstructor = self._reconstructor, None
+        return self._signed(reconstructor.finish(progress), self._imaging)
 
-    def _signed(self, result: Reconstruction, growing: _Growing) -> Reconstruction:
-        result = self._sign(result, growing.imaging)
-        return replace(result, messages=(*growing.imaging.notes, *self._parts.notes, *growing.notes, *result.messages))
+    def _signed(self, result: Reconstruction, imaging: Imaging) -> Reconstruction:
+        result = self._sign(result, imaging)
+        return replace(result, messages=(*imaging.notes, *self._parts.notes, *self._notes, *result.messages))
 
     # ---- the thread
 
@@ -214,8 +209,10 @@ class Inserter:
         known = imaging()
         judges = method_named(self._settings.method_for(self._bone is not None)).needs_shadows
         settings = replace(self._settings, gray_levels=known.gray_levels.landmarks) if judges else self._settings
-        self._growing = _Growing(self._empty(grid, settings, known), known)
-        self._image_like, self._insertions = None, 0
+        reconstructor = self._empty(grid, settings, known)
+        with self._volume:
+            self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
+            self._imaging, self._notes = known, ()
         self.error, self._ready = None, time.monotonic()
 
     def _empty(self, grid: VoxelGrid, settings: Recipe, imaging: Imaging) -> Reconstructor:
@@ -232,9 +229,10 @@ class Inserter:
         )
 
     def _replace(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...], counters: FrameCounters) -> None:
-        if counters is self.counters and self._growing is not None:
+        if counters is self.counters:
             filled.insert(frames)
-            self._growing = _Growing(filled, self._growing.imaging, notes)
+            with self._volume:
+                self._reconstructor, self._notes = filled, notes
 
     def _submit(self, work: Callable[..., None], *arguments: Any) -> Future[None] | None:
         if self._closed:
@@ -274,15 +272,20 @@ class Inserter:
         if is_usable:
             image, _ = frame.placed()
             self._image_like = self._image_like or (image.shape, image.dtype)
-            if self.error is not None or self._growing is None:
+            if self.error is not None or self._reconstructor is None:
                 frame = replace(frame, image=None, status=AFTER_ERROR)
             elif self._image_like != (image.shape, image.dtype):
                 frame = replace(frame, image=None, status=OTHER_SIZE)
-        if self._growing is None:
-            return frame.status
-        started, counts = time.monotonic(), self._growing.reconstructor.counts
-        before = counts.inserted
-        self._growing.reconstructor.insert(frame)
+        with self._turnstile:
+            # Whoever wants the volume stands here, and comes next
+            pass
+        started = time.monotonic()
+        with self._volume:
+            if self._reconstructor is None:
+                return frame.status
+            counts = self._reconstructor.counts
+            before = counts.inserted
+            self._reconstructor.insert(frame)
         self._insertions += is_usable
         if self._insertions > WARM_UP and is_usable:
             last = time.monotonic() - started
