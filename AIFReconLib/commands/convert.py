@@ -12,7 +12,7 @@ from ..arrays import Matrix
 from ..errors import SettingsError
 from ..geometry.transform_graph import TransformName
 from ..io.foreign.calibration import read_calibration
-from ..io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
+from ..io.metafile.metafile import UNFINISHED
 from ..io.sequence.files import IMAGE_FRAME
 from ..io.sequence.writer import check_sequence_name, write_sequence
 from ..io.transform.files import read_transform
@@ -116,7 +116,7 @@ def run(asked: _ConvertOptions) -> None:
 def changed(sequence: TrackedSequence, asked: _ConvertOptions) -> TrackedSequence:
     """The sequence with everything done to it that the options ask for: names first, then calibration, part and frames."""
     # What is written is complete; the mark would keep readers from saying that it is damaged when it is
-    sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)})
+    sequence = replace(sequence, fields={key: value for key, value in sequence.fields.items() if key != UNFINISHED})
     sequence = rename(with_configured_transforms(sequence), dict(asked.rename))
     if asked.calibration:
         name, matrix = _calibration(asked.calibration)

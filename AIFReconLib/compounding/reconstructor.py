@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Callable, Collection, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -18,7 +18,6 @@ from ..errors import BeamGeometryError, OperationCanceled, require_kind
 from ..geometry.volume import VoxelGrid
 from ..holes.filling import HoleFilling
 from ..imaging.beams import SECTOR, ProbeGeometry
-from ..imaging.gray_levels import GrayLevels
 from ..imaging.region import ImageRegion
 from ..imaging.sound_speed import depth_factor
 from ..machine.memory import require_memory
@@ -234,12 +233,6 @@ class Reconstructor:
             raise
         finally:
             self._compute(part(progress, 1.0, 1.0))
-
-    def judge_by(self, levels: GrayLevels) -> None:
-        """Judge shadows by these gray levels, which the first frames have told; before any is inserted."""
-        if self._engine is not None:
-            raise RuntimeError("Gray levels are for the whole volume: give them before the first frame.")
-        self.settings = replace(self.settings, gray_levels=levels.landmarks)
 
     def lay_out_as(self, first: Reconstructor) -> None:
         """Lay frames out as the first part of the volume did, to which all of them were given; before any is inserted."""

@@ -7,7 +7,6 @@ import pickle
 import socket
 import struct
 import threading
-from contextlib import suppress
 from multiprocessing.connection import Connection
 
 from ..errors import InsufficientMemoryError
@@ -15,9 +14,6 @@ from .calls import ERROR, Message
 
 LARGE = 1 << 16
 """Bytes from which on an array crosses by itself: it is read from where it lies, and received where it stays."""
-
-AT_ONCE = 1 << 22
-"""Bytes that may be on their way: with fewer the two sides wait for each other."""
 
 
 class Channel:
@@ -38,9 +34,6 @@ class Channel:
         if self._socket is not None:
             # Whatever another part of the program has made the rule for sockets
             self._socket.setblocking(True)
-            for size in (socket.SO_SNDBUF, socket.SO_RCVBUF):
-                with suppress(OSError):  # a system may allow less
-                    self._socket.setsockopt(socket.SOL_SOCKET, size, AT_ONCE)
             limit = struct.pack("ll", int(patience or 0), int((patience or 0) % 1 * 1e6))
             for direction in (socket.SO_SNDTIMEO, socket.SO_RCVTIMEO):
                 self._socket.setsockopt(socket.SOL_SOCKET, direction, limit)

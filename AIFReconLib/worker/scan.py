@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Sequence
+from concurrent.futures import Future, wait
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +13,7 @@ import numpy as np
 from ..arrays import Floats, Matrix
 from ..bone.echoes.found import FEWEST, SweepEchoes
 from ..bone.field import BoneField
+from ..compounding.state import Reconstruction
 from ..errors import BeamGeometryError, GeometryError
 from ..evaluation.visibility import SweepBeams
 from ..geometry.volume import Volume
@@ -19,7 +22,6 @@ from ..live.session.agreement_watch import AgreementWatch
 from ..live.session.guidance_watch import GuidanceWatch
 from ..live.session.resumed_recording import unfinished_frames
 from ..live.session.session import SCOUTING
-from ..live.session.snapshots import SnapshotMaker
 from ..live.wire.client import OpenIGTLinkClient
 from ..live.wire.messages import StreamMessage
 from ..live.wire.sources import QueueSource
@@ -30,6 +32,8 @@ from ..registration.live import SECONDS
 from ..workflows.job import ScanJob
 from ..workflows.live_scan import LiveScan
 from .scanning import Seen, shown_of
+
+logger = logging.getLogger(__name__)
 
 SNAP_EVERY = 0.5
 """s between two snapshots of the volume: each has holes filled, which takes cores from insertion."""
@@ -59,7 +63,9 @@ class Scan(LiveScan):
         self._spans: list[tuple[int, int | None]] = [(0, None)]
         self._poses: list[Matrix] = []
         self._noted = -1
-        self._snapshots = SnapshotMaker(self.session)
+        self._snapshot: Future[Reconstruction | None] | None = None
+        self._shown_frames = -1
+        self._snapshot_error: str | None = None
         self._agreement: AgreementWatch | None = None
         self._guidance: GuidanceWatch | None = None
         self._told: Guidance | None = None
@@ -98,14 +104,11 @@ class Scan(LiveScan):
         """
         session, statistics = self.session, self.session.statistics
         self._note_poses()
-        result = self._snapshots.take()
-        if time.monotonic() - self._snapped >= SNAP_EVERY:
-            self._snapped = time.monotonic()
-            self._snapshots.request()
+        result = self._new_volume(statistics.inserted)
         watch = self._agreement
         agreement = None if watch is None else watch.agreement
         problems = [None if watch is None else watch.problem]
-        problems += [None if self._snapshots.error is None else message_of(self._snapshots.error), *self._recording_problems()]
+        problems += [self._snapshot_error, *self._recording_problems()]
         latest = session.latest
         guidance = None if self._guidance is None else self._guidance.state
         is_told, self._told = guidance is self._told, guidance
@@ -224,6 +227,22 @@ class Scan(LiveScan):
 
     # ---- parts
 
+    def _new_volume(self, inserted: int) -> Reconstruction | None:
+        """The volume, where one was made since it was last asked for; and where frames have entered since, another is begun."""
+        made = None
+        if self._snapshot is not None and self._snapshot.done():
+            error, self._snapshot_error = self._snapshot.exception(), None
+            if error is None:
+                made = self._snapshot.result()
+            else:
+                self._snapshot_error = message_of(error)
+                logger.error("A snapshot of a live scan could not be made", exc_info=error)
+            self._snapshot = None
+        if self._snapshot is None and inserted != self._shown_frames and time.monotonic() - self._snapped >= SNAP_EVERY:
+            self._snapped, self._shown_frames = time.monotonic(), inserted
+            self._snapshot = self.session.pool.submit(self.session.snapshot)
+        return made
+
     def _note_poses(self) -> None:
         """Remember where the probe was in the frames that have come since: its face was on the skin."""
         for frame in tuple(self.session.recent):
@@ -252,7 +271,8 @@ class Scan(LiveScan):
         return 0 if self.session.recorder is None else self.session.recorder.frames
 
     def _stop_watches(self) -> None:
-        self._snapshots.stop()
+        if self._snapshot is not None:
+            wait([self._snapshot])
         for watch in (self._agreement, self._guidance, self.bone_watch, self.motion_watch):
             if watch is not None:
                 watch.stop()

@@ -126,11 +126,7 @@ class _Server(logging.Handler):
         try:
             self._send(answer)
         except Exception as error:  # it cannot be pickled
-            try:
-                self._send(Message(number, ERROR, _that_crosses(error)))
-            except Exception:
-                # Who waits for an answer hears of the end of this process at least
-                os._exit(1)
+            self._send(Message(number, ERROR, _that_crosses(error)))
 
     def _called(self, number: int, call: Call, canceled: threading.Event) -> Any:
         arguments = [self._meant(each) for each in call.arguments]

@@ -20,7 +20,7 @@ from ..live.session.bone_watch import BoneWatch, predictions_beside
 from ..live.session.motion_watch import MotionWatch
 from ..live.session.recording import Recorder
 from ..live.session.session import LiveSession
-from ..live.wire.sources import MessageSource, StreamStatistics
+from ..live.wire.sources import QueueSource, StreamStatistics
 from ..message import Sentence, Spelling, advised, as_argument
 from ..motion.solve import BoneInPlace
 from ..progress import Progress
@@ -40,12 +40,12 @@ class LiveScan:
     Parameters
     ----------
     job : ScanJob
-    source : MessageSource
+    source : QueueSource
     progress : Progress or None
         Of the bone map.
     """
 
-    def __init__(self, job: ScanJob, source: MessageSource, progress: Progress | None = None):
+    def __init__(self, job: ScanJob, source: QueueSource, progress: Progress | None = None):
         self.labels, self.bone_to_reference = job.bone.labels, job.bone.to_reference
         self.labeled: LabeledBone | None = None
         self.growing: GrowingBone | None = None

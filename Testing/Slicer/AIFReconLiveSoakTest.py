@@ -15,7 +15,7 @@ FRAMES = 400
 
 
 class AIFReconLiveSoakTest(unittest.TestCase):
-    """A third of a simulated minute; `python Testing/soak scene` does as many as asked."""
+    """A third of a simulated minute."""
 
     def setUp(self):
         slicer.mrmlScene.Clear()

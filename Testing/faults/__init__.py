@@ -1,5 +1,5 @@
-"""Faults made on purpose, and what becomes of the files: `make faults`. docs/reliability.md has the results.
+"""kill -9 of what writes, and what becomes of the files: `make faults`. docs/reliability.md has the results.
 
-`children` starts, kills and watches processes, `samples` are the files and commands, `kills`, `changes` and `surroundings` hold the faults,
-and `__main__` runs the table of all of them for a given time.
+`children` starts, kills and watches processes, `samples` are the files and commands, `kills` are the faults, `ledger` counts what came of
+them, and `__main__` runs them all for a given time.
 """

@@ -17,10 +17,8 @@ sys.path[:0] = [str(TESTING.parent), str(TESTING / "Python")]
 
 from measured import keep  # noqa: E402
 
-from faults import changes, kills, surroundings  # noqa: E402
+from faults.kills import CASES  # noqa: E402
 from faults.ledger import Ledger  # noqa: E402
-
-CASES = (*changes.CASES, *surroundings.CASES, *kills.CASES, kills.WORKER)
 
 
 def main() -> int:

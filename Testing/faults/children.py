@@ -11,8 +11,6 @@ import time
 import traceback
 from collections.abc import Callable
 
-from AIFReconLib.errors import AIFReconError
-
 LONGEST = 1200.0
 """s that a child may take."""
 
@@ -73,25 +71,6 @@ def result_of(work: Callable[[], object]):
     if code != 0:
         raise RuntimeError(f"the child ended with {code}")
     return pickle.loads(data)
-
-
-def attempt(work: Callable[[], object]) -> tuple[str, object]:
-    """What becomes of `work` in a child: ``done`` and what it returns, ``refused`` and the sentence, or ``raised`` for what must not be."""
-
-    def tell() -> tuple[str, object]:
-        try:
-            return "done", work()
-        except AIFReconError as error:
-            said = str(error)
-            is_sentence = said.rstrip().endswith(".") and ". " in said and said.isprintable()
-            return "refused" if is_sentence else "raised", said
-        except BaseException as error:
-            return "raised", f"{type(error).__name__}: {error}"
-
-    try:
-        return result_of(tell)
-    except RuntimeError as error:
-        return "raised", str(error)
 
 
 def at_line(files: tuple[str, ...], due: int | None, meddle: Callable[[], object], work: Callable[[], object]) -> tuple[object, int]:

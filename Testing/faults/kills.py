@@ -31,7 +31,7 @@ from AIFReconLib.workflows.job import ScanJob
 
 from .children import RENAMING, at_line, end_of, killed, result_of, seconds_of, start
 from .ledger import Fault, Lost, Trial
-from .samples import COMMANDS, RECORDED, RECORDINGS, WRITTEN, Command, FileKind, left_in, recorded_frames, version_of, write_inputs
+from .samples import RECORDED, RECORDINGS, WRITTEN, FileKind, left_in, recorded_frames, version_of
 
 SCANNED, GRID = 40, VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
 """Frames and voxels of a scan."""
@@ -134,30 +134,6 @@ def kill_recording(sample: FileKind, folder: Path, chance: random.Random) -> Tri
     return trial
 
 
-def kill_command(command: Command, folder: Path, chance: random.Random) -> Trial:
-    """At random moments of the whole command; every output is the older one, the new one or absent, and whole."""
-    inputs, old, new = (folder / name for name in ("inputs", "old", "new"))
-    end_of(start(partial(write_inputs, inputs)))
-    for place, version in ((old, 0), (new, 1)):
-        place.mkdir()
-        lasts = seconds_of(partial(command.run, inputs, place, version))
-    digests = {
-        name: {place.name: result_of(partial(digest, place / name)) for place in (old, new)} for name, digest in command.outputs.items()
-    }
-
-    def trial(place: Path, number: int) -> str:
-        older = number % 2 == 0
-        if older:
-            shutil.copytree(old, place, dirs_exist_ok=True)
-        code = killed(partial(command.run, inputs, place, 1), chance, 0, lasts)
-        states = {version_of(place / name, digests[name], digest) for name, digest in command.outputs.items()}
-        if states - {"old" if older else "absent", "new"}:
-            raise Lost(f"{sorted(states)}, exit {code}")
-        return "finished before" if code == 0 else " and ".join(sorted(states))
-
-    return trial
-
-
 def kill_worker(folder: Path, chance: random.Random) -> Trial:
     """Of the worker during a scan, which another takes up: all frames are recorded, and the volume is the one without a kill."""
     patient = write_patient(folder)
@@ -220,7 +196,6 @@ def _is_taken(statistics, number: int) -> bool:
 CASES = (
     *(Fault("kill -9", f"live recording {each.file}", partial(kill_recording, each)) for each in RECORDINGS),
     *(Fault("kill -9", f"write {each.file}", partial(kill_write, each)) for each in WRITTEN),
-    *(Fault("kill -9", f"aifrecon {each.name}", partial(kill_command, each)) for each in COMMANDS),
+    # What forks must not have had threads: this comes last
+    Fault("kill -9", "worker of a scan that is recorded", kill_worker),
 )
-WORKER = Fault("kill -9", "worker of a scan that is recorded", kill_worker)
-"""What forks must not have had threads: this comes last."""

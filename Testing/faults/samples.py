@@ -1,27 +1,20 @@
-"""Every kind of file that the library writes and reads, and the commands that write: small, in two versions that can be told apart."""
+"""Every kind of file that the library writes: small, in two versions that can be told apart."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from files import CONFIGURATION, tracked_sequence, write_patient
+from files import tracked_sequence
 from live_messages import tracked
 
-from AIFReconLib.commands.parser import main
 from AIFReconLib.geometry.volume import Volume
 from AIFReconLib.io.disk.atomic import named_data_file, write_text
-from AIFReconLib.io.foreign.openers import open_images
-from AIFReconLib.io.foreign.options import ImportOptions
-from AIFReconLib.io.foreign.poses.files import read_poses
-from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.io.sequence.writer import write_sequence
 from AIFReconLib.io.transform.files import read_transform, write_transform
@@ -32,8 +25,8 @@ from AIFReconLib.live.session.recording import Recorder
 from .children import result_of
 
 Digest = Callable[[Path], str]
-RECORDED, FRAMES = 12, 60
-"""Frames of a recording, and of the sweep that commands read."""
+RECORDED = 12
+"""Frames of a recording."""
 
 
 @dataclass(frozen=True)
@@ -53,22 +46,6 @@ class FileKind:
     file: str
     write: Callable[[Path, int], object]
     digest: Digest
-
-
-@dataclass(frozen=True)
-class Command:
-    """One command: its name, its line by inputs, folder and version, and how to tell the versions of its outputs apart."""
-
-    name: str
-    line: Callable[[Path, Path, int], str]
-    outputs: dict[str, Digest]
-
-    def run(self, inputs: Path, folder: Path, version: int) -> None:
-        """Run it with its output thrown away, and end this process, which is a child, with its exit code."""
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, 1)
-        os.dup2(nowhere, 2)
-        sys.exit(main(self.line(inputs, folder, version).split()))
 
 
 # ---- what is left in a folder
@@ -132,23 +109,6 @@ def _write_recording(file: str, folder: Path, version: int) -> None:
     recorder.finish()
 
 
-def _write_picture(folder: Path, version: int) -> None:
-    from PIL import Image
-
-    first, *others = (Image.fromarray(page) for page in _noise(version, 30, 48, 64))
-    first.save(folder / "p.tif", save_all=True, append_images=others)
-
-
-def _write_poses(folder: Path, version: int) -> None:
-    rows = ["x,y,z,qw,qx,qy,qz", *(f"{n + version},0,{2 * n},1,0,0,0" for n in range(500))]
-    (folder / "p.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
-
-
-def _write_configuration(folder: Path, version: int) -> None:
-    matrix = f"0.1 0 0 {version} 0 0.1 0 0 0 0 0.1 0 0 0 0 1"
-    (folder / "c.xml").write_text(CONFIGURATION.format(matrix=matrix, spacing="1 1 1"), encoding="utf-8")
-
-
 def _volume(path: Path) -> str:
     volume = read_volume(path)
     return digest_of(volume.array, volume.ijk_to_reference)
@@ -164,15 +124,6 @@ def _bytes(path: Path) -> str:
     return digest_of(path.read_bytes())
 
 
-def _images(path: Path) -> str:
-    stack = open_images([path]).stack
-    return digest_of(*(stack[number] for number in range(len(stack))))
-
-
-def _report(path: Path) -> str:
-    return digest_of({**json.loads(path.read_text("utf-8")), "files": ""})
-
-
 WRITTEN = (
     *(FileKind(f"v{end}", partial(_write_volume, f"v{end}"), _volume) for end in (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")),
     *(FileKind(f"s{end}", partial(_write_sequence, f"s{end}", True), _sequence) for end in (".mha", ".nrrd", ".mhd")),
@@ -181,51 +132,3 @@ WRITTEN = (
     FileKind("r.json", lambda folder, version: write_text(folder / "r.json", json.dumps([version] * 5000)), _bytes),
 )
 RECORDINGS = tuple(FileKind(f"l{end}", partial(_write_recording, f"l{end}"), _sequence) for end in (".mha", ".mhd", ".nrrd"))
-READ = (
-    *WRITTEN[:-1],
-    FileKind("a.npy", lambda folder, v: np.save(folder / "a.npy", _noise(v, 30, 96, 64)), _images),
-    FileKind("p.tif", _write_picture, _images),
-    FileKind("p.csv", _write_poses, lambda path: digest_of(read_poses(path, ImportOptions()).matrices)),
-    FileKind("c.xml", _write_configuration, lambda path: digest_of(str(read_plus_configuration(path).transforms))),
-)
-
-# ---- commands
-
-
-def write_inputs(folder: Path) -> None:
-    """What every command here takes from."""
-    folder.mkdir()
-    write_patient(folder, tracked_sequence(FRAMES))
-    np.save(folder / "images.npy", np.asarray(tracked_sequence(FRAMES).images))
-    rows = ["x,y,z,qw,qx,qy,qz", *(f"{n},0,{2 * n},1,0,0,0" for n in range(FRAMES))]
-    (folder / "poses.csv").write_text("\n".join(rows) + "\n", encoding="utf-8")
-
-
-COMMANDS = (
-    Command(
-        "reconstruct",
-        lambda i, o, v: (
-            f"reconstruct {i}/sweep.igs.mha --config {i}/PlusDeviceSet.xml --spacing {0.5 - v / 20} --output {o}/v.nrrd "
-            f"--score {o}/score.nrrd --hits {o}/hits.nrrd --report {o}/r.json"
-        ),
-        {**dict.fromkeys(("v.nrrd", "score.nrrd", "hits.nrrd"), _volume), "r.json": _report},
-    ),
-    Command("convert", lambda i, o, v: f"convert {i}/sweep.igs.mha {o}/c.mhd --frames {v} 50", {"c.mhd": _sequence}),
-    Command(
-        "import",
-        lambda i, o, v: (
-            f"import {i}/images.npy --poses {i}/poses.csv --transform ImageToReference --spacing 0.1 {0.1 + v / 10} --output {o}/i.mha"
-        ),
-        {"i.mha": _sequence, "i-sweep.svg": _bytes},
-    ),
-    Command(
-        "simulate",
-        lambda i, o, v: f"simulate --output {o} --seed {v} --frames 9",
-        {
-            **dict.fromkeys(("ct.nrrd", "lumbar-segmentation.nrrd"), _volume),
-            "sweep.igs.mha": _sequence,
-            "CTToReference.tfm": _bytes,
-            "PlusDeviceSet.xml": _bytes,
-        },
-    ),
-)

@@ -15,27 +15,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from files import CONFIGURATION
 from igtl_streams import image_bytes, picture, transform_bytes
 from live_messages import metadata
 from made_recordings import PROBE, SCENE, Bag, acquisition, bundle, pose
 from sequence_samples import metaimage, nrrd, ramp
-from variant_files import numbers, poses, slicer_images, slicer_transforms
+from variant_files import poses, slicer_images, slicer_transforms
 
 from AIFReconLib import Recipe, read_sequence, reconstruct
-from AIFReconLib.effective_settings import asked_imaging
 from AIFReconLib.errors import AIFReconError, LiveMessageError
-from AIFReconLib.io.foreign.options import ImportOptions
-from AIFReconLib.io.foreign.poses.files import read_poses
-from AIFReconLib.io.plus.configuration import read_plus_configuration
 from AIFReconLib.io.sequence.transforms import read_transform_sequence
 from AIFReconLib.live.wire.crc64 import crc64
 from AIFReconLib.live.wire.decoding import decode
 from AIFReconLib.live.wire.encoding import encode_message, encode_status
 from AIFReconLib.live.wire.framing import HEADER_SIZE, Framer
 from AIFReconLib.live.wire.messages import ImageMessage, TransformMessage
-from AIFReconLib.provenance.settings_files import read_settings
-from AIFReconLib.sweep.configuration import NO_CONFIGURATION
 
 LONGEST_MESSAGE = 8000
 """Characters: a few quotes of a file, every character of which must be escaped."""
@@ -176,7 +169,11 @@ def _deflated(data: bytes) -> bytes:
 
 def _detached(folder: Path) -> list[bytes]:
     (folder / "data.raw").write_bytes(ramp(frames=3).tobytes())
-    return [_metaimages(folder)[0].split(b"LOCAL")[0] + b"data.raw\n"]
+    header = _metaimages(folder)[0].split(b"LOCAL")[0] + b"data.raw\n"
+    size = next(line for line in header.splitlines(keepends=True) if line.startswith(b"DimSize"))
+    # Of a recording that grows: its last frame stands behind the header
+    grows = b"RecordingUnfinished = True\n" + header.replace(size, size.replace(b"3\n", b"2\n"))
+    return [header, grows + b"Seq_Frame0002_ImageStatus = OK\n" + size]
 
 
 def _bundled(scene: bytes) -> bytes:
@@ -214,72 +211,6 @@ def _bags(storage: str, folder: Path) -> list[bytes]:
             bag.pose(0.05 * number, "tracker", pose(number))
     return [next(folder.rglob(f"*{BAGS[storage]}")).read_bytes()]
 
-
-# ---- texts that belong to recordings
-
-
-def _configuration(path: Path) -> None:
-    configuration = read_plus_configuration(path)
-    assert all(np.isfinite(s.matrix).all() for s in configuration.transforms.values() if s.status.value == "OK")
-    assert min(configuration.spacing or (1,)) > 0
-    grid = configuration.grid()
-    assert grid is None or (min(grid.size) > 0 and np.isfinite(grid.ijk_to_reference).all())
-
-
-def _poses(path: Path) -> None:
-    """Every convention that a user may have stated; refused by all of them is refused."""
-    refusals = []
-    for form in (ImportOptions(), ImportOptions(quaternion_order="wxyz", column_major=True), ImportOptions(euler_order="ZYX")):
-        try:
-            table = read_poses(path, form)
-        except AIFReconError as error:
-            refusals.append(error)
-            continue
-        assert table.matrices.shape[1:] == (4, 4)
-        finite = table.matrices[np.isfinite(table.matrices).all(axis=(1, 2))]
-        assert np.allclose(finite[:, 3], (0, 0, 0, 1))
-        assert table.times is None or table.times.shape == table.matrices.shape[:1]
-    if len(refusals) == 3:
-        raise refusals[0]
-
-
-def _settings(path: Path) -> None:
-    recipe = read_settings(path).recipe
-    assert recipe.grid is None or np.isfinite(recipe.grid.ijk_to_reference).all()
-    asked_imaging(recipe, NO_CONFIGURATION)
-
-
-def _configurations(_folder: Path) -> list[bytes]:
-    """A plain one, and every attribute that is read."""
-    plain = CONFIGURATION.format(matrix=numbers(np.eye(4)), spacing="1 1 2")
-    more = (
-        'OutputOrigin="1 2 3" OutputExtent="0 19 0 29 0 39" FanAngles="-30 30" FanOrigin="30 -5" FanDepth="40" '
-        'ClipRectangleOrigin="1 2" ClipRectangleSize="50 40" PixelRejectionThreshold="3" SkipInterval="2" '
-        'CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png" Interpolation="LINEAR" OutputSpacing'
-    )
-    return [text.encode() for text in (plain, plain.replace("OutputSpacing", more), "<!DOCTYPE a>" + plain)]
-
-
-def _texts(inputs: list[bytes], _folder: Path) -> list[bytes]:
-    return inputs
-
-
-TABLES = [
-    b"time,x,y,z,qx,qy,qz,qw,status,image\n0.1,1,2,3,0,0,0,1,OK,a.png\n0.2,1,2,3,0,0,0.6,0.8,MISSING,b.png\n",
-    b"# time x y z rx ry rz\n0 1 2 3 10 20 30\n0.1 1 2 3 nan nan nan\n",
-    b"timestamp_ms;" + ";".join(f"m{n}" for n in range(16)).encode() + b"\n5;1;0;0;5;0;1;0;6;0;0;1;7;0;0;0;1\n",
-]
-OBJECTS = [
-    b"[[[1,0,0,5],[0,1,0,6],[0,0,1,7]],[[1,0,0,0],[0,1,0,0],[0,0,1,0]]]",
-    b'{"frames": [{"time": 0.5, "image": "a.png", "translation": [1, 2, null], "quaternion": {"x": 0, "y": 0, "z": 0, "w": 1}}]}',
-    b'{"poses": [{"position": {"x": 1, "y": 2, "z": 3}, "euler": [10, 20, 30], "status": "OK", "other": {"a": []}}]}',
-]
-JSON = [
-    b'{"method": "aif", "alpha": 0.1, "hole_limit": "auto", "skip": 2, "spacing": [1, 1, 2.5], "probe": "sector"}',
-    b'{"apex_px": [19.5, -30], "fan_angles_deg": [-20, 25], "fan_radius_px": [31, 57.7], "bone_from_sweep": true}',
-    b'{"grid_size": [7, 8, 9], "time_offset": -0.1, "version": "9.0", "grid_to_reference": [[1,0,0,0], [0,1,0,0], [0,0,1,0], [0,0,0,1]]}',
-]
-TOML = [b"# ours\nhole-limit = 0\nspacing = [\n1, 1, 2]\nmethod = 'average'\nclip_px = [1, 2, 30, 20.5]\n"]
 
 # ---- what a network sends
 
@@ -349,16 +280,6 @@ TARGETS = {
         *(
             Target(f"custusx{suffix}", f"US-Acq_1_20260101T120000_Probe{suffix}", _acquisition, partial(_acquisitions, suffix))
             for suffix in (".fts", ".fp", ".tp", ".tts", ".probedata.xml")
-        ),
-        Target("configuration", "plus.xml", _configuration, _configurations),
-        *(
-            Target(f"{kind}{suffix}", f"{kind}{suffix}", read, partial(_texts, inputs))
-            for kind, suffix, read, inputs in (
-                ("poses", ".csv", _poses, TABLES),
-                ("poses", ".json", _poses, OBJECTS),
-                ("settings", ".json", _settings, JSON),
-                ("settings", ".toml", _settings, TOML),
-            )
         ),
         Target("stream", "stream.igtl", _stream, _streams),
         Target("message", "message.igtl", _messages, _sent, _with_checksum),

@@ -1,4 +1,4 @@
-"""Starts the soak test, ``python Testing/soak``; with a word behind it ``hostile`` peers or the module's ``scene``."""
+"""Starts the soak test, ``python Testing/soak``; with the word ``hostile`` behind it, peers that mean no good."""
 
 import sys
 from pathlib import Path
@@ -6,8 +6,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 if __name__ == "__main__":
-    from soak import client, hostile, scene
+    from soak import client, hostile
 
-    others = {"hostile": hostile.main, "scene": scene.main}
-    word = sys.argv[1] if len(sys.argv) > 1 else ""
-    raise SystemExit(others[word](sys.argv[2:]) if word in others else client.main(sys.argv[1:]))
+    raise SystemExit(hostile.main(sys.argv[2:]) if sys.argv[1:2] == ["hostile"] else client.main(sys.argv[1:]))

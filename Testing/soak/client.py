@@ -34,7 +34,6 @@ from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
 from AIFReconLib.io.sequence.files import read_sequence
 from AIFReconLib.live.session.session import LiveSession
-from AIFReconLib.live.session.snapshots import SnapshotMaker
 from AIFReconLib.live.session.statistics import LiveStatistics
 from AIFReconLib.live.wire.client import OpenIGTLinkClient
 from AIFReconLib.live.wire.messages import ImageMessage
@@ -94,7 +93,6 @@ def soak(seed: int, minutes: float, record: Path | None = None, report: Callable
     process, server = start_python(serve, seed, minutes)
     client = Tap("127.0.0.1", server.recv())
     session = LiveSession(client, **imaging(), record=record)
-    snapshots = SnapshotMaker(session)
     samples: list[dict[str, float]] = []
     began, looked, told = time.monotonic(), 0.0, None
     try:
@@ -110,8 +108,7 @@ def soak(seed: int, minutes: float, record: Path | None = None, report: Callable
                     told = came
             if time.monotonic() - looked > SNAPSHOT_EVERY:
                 looked = time.monotonic()
-                snapshots.take()
-                snapshots.request()
+                session.snapshot()
         # What the server has sent may still lie with the operating system, of which no count of the client knows
         end = time.monotonic() + DEADLINE
         while told and session.error is None and time.monotonic() < end:
@@ -119,7 +116,6 @@ def soak(seed: int, minutes: float, record: Path | None = None, report: Callable
                 break
             time.sleep(0.01)
     finally:
-        snapshots.stop()
         session.stop()
         process.kill()
         process.wait()

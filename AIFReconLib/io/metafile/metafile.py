@@ -16,10 +16,8 @@ from ...errors import AIFReconError, FileFormatError
 from ..disk.regular_files import stamp
 
 UNFINISHED = "RecordingUnfinished"
-"""A field of recordings that were cut off by a crash: their pixels may go on behind the frames that the header lists."""
-
-FORMER_LAST_LINE = "_lementDataFile"
-"""Another field of such recordings: what the last line of the header becomes when a frame is added behind it."""
+"""A field of recordings that go on, or were cut off by a crash: more frames stand behind the header, each closed by a line with the new
+size, and pixels may go on behind the frames that are listed so."""
 
 
 class PayloadError(AIFReconError, ValueError):

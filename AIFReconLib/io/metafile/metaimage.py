@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
+import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import OutputError
 from .header import COMPRESSED, FORMATS, RAW, Format, HeaderLines, Pixels, parse_count, require, store
+from .metafile import UNFINISHED
 
 ELEMENT_TYPES = FORMATS["metaimage"]["types"]
 """MetaIO keeps MET_LONG at 4 bytes on every system."""
@@ -27,18 +31,35 @@ def check_pair_name(path: Path) -> None:
         raise OutputError(f"Cannot write {path}: a percent sign would be read as a pattern of names. Choose another name.")
 
 
+WHOLE = re.compile(rb"(?s).*^DimSize = [0-9 ]+\n", re.MULTILINE)
+"""What is listed behind the header of an unfinished recording, up to the last size: of a frame that was being added there is a part."""
+
+
 def _read(lines: HeaderLines) -> tuple[dict[str, str], dict[str, str]]:
     entries: dict[str, str] = {}
     fields: dict[str, str] = {}
-    while LAST_KEY not in entries and (line := lines.next()) is not None:
+    for key, value in _keys(lines):
+        store(lines, entries if key in FORMAT_KEYS else fields, key, value)
+        if key == LAST_KEY:
+            break
+    else:
+        raise lines.failure(f"the header ends without {LAST_KEY}: the file is cut short or is no MetaImage. Copy it again.")
+    if UNFINISHED in fields and entries[LAST_KEY].upper() != "LOCAL" and (whole := WHOLE.match(lines.file.read())):
+        for key, value in _keys(HeaderLines(io.BytesIO(whole[0]), lines.path, lines.error)):
+            if key == "DimSize":
+                entries[key] = value
+            else:
+                store(lines, fields, key, value)
+    return entries, fields
+
+
+def _keys(lines: HeaderLines) -> Iterator[tuple[str, str]]:
+    while (line := lines.next()) is not None:
         key, equals, value = (word.strip() for word in line.partition("="))
         if line.strip() and not (key and equals):
             raise lines.failure("this is not a MetaImage header: a line is not 'Key = value'. Give a MetaImage or NRRD file.")
         if key:
-            store(lines, entries if key in FORMAT_KEYS else fields, key, value)
-    if LAST_KEY not in entries:
-        raise lines.failure(f"the header ends without {LAST_KEY}: the file is cut short or is no MetaImage. Copy it again.")
-    return entries, fields
+            yield key, value
 
 
 def _pixels(lines: HeaderLines, entries: dict[str, str]) -> Pixels:

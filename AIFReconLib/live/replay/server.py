@@ -8,8 +8,7 @@ import logging
 import socket
 import threading
 import time
-from collections.abc import Sequence
-from contextlib import suppress
+from typing import Any
 
 from ...errors import LiveConnectionError, SettingsError
 from ...sweep.frames import TrackedSequence
@@ -39,8 +38,6 @@ GREETING = 0.25
 class ReplayServer:
     """Serves a recording over OpenIGTLink.
 
-    Ten parameters: a recording, an address, and what servers do differently, each of which `aifrecon replay` has an option for.
-
     Parameters
     ----------
     sequence : TrackedSequence
@@ -49,13 +46,11 @@ class ReplayServer:
         0 takes any free one; `port` then says which.
     host : str
         The address to listen on: 127.0.0.1 admits this machine only, 0.0.0.0 the whole network.
-    rate : float or None, frames/s
-        By default the recorded times.
     loop : bool
         Begin again at the end. The time goes on without a gap and the pose jumps, as with Plus.
     header_version : int or None
         1 or 2; None follows the client as Plus does: 1, until the client sends a message of version 2.
-    image_to_reference, reference, transforms, valid_only
+    rate, image_to_reference, reference, transforms, valid_only
         See `ReplayFrames`.
 
     Notes
@@ -77,66 +72,50 @@ class ReplayServer:
         port: int = PLUS_PORT,
         host: str = "127.0.0.1",
         *,
-        rate: float | None = None,
         loop: bool = False,
         header_version: int | None = None,
-        image_to_reference: str | None = None,
-        reference: str | None = None,
-        transforms: Sequence[str] | None = None,
-        valid_only: bool = True,
+        **of_frames: Any,
     ):
         if header_version not in (None, 1, 2):
             raise SettingsError(f"Input header_version must be 1 or 2; got {header_version!r}.")
-        self.frames = ReplayFrames(
-            sequence,
-            rate=rate,
-            image_to_reference=image_to_reference,
-            reference=reference,
-            transforms=transforms,
-            valid_only=valid_only,
-        )
+        self.frames = ReplayFrames(sequence, **of_frames)
         self.host = host
         self.port = check_port(port, lowest=0)
         self.loop = loop
-        self.sent = self.served = 0
+        self.sent = self.served = self.dropped = 0
         self._version = header_version
-        self._missed = 0
         self._clients: list[_Client] = []
+        self._playing: asyncio.Task[None] | None = None
         self._stopping, self._played = threading.Event(), threading.Event()
-        self._is_deserted = False
         self._error: Exception | None = None
         self._thread: threading.Thread | None = None
 
     # ---- control
 
     def start(self) -> None:
-        """Listen and serve; does nothing if it is running.
+        """Listen and serve; does nothing when called again.
 
         Raises
         ------
         LiveConnectionError
             When the port is taken, or the host is no address of this machine.
         """
-        if self._thread is not None:
-            return
-        listener = _listen(self.host, self.port)
-        self.port = listener.getsockname()[1]
-        self._stopping, self._played, self._error = threading.Event(), threading.Event(), None
-        thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
-        try:
-            thread.start()
-        except RuntimeError:  # the system allows no more threads
-            listener.close()
-            raise
-        self._thread = thread
+        if self._thread is None:
+            listener = _listen(self.host, self.port)
+            self.port = listener.getsockname()[1]
+            thread = threading.Thread(target=self._run, args=(listener,), name="replay", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError:  # the system allows no more threads
+                listener.close()
+                raise
+            self._thread = thread
 
     def stop(self) -> None:
         """Close every connection and free the port; what was queued is sent if the clients take it within half a second."""
-        if self._thread is None:
-            return
         self._stopping.set()
-        self._thread.join()
-        self._thread = None
+        if self._thread is not None:
+            self._thread.join()
 
     def wait(self, timeout: float | None = None) -> bool:
         """Wait until the recording has been played once and handed to the clients, or the server stopped; False after `timeout` s.
@@ -152,13 +131,7 @@ class ReplayServer:
         return done
 
     def serve_until_stopped(self) -> None:
-        """Wait for `stop` in another thread, or for an interrupt.
-
-        Raises
-        ------
-        AIFReconError
-            When the recording turned out to be damaged.
-        """
+        """Wait for `stop` in another thread, or for an interrupt; raises as `wait`."""
         while self._thread is not None and self._thread.is_alive():  # whose own wait may turn an interrupt into an error of its lock
             time.sleep(POLL)
         self.wait()
@@ -176,11 +149,6 @@ class ReplayServer:
     def clients(self) -> int:
         """Clients that are connected."""
         return len(self._clients)
-
-    @property
-    def dropped(self) -> int:
-        """Frames, over all clients, that a slow one missed."""
-        return self._missed + sum(client.missed for client in tuple(self._clients))
 
     def describe(self) -> str:
         """Where it listens and what it sends, in two lines."""
@@ -206,24 +174,22 @@ class ReplayServer:
             self._played.set()
 
     async def _serve(self, listener: socket.socket) -> None:
-        """The recording from its beginning, whenever there are clients."""
+        """Play the recording from its beginning whenever there are clients; the last one that leaves ends that."""
         server = await asyncio.start_server(self._meet, sock=listener)
         try:
             while not self._stopping.is_set():
-                if any(client.is_ready for client in self._clients):
-                    self._is_deserted = False
-                    await self._play()
-                else:
-                    await asyncio.sleep(POLL / 5)
+                await asyncio.sleep(POLL / 5)
+                if self._playing is not None and self._playing.done():
+                    # It ends by itself only where the recording is damaged
+                    self._playing.result()
+                elif self._playing is None and any(client.is_ready for client in self._clients):
+                    self._playing = asyncio.create_task(self._play())
         finally:
             server.close()
             await self._drain()
-            # One may have been accepted a moment ago, and a connection is closed a moment after its task has ended
-            end = time.monotonic() + POLL
-            while self._clients or time.monotonic() < end:
-                for client in self._clients:
-                    client.writer.transport.abort()
-                await asyncio.sleep(POLL / 20)
+            for client in self._clients:
+                client.writer.transport.abort()
+            await asyncio.sleep(POLL)
 
     async def _meet(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Listen to a client for as long as it is there."""
@@ -232,51 +198,53 @@ class ReplayServer:
         self.served += 1
         logger.info("A client connected, the %d. since the server started", self.served)
         framer = Framer(REQUEST_LIMIT)
-        with suppress(OSError):
+        try:
             while data := await reader.read(2**16):
                 for message in framer.feed(data):
                     if self._version is None and message.version > 1:
                         client.version = 2
                     client.has_asked = True
                     if message.kind == "GET_STATUS":
-                        client.send(encode_status("", 0.0, text="\n", version=client.version))
-        self._clients.remove(client)
-        self._missed += client.missed
-        logger.info("A client left; it missed %d frames", client.missed)
-        writer.transport.abort()
-        if not self._clients:
-            self._is_deserted = True
+                        self._send(client, _status(client.version))
+        except OSError:
+            pass
+        finally:
+            self._clients.remove(client)
+            logger.info("A client left")
+            writer.transport.abort()
+            if not self._clients and self._playing is not None:
+                self._playing.cancel()
+                self._playing = None
 
     async def _play(self) -> None:
-        """The recording until its end and beyond, or until every client has left or the server is stopped."""
+        """The recording until its end and beyond."""
         begin, begin_wall, round_start = time.monotonic(), time.time(), 0.0
         while True:
             for number, offset in enumerate(self.frames.offsets):
                 due = round_start + float(offset)
-                if await self._ends_within(begin + due - time.monotonic()):
-                    return
+                await asyncio.sleep(max(begin + due - time.monotonic(), 0.0))
                 ready = [client for client in self._clients if client.is_ready]
                 versions = {client.version for client in ready}
                 encoded = {version: self.frames.messages(number, begin_wall + due, version) for version in versions}
                 for client in ready:
-                    client.send(encoded[client.version])
+                    self._send(client, encoded[client.version])
                 self.sent += 1
             if not self.loop:
                 break
             round_start += self.frames.period
         await self._drain()
         self._played.set()
-        while not await self._ends_within(END_INTERVAL):
+        while True:
+            await asyncio.sleep(END_INTERVAL)
             for client in self._clients:
-                client.send(encode_status("", 0.0, text="\n", version=client.version))
+                self._send(client, _status(client.version))
 
-    async def _ends_within(self, seconds: float) -> bool:
-        """Wait; True as soon as every client has left, or the server is stopped."""
-        end = time.monotonic() + seconds
-        await asyncio.sleep(0)
-        while not (self._is_deserted or self._stopping.is_set()) and (left := end - time.monotonic()) > 0:
-            await asyncio.sleep(min(left, POLL))
-        return self._is_deserted or self._stopping.is_set()
+    def _send(self, client: _Client, data: bytes) -> None:
+        """Queue whole messages, or leave them out where too much waits; never waits."""
+        if client.waiting and client.waiting + len(data) > QUEUE_BYTES:
+            self.dropped += 1
+        elif not client.writer.transport.is_closing():
+            client.writer.write(data)
 
     async def _drain(self) -> None:
         """Wait until everything queued is with the operating system, but not for long."""
@@ -286,12 +254,10 @@ class ReplayServer:
 
 
 class _Client:
-    """One that is connected, and how it takes what is sent to it."""
+    """One that is connected, and which header version it wants."""
 
     def __init__(self, writer: asyncio.StreamWriter, version: int):
-        self.writer, self.version = writer, version
-        self.has_asked = False
-        self.missed = 0
+        self.writer, self.version, self.has_asked = writer, version, False
         self._accepted = time.monotonic()
 
     @property
@@ -304,12 +270,10 @@ class _Client:
         """Bytes that wait to be sent."""
         return self.writer.transport.get_write_buffer_size()
 
-    def send(self, data: bytes) -> None:
-        """Queue whole messages, or leave them out; never waits."""
-        if self.waiting and self.waiting + len(data) > QUEUE_BYTES:
-            self.missed += 1
-        elif not self.writer.transport.is_closing():
-            self.writer.write(data)
+
+def _status(version: int) -> bytes:
+    """What Plus says when it has nothing else to say."""
+    return encode_status("", 0.0, text="\n", version=version)
 
 
 def _listen(host: str, port: int) -> socket.socket:

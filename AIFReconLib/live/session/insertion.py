@@ -6,7 +6,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -57,6 +57,11 @@ class Inserter:
         What makes a result one whose volumes say where they come from.
     parts : ReconstructorParts
         What else the configuration gives.
+
+    Attributes
+    ----------
+    counters : FrameCounters
+        By which frames are counted; others after a restart.
     """
 
     def __init__(
@@ -65,17 +70,17 @@ class Inserter:
         bone: BoneMap | None,
         longest_delay: float | None,
         sign: Callable[[Reconstruction, Imaging], Reconstruction],
-        parts: ReconstructorParts | None = None,
+        parts: ReconstructorParts,
     ):
-        self._settings, self._bone, self._sign = settings.left_open(*BEFORE_FRAMES), bone, sign
-        self._parts = parts or ReconstructorParts()
+        self._settings, self._bone, self._sign, self._parts = settings.left_open(*BEFORE_FRAMES), bone, sign, parts
+        self.counters = FrameCounters()
         self._imaging = Imaging(ImageRegion(), None)
         self.error: Exception | None = None
-        self.warm, self.ready = threading.Event(), threading.Event()
         self._longest_delay = longest_delay
         self._changed = threading.Condition()
-        self._waiting_frames = self._waiting_bytes = self._rests = self._restarts = 0
-        self._started = self._closed = False
+        self._waiting_frames = self._waiting_bytes = self._rests = 0
+        self._closed = False
+        self._warm: Future[None] | None = None
         self._volume = threading.Lock()
         self._turnstile = threading.Lock()
         self._reconstructor: Reconstructor | None = None
@@ -87,11 +92,10 @@ class Inserter:
         self._ready = 0.0
         self._thread = ThreadPoolExecutor(1, "aifrecon live insertion")
 
-    def start(self) -> None:
-        """Let the engine load and compile, before all else."""
-        if not self._started:
-            self._started = True
-            self._thread.submit(self._do, self._warm_up)
+    def start(self) -> Future[None]:
+        """Let the engine load and compile, before all else; when that is done."""
+        self._warm = self._warm or self._thread.submit(self._do, self._warm_up)
+        return self._warm
 
     def close(self) -> None:
         """Insert what waits, then end. Returns when that is done."""
@@ -100,17 +104,13 @@ class Inserter:
             self._changed.notify_all()
         self._thread.shutdown()
 
-    def begin(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> None:
-        """Make an empty volume before any frame that is put from now on.
+    def begin(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> Future[None] | None:
+        """Make an empty volume before any frame that is put from now on; when that is done.
 
         `imaging` is called on the thread, for every volume that is begun.
         """
         self._begin = partial(self._make, grid, imaging)
-        self._submit(self._begin)
-
-    def judge_by(self, imaging: Callable[[], Imaging]) -> None:
-        """Before any frame that is put from now on, take the gray levels of `imaging`, which is called on the thread."""
-        self._submit(self._judge, imaging)
+        return self._submit(self._begin)
 
     @property
     def bone_on_grid(self) -> bool:
@@ -125,7 +125,7 @@ class Inserter:
     def restart(self) -> None:
         """Empty the volume, and forget the frames that wait."""
         with self._changed:
-            self._restarts += 1
+            self.counters = FrameCounters()
             self._waiting_frames = self._waiting_bytes = 0
             self._changed.notify_all()
         if self._begin is not None:
@@ -140,10 +140,10 @@ class Inserter:
     def put_in_place(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...]) -> None:
         """Let a volume that was filled beside the one that grows take its place, and these frames enter it, before any that is put from now
         on; the notes are said of it."""
-        self._submit(self._replace, filled, frames, notes, self._restarts)
+        self._submit(self._replace, filled, frames, notes, self.counters)
 
-    def put(self, frame: LiveFrame, meter: FrameCounters, live: bool = True) -> None:
-        """Hand over a frame, usable or not, and what it is counted by.
+    def put(self, frame: LiveFrame, live: bool = True) -> None:
+        """Hand over a frame, usable or not.
 
         One that has not just come (`live`) is never left out, and its latency tells nothing.
         """
@@ -159,7 +159,7 @@ class Inserter:
                 frame = replace(frame, image=None)
             self._waiting_frames += frame.status == "OK"
             self._waiting_bytes += _bytes(frame)
-            self._submit(self._insert, frame, meter, live, self._restarts)
+            self._submit(self._insert, frame, live, self.counters)
 
     def wait_for_rest(self, timeout: float) -> bool:
         """Return when next a frame was inserted and none waits, or after `timeout`, s, with 0 at once; whether none waits."""
@@ -204,8 +204,6 @@ class Inserter:
             tiny.reconstruction()
         except Exception:  # what is wrong shows with the real volume, where it is reported
             logger.debug("The engine could not be warmed up", exc_info=True)
-        finally:
-            self.warm.set()
 
     def _make(self, grid: VoxelGrid, imaging: Callable[[], Imaging]) -> None:
         known = imaging()
@@ -216,7 +214,6 @@ class Inserter:
             self._reconstructor, self._image_like, self._insertions = reconstructor, None, 0
             self._imaging, self._notes = known, ()
         self.error, self._ready = None, time.monotonic()
-        self.ready.set()
 
     def _empty(self, grid: VoxelGrid, settings: Recipe, imaging: Imaging) -> Reconstructor:
         return Reconstructor(
@@ -231,85 +228,71 @@ class Inserter:
             fixed_point=self._parts.fixed_point,
         )
 
-    def _replace(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...], restarts: int) -> None:
-        if restarts == self._restarts:
+    def _replace(self, filled: Reconstructor, frames: list[LiveFrame], notes: tuple[str, ...], counters: FrameCounters) -> None:
+        if counters is self.counters:
             filled.insert(frames)
             with self._volume:
                 self._reconstructor, self._notes = filled, notes
 
-    def _judge(self, imaging: Callable[[], Imaging]) -> None:
-        known = imaging()
-        with self._volume:
-            self._imaging = known
-            if self._reconstructor is not None:
-                self._reconstructor.judge_by(known.gray_levels)
-
-    def _submit(self, work: Callable[..., None], *arguments: Any) -> None:
-        if not self._closed:
-            self.start()
-            self._thread.submit(self._do, work, *arguments)
+    def _submit(self, work: Callable[..., None], *arguments: Any) -> Future[None] | None:
+        if self._closed:
+            return None
+        self.start()
+        return self._thread.submit(self._do, work, *arguments)
 
     def _do(self, work: Callable[..., None], *arguments: Any) -> None:
         try:
             work(*arguments)
         except Exception as error:  # kept and reported: the volume so far, and the recording, must survive it
             self.error = error
-            self.ready.set()
             logger.exception("The reconstruction of a live scan stopped")
 
-    def _insert(self, frame: LiveFrame, meter: FrameCounters, live: bool, restarts: int) -> None:
-        if restarts != self._restarts:
+    def _insert(self, frame: LiveFrame, live: bool, counters: FrameCounters) -> None:
+        if counters is not self.counters:
             return
+        reason: str | None = AFTER_ERROR
         try:
-            self._insert_into_volume(frame, meter, live)
-        except Exception:
-            meter.skip(AFTER_ERROR)
-            raise
+            reason = self._why_not_inserted(frame)
         finally:
+            if reason is not None:
+                counters.skip(reason)
+            else:
+                # What waited for the volume to be made tells nothing of the speed
+                counters.insert(time.monotonic() - frame.received if live and frame.received >= self._ready else None)
             with self._changed:
-                if restarts == self._restarts:
+                if counters is self.counters:
                     self._waiting_frames -= frame.status == "OK"
                     self._waiting_bytes -= _bytes(frame)
                 self._rests += not self._waiting_frames
                 self._changed.notify_all()
 
-    def _insert_into_volume(self, frame: LiveFrame, meter: FrameCounters, live: bool) -> None:
-        if frame.status == "OK":
+    def _why_not_inserted(self, frame: LiveFrame) -> str | None:
+        """Insert a frame; why it did not enter, None when it did."""
+        is_usable = frame.status == "OK"
+        if is_usable:
             image, _ = frame.placed()
-            like = image.shape, image.dtype
+            self._image_like = self._image_like or (image.shape, image.dtype)
             if self.error is not None or self._reconstructor is None:
                 frame = replace(frame, image=None, status=AFTER_ERROR)
-            elif self._image_like is None:
-                self._image_like = like
-            elif self._image_like != like:
+            elif self._image_like != (image.shape, image.dtype):
                 frame = replace(frame, image=None, status=OTHER_SIZE)
         with self._turnstile:
             # Whoever wants the volume stands here, and comes next
             pass
         started = time.monotonic()
         with self._volume:
-            reason = frame.status if self._reconstructor is None else _inserted(self._reconstructor, frame)
-        now = time.monotonic()
-        if frame.status == "OK":
-            self._insertions += 1
-            if self._insertions > WARM_UP:
-                last = now - started
-                self._seconds_per_frame = last if self._insertions == WARM_UP + 1 else 0.9 * self._seconds_per_frame + 0.1 * last
-        if reason is None:
-            # What waited for the volume to be made tells nothing of the speed
-            meter.insert(now - frame.received if live and frame.received >= self._ready else None)
-        else:
-            meter.skip(reason)
-
-
-def _inserted(reconstructor: Reconstructor, frame: TrackedFrame) -> str | None:
-    """Insert a frame; the answer is why it did not enter, None when it did."""
-    counts = reconstructor.counts
-    before = counts.inserted
-    reconstructor.insert(frame)
-    if counts.inserted > before:
-        return None
-    return next((reason for reason, numbers in counts.skipped.items() if numbers[-1] == frame.number), frame.status)
+            if self._reconstructor is None:
+                return frame.status
+            counts = self._reconstructor.counts
+            before = counts.inserted
+            self._reconstructor.insert(frame)
+        self._insertions += is_usable
+        if self._insertions > WARM_UP and is_usable:
+            last = time.monotonic() - started
+            self._seconds_per_frame = 0.9 * (self._seconds_per_frame or last) + 0.1 * last
+        if counts.inserted > before:
+            return None
+        return next((reason for reason, numbers in counts.skipped.items() if numbers[-1] == frame.number), frame.status)
 
 
 def _bytes(frame: TrackedFrame) -> int:

@@ -5,11 +5,10 @@ While it runs there are two files beside the one that was asked for, named after
     sweep.recording.mhd      a header of every frame so far, which grows
     sweep.recording.raw      the pixels, appended frame by frame
 
-`read_sequence` opens ``sweep.recording.mhd`` at any time, also after the program was killed or the disk was full. A frame is added in
-an order that allows that: its pixels; behind the last line of the header, where nobody reads any more, its lines and that line again; the
-number of frames; and at last one byte, which makes the older last line a field. The field `UNFINISHED` tells the reader that the
-pixels may go on behind the frames that the header lists. `finish` makes the file that was asked for, completely or not at all, and only
-then removes the two.
+`read_sequence` opens ``sweep.recording.mhd`` at any time, also after the program was killed or the disk was full. Nothing in the two
+files is ever changed, all is appended: of a frame first its pixels; then its lines, behind the header, the last of which says how many
+frames there are. The field `UNFINISHED` tells the reader to look for them there. `finish` makes the file that was asked for, completely or
+not at all, and only then removes the two.
 
 Whose they are: the pixels are locked by the program that appends to them. Nobody else appends to the two, or removes them, and no file that
 is there is replaced: a recording whose name is taken gets another one. Once their program has died they can be taken up.
@@ -36,7 +35,7 @@ from ...geometry.transform_graph import TransformStatus
 from ...io.disk.atomic import atomic_outputs, check_writable
 from ...io.disk.locks import hold
 from ...io.disk.workspace import workspace
-from ...io.metafile.metafile import FORMER_LAST_LINE, UNFINISHED
+from ...io.metafile.metafile import UNFINISHED
 from ...io.sequence.fields import frame_entries
 from ...io.sequence.files import read_sequence
 from ...io.sequence.writer import check_sequence_name, checked, write_sequence
@@ -50,11 +49,9 @@ logger = logging.getLogger(__name__)
 
 _FULL = {getattr(errno, name) for name in ("ENOSPC", "EDQUOT", "EFBIG") if hasattr(errno, name)}
 _FIRST_FRAME = "Seq_Frame0000_"
-_SIZE = "DimSize = "
-_SIZE_LETTERS = 40
-"""Room for three numbers, the last of which grows."""
-
-_LAST_LINE = b"ElementDataFile"
+_SIZE, _LAST_LINE = b"DimSize = ", b"ElementDataFile = "
+_WHOLE = re.compile(rb"^(DimSize = [0-9 ]+|ElementDataFile = .*)\n", re.MULTILINE)
+"""Ends what is listed of a frame."""
 
 GAP = "AIFRecon_gap"
 """Field of a frame before which nothing was recorded for so many s, as its program was lost."""
@@ -69,17 +66,10 @@ def growing_files(path: Path) -> tuple[Path, Path]:
     return header, pixels
 
 
-def _finished_files(path: Path) -> list[Path]:
-    """Those that a recording to `path` would replace."""
-    files = [path, path.with_suffix(".raw")] if path.suffix.lower() == ".mhd" else [path]
-    return [file for file in files if os.path.lexists(file)]
-
-
-def _why_taken(path: Path) -> str | None:
-    """What is there of another recording to `path`, in words; None where nothing is."""
-    growing = [file for file in growing_files(path) if os.path.lexists(file)]
-    finished = [f"{file.name} is there already" for file in _finished_files(path)]
-    return next(iter([*finished, *(f"{file.name} is there, of a recording that is not finished" for file in growing)]), None)
+def _there(path: Path) -> list[Path]:
+    """Files of a recording to `path` that are there, the finished ones first."""
+    finished = [path, path.with_suffix(".raw")] if path.suffix.lower() == ".mhd" else [path]
+    return [file for file in (*finished, *growing_files(path)) if os.path.lexists(file)]
 
 
 def _free(path: Path) -> Path:
@@ -87,7 +77,7 @@ def _free(path: Path) -> Path:
     ending = re.search(r"(\.(igs|seq))?\.[^.]*$", path.name, re.IGNORECASE)
     start = ending.start() if ending else len(path.name)
     named = (path.with_name(f"{path.name[:start]}-{number}{path.name[start:]}") for number in itertools.count(2))
-    return next(path for path in named if not _why_taken(path))
+    return next(path for path in named if not _there(path))
 
 
 def _shows_probe(record: FrameRecord) -> bool:
@@ -112,8 +102,7 @@ class Recorder:
     -----
     A failure of the disk stops the recording, not its caller: `failure` then says what happened and where the frames are that were kept.
     A frame whose image differs in size or type from the first is recorded without its image, and counted in `without_image`. But before
-    the probe was seen, images may change as they like: then the new ones are recorded. Those before lose theirs, which a recording of
-    its own keeps.
+    the probe was seen, images may change as they like: what was recorded until then becomes a recording of its own.
     """
 
     def __init__(self, path: str | Path, takes_up: bool = False):
@@ -121,16 +110,14 @@ class Recorder:
         check_sequence_name(self.path)
         self.header_path, self._pixels_path = growing_files(self.path)
         self.note: str | None = None
-        self._before: list[str] = []
         self._cause: str | None = None
-        self._kept = 0
-        self._frames_are_in = self.header_path
-        self._forget()
+        self._is_finished = False
+        self._begin()
         if not (takes_up and self._take_up()):
             self._find_name()
             check_writable(self.path)
 
-    def _forget(self) -> None:
+    def _begin(self) -> None:
         """Begin with nothing."""
         self.frames = self.without_image = 0
         self._was_seen = False
@@ -139,24 +126,24 @@ class Recorder:
         self._dtype: NumberType = np.dtype(np.uint8)
         self._pixels: FileIO | None = None
         self._header: FileIO | None = None
-        self._size_at = self._end_at = 0
+        self._listed = 0
 
     def _find_name(self) -> None:
         """Use the name that was asked for, or one with a number where a recording of that name is there."""
-        why = _why_taken(self._asked)
-        self.path = _free(self._asked) if why else self._asked
-        self.note = f"{why}, so this scan is recorded to {self.path.name}." if why else None
+        there, self.note = _there(self._asked), None
+        self.path = _free(self._asked) if there else self._asked
+        if there:
+            what = "there, of a recording that is not finished" if there[0] in growing_files(self._asked) else "there already"
+            self.note = f"{there[0].name} is {what}, so this scan is recorded to {self.path.name}."
         self.header_path, self._pixels_path = growing_files(self.path)
-        self._frames_are_in = self.header_path
 
     @property
     def failure(self) -> str | None:
         """Why the recording stopped, and where its frames are; None while all is well."""
         if self._cause is None:
             return None
-        kept = f"{self._kept} frames are kept in {self._frames_are_in}." if self._kept else "No frame was recorded."
-        if self._kept < self.frames:
-            kept = f"Of {self.frames} frames {self._kept} can still be read, in {self._frames_are_in}: were its files removed?"
+        place = self.path if self._is_finished else self.header_path
+        kept = f"{self.frames} frames are kept in {place}." if self.frames else "No frame was recorded."
         return Sentence(f"Recording stopped: {self._cause} {kept}", message_of(self._cause))
 
     @property
@@ -167,7 +154,6 @@ class Recorder:
         return (
             f"{self.without_image} of {self.frames} recorded frames are without their image, which was not of the size and type of the "
             f"others ({self._shape[1]} x {self._shape[0]} pixels, {self._dtype}). Do not change the scanner's mode in the middle of a scan."
-            + (f" Those before the change are in {', '.join(self._before)}." if self._before else "")
         )
 
     def append(self, frame: LiveFrame) -> None:
@@ -176,7 +162,7 @@ class Recorder:
             return
         try:
             if self.frames and not self._was_seen and self._differs(frame.image):
-                self._start_anew(frame.image)
+                self._set_aside()
             self._append(frame.image, self._after_gap(frame.record))
             self._was_seen = self._was_seen or _shows_probe(frame.record)
         except (AIFReconError, OSError) as error:
@@ -206,19 +192,20 @@ class Recorder:
             return None
         finally:
             self.close()
-        self._frames_are_in, self._kept = self.path, self.frames
+        self._is_finished = True
         return self.path
 
     def _make(self, progress: Progress | None = None) -> None:
         """Make the finished file, then remove the growing ones."""
-        if there := _finished_files(self.path):
+        there = [file for file in _there(self.path) if file not in (self.header_path, self._pixels_path)]
+        if there:
             self.path = _free(self._asked)
             self.note = f"{there[0].name} came about during the scan, which is therefore recorded to {self.path.name}."
         if self.path.suffix.lower() == ".mhd":
             self._finish_in_place()
         else:
             recorded = read_sequence(self.header_path)
-            fields = {key: value for key, value in recorded.fields.items() if key not in (UNFINISHED, FORMER_LAST_LINE)}
+            fields = {key: value for key, value in recorded.fields.items() if key != UNFINISHED}
             write_sequence(TrackedSequence(recorded.images, recorded.records, fields), self.path, compress=False, progress=progress)
         self._remove()
 
@@ -231,39 +218,28 @@ class Recorder:
     def _fail(self, error: AIFReconError | OSError) -> None:
         cause = "the disk is full" if getattr(error, "errno", None) in _FULL else getattr(error, "strerror", None) or error
         self._cause = message_of(error) if isinstance(error, AIFReconError) else f"{cause}."
-        try:
-            self._kept = len(read_sequence(self.header_path))
-        except AIFReconError:
-            self._kept = 0
         logger.exception("%s", self.failure)
 
     def _differs(self, image: Numbers) -> bool:
         return image.shape != self._shape or image.dtype != self._dtype
 
-    def _append(self, image: Numbers | None, record: FrameRecord) -> None:
-        """Add a frame; where `image` is None or unlike the first one, without an image."""
-        if image is not None and not self.frames:
+    def _append(self, image: Numbers, record: FrameRecord) -> None:
+        """Add a frame, without its image where that is unlike the first one."""
+        if not self.frames:
             self._shape, self._dtype = image.shape, image.dtype
-        is_missing = image is None or self._differs(image)
-        pixels = np.zeros(self._shape, self._dtype) if image is None or is_missing else image
-        lines = []
-        for key, value in checked(frame_entries([record])):
-            name = key.removeprefix(_FIRST_FRAME)
-            text = TransformStatus.INVALID.value if is_missing and name == "ImageStatus" else value
-            lines.append(f"Seq_Frame{self.frames:04d}_{name} = {text}\n")
-        written = "".join(lines).encode("utf-8", errors="surrogateescape")
+        is_missing = self._differs(image)
+        pixels = np.zeros(self._shape, self._dtype) if is_missing else image
+        record = replace(record, image_status=TransformStatus.INVALID) if is_missing else record
+        entries = [(key.removeprefix(_FIRST_FRAME), value) for key, value in checked(frame_entries([record]))]
         if self._pixels is None:
             self._pixels = self._own_pixels()
         self._write(self._pixels, np.ascontiguousarray(pixels, dtype=self._dtype.newbyteorder("<")).data)
-        end = _LAST_LINE + f" = {self._pixels_path.name}\n".encode()
         if self._header is None:
-            self._header = self._begin_header(pixels, written + end)
-            self._end_at = self._header.seek(0, os.SEEK_END) - len(end)
+            self._header = self._begin_header(pixels, record)
         else:
-            self._write_at(self._header, self._end_at + len(end), written + end)
-            self._write_at(self._header, self._size_at, self._size(self.frames + 1))
-            self._write_at(self._header, self._end_at, FORMER_LAST_LINE[:1].encode())
-            self._end_at += len(end) + len(written)
+            lines = "".join(f"Seq_Frame{self.frames:04d}_{name} = {value}\n" for name, value in entries)
+            self._write(self._header, memoryview(lines.encode("utf-8", errors="surrogateescape") + self._size(self.frames + 1)))
+        self._listed = self._header.tell()
         self.frames += 1
         self.without_image += is_missing
 
@@ -290,12 +266,12 @@ class Recorder:
         except (AIFReconError, OSError) as error:
             logger.warning("%s is kept, but not taken up: %s", self.header_path, message_of(error))
             self.close()
-            self._forget()
+            self._begin()
             return False
         return True
 
     def _go_on(self, pixels: FileIO) -> None:
-        """Find where the next frame belongs. The last one is there if all of it was written, or not at all."""
+        """Find where the next frame belongs, and cut off what was begun of one."""
         recorded = read_sequence(self.header_path)
         if UNFINISHED not in recorded.fields or os.fstat(pixels.fileno()).st_nlink > 1:
             # Its program died in the middle of finishing: the finished file has the same pixels
@@ -304,56 +280,32 @@ class Recorder:
         self.without_image = sum(record.image_status is not TransformStatus.OK for record in recorded.records)
         self._was_seen = any(_shows_probe(record) for record in recorded.records)
         self._taken_up_at = recorded.records[-1].timestamp
-        header = self.header_path.read_bytes()
-        self._size_at = header.index(b"\n" + _SIZE.encode()) + 1
-        self._end_at = header.index(b"\n" + _LAST_LINE) + 1
-        end = header[self._end_at : header.index(b"\n", self._end_at) + 1]
-        self.frames = header.count(b"\n" + FORMER_LAST_LINE.encode(), 0, self._end_at) + 1
-        size = math.prod(self._shape) * self._dtype.itemsize
+        self.frames = len(recorded)
         self._header = open(self.header_path, "r+b", buffering=0)  # noqa: SIM115 (closed in close)
-        if header[self._end_at + len(end) :].endswith(b"\n" + end) and pixels.seek(0, os.SEEK_END) >= size * (self.frames + 1):
-            self.frames += 1
-            self._write_at(self._header, self._size_at, self._size(self.frames))
-            self._write_at(self._header, self._end_at, FORMER_LAST_LINE[:1].encode())
-            self._end_at = len(header) - len(end)
-        self._header.truncate(self._end_at + len(end))
-        pixels.truncate(size * self.frames)
-        pixels.seek(0, os.SEEK_END)
+        self._listed = max(line.end() for line in _WHOLE.finditer(self.header_path.read_bytes()))
+        for file, size in ((self._header, self._listed), (pixels, math.prod(self._shape) * self._dtype.itemsize * self.frames)):
+            file.truncate(size)
+            file.seek(size)
 
-    def _begin_header(self, image: Numbers, lines_of_frame: bytes) -> FileIO:
-        """The header of one frame as the sequence writer makes it, but for the lines of that frame."""
+    def _begin_header(self, image: Numbers, record: FrameRecord) -> FileIO:
+        """The header of the first frame, as the sequence writer makes it."""
         with workspace(self.path.absolute().parent) as folder:
-            path = folder / "header.mhd"
-            write_sequence(TrackedSequence(image[None], [FrameRecord()], {UNFINISHED: "True"}), path, compress=False)
-            lines = [line for line in path.read_bytes().splitlines(keepends=True)[:-1] if not line.startswith(_FIRST_FRAME.encode())]
-            size = next(number for number, line in enumerate(lines) if line.startswith(_SIZE.encode()))
-            self._size_at = sum(map(len, lines[:size]))
-            lines[size] = self._size(1) + b"\n"
-            path.write_bytes(b"".join(lines) + lines_of_frame)
+            path = folder / self.header_path.name
+            write_sequence(TrackedSequence(image[None], [record], {UNFINISHED: "True"}), path, compress=False)
             os.replace(path, self.header_path)
-        return open(self.header_path, "r+b", buffering=0)
+        return open(self.header_path, "ab", buffering=0)
 
     def _size(self, frames: int) -> bytes:
-        """The line of the header that says so many frames, as long for any number of them."""
-        return _SIZE.encode() + f"{self._shape[1]} {self._shape[0]} {frames}".ljust(_SIZE_LETTERS).encode()
+        """The line that says so many frames."""
+        return _SIZE + f"{self._shape[1]} {self._shape[0]} {frames}\n".encode()
 
-    def _start_anew(self, image: Numbers) -> None:
-        """Record images of another size or type from now on, and the frames so far without theirs: a recording of its own keeps it."""
-        records, path = list(read_sequence(self.header_path).records), self.path
-        self.path = _free(self._asked)
-        try:
-            self._make()
-            self._before.append(self.path.name)
-        finally:
-            self.path = path
-        self._forget()
-        self._shape, self._dtype = image.shape, image.dtype
-        for record in records:
-            self._append(None, record)
-
-    def _write_at(self, file: FileIO, offset: int, data: bytes) -> None:
-        file.seek(offset)
-        self._write(file, memoryview(data))
+    def _set_aside(self) -> None:
+        """Finish what was recorded under a name of its own, and begin anew."""
+        path, self.path = self.path, _free(self._asked)
+        self._make()
+        self.note = f"{self.note or ''} The images changed before the probe was seen; those before are in {self.path.name}.".lstrip()
+        self.path = path
+        self._begin()
 
     @staticmethod
     def _write(file: FileIO, data: memoryview) -> None:
@@ -371,13 +323,11 @@ class Recorder:
                 os.link(self._pixels_path, pixels)
             except OSError:  # not every file system gives a file two names
                 shutil.copyfile(self._pixels_path, pixels)
-            with open(self.header_path, "rb") as growing, open(header, "wb") as file:
-                for line in growing:
-                    if line.startswith(_LAST_LINE):
-                        break
-                    if not line.startswith((FORMER_LAST_LINE.encode(), UNFINISHED.encode())):
-                        file.write(self._size(self.frames) + b"\n" if line.startswith(_SIZE.encode()) else line)
-                file.write(_LAST_LINE + f" = {pixels.name}\n".encode())
+            lines = self.header_path.read_bytes()[: self._listed].splitlines(keepends=True)
+            kept = [line for line in lines if not line.startswith((_SIZE, _LAST_LINE, UNFINISHED.encode()))]
+            place = next(number for number, line in enumerate(lines) if line.startswith(_SIZE))
+            kept.insert(place, self._size(self.frames))
+            header.write_bytes(b"".join(kept) + _LAST_LINE + f"{pixels.name}\n".encode())
 
     def _remove(self) -> None:
         """Remove the growing files, if they are ours."""

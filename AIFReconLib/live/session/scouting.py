@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import partial
 
 import numpy as np
 
 from ...arrays import Floats, Matrix
-from ...effective_settings import Imaging
+from ...effective_settings import Imaging, asked_imaging, known_imaging, recognized_imaging
 from ...errors import NoUsableFramesError
 from ...geometry.transforms import pixel_spacing
 from ...geometry.volume import VoxelGrid
 from ...imaging.extent import grid_around_sweep
 from ...imaging.sound_speed import depth_scale
 from ...recipe.recipe import Recipe
+from ...sweep.configuration import PlusConfiguration
 from ...sweep.frames import FrameRecord, TrackedSequence
 from ...sweep.multi_sweep import JoinedImages
 from ...sweep.poses import SweepPoses
@@ -38,9 +40,9 @@ MOST_BYTES = 512 * 2**20
 
 
 class ScoutedFrames:
-    """Frames that wait for a volume. Of those that cannot be used only the numbers are kept."""
+    """Frames that wait for a volume, those that are given at first. Of those that cannot be used only the numbers are kept."""
 
-    def __init__(self) -> None:
+    def __init__(self, frames: Iterable[LiveFrame] = ()) -> None:
         self.usable = 0
         self._kept: list[LiveFrame] = []
         self._others: dict[str, array[int]] = {}
@@ -48,6 +50,8 @@ class ScoutedFrames:
         self._times: list[tuple[float, float]] = []
         self.notes: tuple[str, ...] = ()
         self._left = MOST_BYTES
+        for frame in frames:
+            self.add(frame)
 
     def add(self, frame: LiveFrame) -> None:
         """Keep a frame."""
@@ -131,3 +135,30 @@ class ScoutedFrames:
         more = np.ceil(margin / grid.spacing).astype(int)
         size = [n + 2 * int(extra) for n, extra in zip(grid.size, more, strict=True)]
         return VoxelGrid.from_spacing(grid.origin - more * grid.spacing, size, grid.spacing)
+
+
+class Recognition:
+    """How the images of a stream are to be read: as given and configured, else as frames show it.
+
+    Parameters
+    ----------
+    needs_probe : bool
+        Whether a region alone is not enough.
+    learns : bool
+        Whether gray levels count, which frames must show where nobody has told them.
+    """
+
+    def __init__(self, asked: Recipe, configuration: PlusConfiguration, needs_probe: bool, learns: bool):
+        region, probe = asked_imaging(asked, configuration)
+        known = known_imaging(configuration, needs_probe, region, probe)
+        self._recognized = partial(recognized_imaging, configuration=configuration, region=region, probe=probe, need_probe=needs_probe)
+        self._asked = asked
+        self.imaging = None if known is None else known.judging((), asked)
+        self.is_over = known is not None and not (learns and asked.gray_levels is None)
+
+    def look_at(self, frames: ScoutedFrames) -> Imaging:
+        """What frames tell; raises BeamGeometryError where they do not, NoUsableFramesError where there is none."""
+        sequence, poses = frames.sequence()
+        known = self.imaging or self._recognized(sequence.images, poses)
+        self.imaging, self.is_over = known.judging(sequence.images, self._asked).learned_now(), True
+        return self.imaging

@@ -7,7 +7,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,7 +19,7 @@ from ...bone.map import BoneMap
 from ...compounding.methods.table import method_named
 from ...compounding.needs import needs_beams, require_bone, require_grid_as_asked, require_map_as_asked
 from ...compounding.state import Reconstruction, bytes_per_voxel
-from ...effective_settings import Imaging, asked_imaging, known_imaging, recognized_imaging, reconstructor_parts, resolve_settings
+from ...effective_settings import Imaging, reconstructor_parts, resolve_settings
 from ...errors import SettingsError
 from ...geometry.volume import VoxelGrid
 from ...imaging.sound_speed import depth_factor
@@ -31,11 +31,11 @@ from ...sweep.configuration import NO_CONFIGURATION, PlusConfiguration
 from ...sweep.still_images import StillImages
 from ..pairing.synchronizer import LiveFrame, Synchronizer, SynchronizerSettings
 from ..wire.messages import ImageMessage
-from ..wire.sources import CONNECTED, ENDED, MessageSource
+from ..wire.sources import CONNECTED, ENDED, QueueSource
 from .insertion import LEFT_OUT, WHILE_PAUSED, Inserter
 from .recording import Recorder
-from .scouting import SCOUTED, ScoutedFrames
-from .statistics import NO_IMAGES, FrameCounters, LiveStatistics, StreamHealth, tracking_words
+from .scouting import SCOUTED, Recognition, ScoutedFrames
+from .statistics import NO_IMAGES, LiveStatistics, StreamHealth, tracking_words
 
 logger = logging.getLogger(__name__)
 
@@ -77,7 +77,7 @@ class LiveSession:
 
     Parameters
     ----------
-    source : MessageSource
+    source : QueueSource
         E.g. an `OpenIGTLinkClient`; started and stopped by the session.
     bone : BoneMap or None
         Needed by methods that weight by incidence.
@@ -120,7 +120,7 @@ class LiveSession:
 
     def __init__(
         self,
-        source: MessageSource,
+        source: QueueSource,
         settings: Recipe | None = None,
         bone: BoneMap | None = None,
         grid: VoxelGrid | None = None,
@@ -140,18 +140,15 @@ class LiveSession:
             require_grid_as_asked(asked, grid)
         self.settings = resolve_settings(asked, configuration, bone is not None)
         parts = reconstructor_parts(asked, self.settings, configuration)
-        region, probe = asked_imaging(asked, configuration)
         self._fits_spacing = parts.fits_spacing
         self._method = self.settings.method_for(bone is not None)
         require_bone(self._method, self.settings, bone is not None)
-        self._needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
-        self._recognized = partial(recognized_imaging, configuration=configuration, region=region, probe=probe)
+        needs_probe = needs_beams(self._method, self.settings) or depth_factor(self.settings) != 1.0
         self._judges = method_named(self._method).needs_shadows
-        # Gray levels are learned from the first frames, where nobody has told them
-        self._learns = self._judges and asked.gray_levels is None
-        self._asked, self._made_before = asked, False
-        known = known_imaging(configuration, self._needs_probe, region, probe)
-        self._imaging = None if known is None else known.judging((), asked)
+        self._of_volume = Recognition(asked, configuration, needs_probe, self._judges)
+        self._of_watches = Recognition(asked, configuration, True, True)
+        self._asked = asked
+        self._prepared: Future[None] | None = None
         self._synchronizer = Synchronizer(synchronizer, configuration)
         self.recorder = record if record is None or isinstance(record, Recorder) else Recorder(record)
         self.recorded: Path | None = None
@@ -165,7 +162,6 @@ class LiveSession:
         self.at_end: Callable[[Progress | None], None] | None = None
         self._predictions_device = predictions_device
         self.predictions: deque[ImageMessage] = deque(maxlen=MOST_PREDICTIONS)
-        self._meter = FrameCounters()
         names = self._synchronizer.settings
         sign = partial(
             with_origin,
@@ -178,11 +174,8 @@ class LiveSession:
         self.grid: VoxelGrid | None = grid or asked.grid or (None if names.image_to_reference or names.reference else parts.grid)
         self._lock, self._looking = threading.RLock(), threading.Lock()
         self.pool = ThreadPoolExecutor(MOST_WATCHES, "aifrecon live watch")
-        self._known = known_imaging(configuration, True, region, probe)
-        # With gray levels that are told no frame must be awaited
-        self._seen_imaging = None if self._known is None or asked.gray_levels is None else self._known.judging((), asked)
         self._look_from = 0
-        self._phase = SCOUTING if self.grid is None else LOOKING if self._must_look else RECONSTRUCTING
+        self._phase = SCOUTING if self.grid is None else RECONSTRUCTING if self._of_volume.is_over else LOOKING
         self._scouted = ScoutedFrames()
         self._paused = self._started = self._closed = False
         self._heard, self._still = StreamHealth(), StillImages()
@@ -207,11 +200,11 @@ class LiveSession:
     def prepare(self, timeout: float | None = None) -> bool:
         """Compile what inserts, make the volume and place the bone map before `start`, so that no frame waits for it; whether that is done.
 
-        Without a grid, or with a probe that is still to be recognized, no volume can be made yet.
+        Without a grid, or with a probe or gray levels that the first frames are to show, no volume can be made yet.
         """
         with self._lock:
             self._start_inserting()
-        return (self._inserter.ready if self._made_before else self._inserter.warm).wait(timeout)
+        return self._prepared is None or bool(wait([self._prepared], timeout).done)
 
     def pause(self) -> None:
         """Insert nothing until `resume`. Frames are still received, shown, recorded and counted."""
@@ -224,7 +217,6 @@ class LiveSession:
     def reset(self) -> None:
         """Empty the volume and begin to count anew, on the same grid; frames that wait are forgotten. The recording goes on."""
         with self._lock:
-            self._meter = FrameCounters()
             self._inserter.restart()
             self._forget_motion()
             if self._phase in (SCOUTING, LOOKING):
@@ -250,7 +242,7 @@ class LiveSession:
         """Reconstruct on `grid` from now on, beginning with the frames seen while scouting that were kept."""
         with self._lock:
             self.grid = grid
-            if self._must_look and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
+            if not self._of_volume.is_over and self._scouted.usable < FRAMES_LOOKED_AT and not self._closed:
                 self._phase = LOOKING
             else:
                 self._begin(grid)
@@ -349,13 +341,11 @@ class LiveSession:
         """
         with self._looking:
             frames = [frame for frame in tuple(self.recent) if frame.status == "OK"]
-            if self._seen_imaging is None and len(frames) >= FRAMES_LOOKED_AT and frames[-1].number >= self._look_from:
+            seen = self._of_watches
+            if not seen.is_over and len(frames) >= FRAMES_LOOKED_AT and frames[-1].number >= self._look_from:
                 self._look_from = frames[-1].number + FRAMES_LOOKED_AT
-                latest = ScoutedFrames()
-                for frame in frames:
-                    latest.add(frame)
-                self._seen_imaging = self._look(latest, self._known, need_probe=True)
-            return self._seen_imaging
+                seen.look_at(ScoutedFrames(frames))
+            return seen.imaging if seen.is_over else None
 
     @property
     def scouted(self) -> int:
@@ -399,15 +389,15 @@ class LiveSession:
             note=pairing.note,
             images_stopped=images_stopped,
             poses_stopped=poses_stopped,
-            **self._meter.counts(now),
+            **self._inserter.counters.counts(now),
         )
 
     def _start_inserting(self) -> None:
-        if self.grid is not None and self._imaging is not None and not self._made_before:
-            # Before frames come: what they tell of gray levels is handed on before the first is inserted
-            self._made_before = True
-            self._inserter.begin(self.grid, lambda: self._find_imaging(ScoutedFrames()))
-        self._inserter.start()
+        if self._prepared is not None:
+            return
+        self._prepared = self._inserter.start()
+        if self._phase == RECONSTRUCTING and self.grid is not None:
+            self._prepared = self._inserter.begin(self.grid, lambda: self._find_imaging(ScoutedFrames()))
 
     # ---- the receiving thread
 
@@ -442,28 +432,26 @@ class LiveSession:
                 self.finished.set()
 
     def _take_one(self, frame: LiveFrame, live: bool = True, counts: bool = True) -> None:
+        is_left_out = frame.number % (self.settings.skip or 1) != 0
         if live and self.recorder is not None:
             self.recorder.append(frame)
-        if not frame.number % (self.settings.skip or 1):
+        if not is_left_out:
             frame = self._still.judged(frame)
         if live:
             self.latest = _moved(frame, self._motion)
             self.recent.append(self.latest)
         with self._lock:
-            self._meter.receive(frame.received)
-            self._hand_on(frame, live, counts and not (live and self._paused))
-
-    def _hand_on(self, frame: LiveFrame, live: bool, counts: bool) -> None:
-        if not counts:
-            self._meter.skip(WHILE_PAUSED)
-        elif frame.number % (self.settings.skip or 1):
-            self._meter.skip(LEFT_OUT)
-        elif self._phase in (SCOUTING, LOOKING):
-            self._scouted.add(frame)
-            if self.grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
-                self._begin(self.grid)
-        else:
-            self._put(frame, live)
+            self._inserter.counters.receive(frame.received)
+            if not counts or (live and self._paused):
+                self._inserter.counters.skip(WHILE_PAUSED)
+            elif is_left_out:
+                self._inserter.counters.skip(LEFT_OUT)
+            elif self._phase == RECONSTRUCTING:
+                self._put(frame, live)
+            else:
+                self._scouted.add(frame)
+                if self.grid is not None and self._phase == LOOKING and self._scouted.usable >= FRAMES_LOOKED_AT:
+                    self._begin(self.grid)
 
     def _put(self, frame: LiveFrame, live: bool) -> None:
         """Hand over a frame where it lies now, and keep it as it was recorded where motion is to be taken out."""
@@ -473,7 +461,7 @@ class LiveSession:
                 self.kept = None
             elif alike:
                 self.kept.append(frame)
-        self._inserter.put(_moved(frame, self._motion), self._meter, live)
+        self._inserter.put(_moved(frame, self._motion), live)
 
     def _begin(self, grid: VoxelGrid) -> None:
         """Reconstruct from now on, what was scouted first."""
@@ -485,10 +473,7 @@ class LiveSession:
             scouted.clear()
             return found
 
-        if self._made_before and self._phase == LOOKING:
-            self._inserter.judge_by(imaging)
-        else:
-            self._inserter.begin(grid, imaging)
+        self._inserter.begin(grid, imaging)
         self._forget_motion()
         for frame in frames:
             self._put(frame, live=False)
@@ -504,27 +489,16 @@ class LiveSession:
             if self.grid is not None and self._phase == LOOKING and self._scouted.usable:
                 self._begin(self.grid)
             for frame in self._scouted:
-                self._meter.skip(SCOUTED if frame.status == "OK" else frame.status)
+                self._inserter.counters.skip(SCOUTED if frame.status == "OK" else frame.status)
             self._scouted.clear()
 
     def _find_imaging(self, scouted: ScoutedFrames) -> Imaging:
         """How the images are to be read: as given and configured, else recognized in the frames that were scouted."""
-        known = self._imaging
-        if known is None or (self._learns and scouted.usable):
-            self._imaging = known = self._look(scouted, known, self._needs_probe)
-            self._learns = False
+        known = self._of_volume.imaging
+        if known is None or (scouted.usable and not self._of_volume.is_over):
+            known = self._of_volume.look_at(scouted)
         gray_notes = known.gray_levels.notes if self._judges else ()
         return replace(known, notes=(*self._configuration.warnings, *known.notes, *gray_notes, *scouted.notes))
-
-    def _look(self, scouted: ScoutedFrames, known: Imaging | None, need_probe: bool) -> Imaging:
-        """How images are to be read whose frames were seen: as known, else recognized; and their gray levels."""
-        sequence, poses = scouted.sequence()
-        known = known or self._recognized(sequence.images, poses, need_probe=need_probe)
-        return known.judging(sequence.images, self._asked).learned_now()
-
-    @property
-    def _must_look(self) -> bool:
-        return self._imaging is None or self._learns
 
 
 def _moved(frame: LiveFrame, motion: Matrix) -> LiveFrame:

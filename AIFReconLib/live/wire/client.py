@@ -10,8 +10,6 @@ import logging
 import socket
 import threading
 import time
-from collections import Counter
-from dataclasses import replace
 
 from ...errors import LiveConnectionError, LiveMessageError, SettingsError
 from ...message import message_of
@@ -20,7 +18,7 @@ from .decoding import codec, decode
 from .encoding import encode_status_request
 from .framing import SIZE_LIMIT, Framer, RawMessage
 from .messages import EventKind, StreamEvent
-from .sources import CONNECTED, DEVICES, ENDED, QueueSource, StreamStatistics
+from .sources import CONNECTED, QueueSource
 
 logger = logging.getLogger(__name__)
 
@@ -32,8 +30,6 @@ CHUNK = 2**18
 EVENT_INTERVAL = 1.0
 """Shortest time between two events about messages that are refused, s: it may be every one."""
 
-OTHERS = "(others)"
-
 IN_THE_MIDDLE = " in the middle of a message"
 
 STOP_TIMEOUT = 0.8
@@ -41,7 +37,7 @@ RESOLVING_TIMEOUT = 10.0
 
 
 class OpenIGTLinkClient(QueueSource):
-    """Receives from a server, in a thread of its own, until it is stopped.
+    """Receives from a server, in a thread of its own, until it is stopped. It starts once; make another for another scan.
 
     Eight parameters: an address, what is taken, and limits that a test or a slow network may want otherwise.
 
@@ -63,9 +59,9 @@ class OpenIGTLinkClient(QueueSource):
 
     Notes
     -----
-    `start` and `stop` may be called in any order and any number of times. All methods may be called from any thread. The first message
-    sent on every connection is a GET_STATUS of header version 2, because Plus then adds metadata and statuses. A stream that is no longer
-    one of messages is given up, and the client connects again.
+    All methods may be called from any thread. The state is ``connecting``, ``connected``, ``waiting to reconnect`` or ``stopped``. The
+    first message sent on every connection is a GET_STATUS of header version 2, because Plus then adds metadata and statuses. A stream
+    that is no longer one of messages is given up, and the client connects again.
 
     Examples
     --------
@@ -96,24 +92,14 @@ class OpenIGTLinkClient(QueueSource):
         self._stall_after = stall_after
         self._connect_timeout = connect_timeout
         self._retry_delays = tuple(retry_delays)
-        self._control = threading.Lock()
-        self._lock = threading.Lock()
-        self._stopping, self._attempted = threading.Event(), threading.Event()
-        self._begin_anew(is_open=False)
-
-    def _begin_anew(self, is_open: bool = True) -> None:
-        super()._begin_anew(is_open)
-        self._received: Counter[tuple[str, str]] = Counter()
-        self._refusals: dict[str, str] = {}
-        self._refused = self._damaged = self._connections = 0
-        self._refusal_told = -EVENT_INTERVAL
-        self._first_error: LiveConnectionError | None = None
         self._state = CONNECTING
-
-    # ---- control
+        self._refusal_told = -EVENT_INTERVAL
+        self._stopping, self._attempted = threading.Event(), threading.Event()
+        self._first_error: LiveConnectionError | None = None
+        self._thread = threading.Thread(target=self._work, name=f"OpenIGTLink {self.host}:{self.port}", daemon=True)
 
     def start(self, wait: bool = False) -> None:
-        """Begin to connect and receive; does nothing if it is running.
+        """Begin to connect and receive; does nothing when called again.
 
         Parameters
         ----------
@@ -126,13 +112,8 @@ class OpenIGTLinkClient(QueueSource):
             With `wait`, when the first attempt fails; always, when pyigtl is not installed.
         """
         codec()
-        with self._control:
-            if not self._open:
-                # A thread that outlives its stop, for the name of a host is resolved, sees its own event
-                self._stopping, self._attempted = stopping, attempted = threading.Event(), threading.Event()
-                self._begin_anew()
-                name = f"OpenIGTLink {self.host}:{self.port}"
-                self._thread = threading.Thread(target=self._work, args=(stopping, attempted), name=name, daemon=True)
+        with self._changed:
+            if self._open and self._thread.ident is None:
                 self._thread.start()
         if wait:
             decided = self._attempted.wait(self._connect_timeout + RESOLVING_TIMEOUT)
@@ -144,11 +125,9 @@ class OpenIGTLinkClient(QueueSource):
 
     def stop(self) -> None:
         """Disconnect; returns within a second, whatever the client is doing. What was received can still be taken."""
-        with self._control:
-            was_open = self._open
-            self._stopping.set()
-            super().stop()
-        if was_open and self._thread is not threading.current_thread():
+        self._stopping.set()
+        super().stop()
+        if self._thread.ident is not None and self._thread is not threading.current_thread():
             self._thread.join(STOP_TIMEOUT)
 
     def __enter__(self) -> OpenIGTLinkClient:
@@ -158,89 +137,56 @@ class OpenIGTLinkClient(QueueSource):
     def __exit__(self, *_: object) -> None:
         self.stop()
 
-    # ---- what was received
-
-    @property
-    def state(self) -> str:
-        """``connecting``, ``connected``, ``waiting to reconnect`` or ``stopped``."""
-        return self._state if self._open else ENDED
-
-    @property
-    def statistics(self) -> StreamStatistics:
-        """A snapshot of all counters since `start`, over all connections."""
-        with self._lock:
-            return replace(
-                super().statistics,
-                received=dict(self._received),
-                refused=self._refused,
-                damaged=self._damaged,
-                reconnects=max(0, self._connections - 1),
-                refusals=dict(self._refusals),
-            )
-
-    def devices(self) -> dict[str, tuple[str, ...]]:
-        """Names of the devices seen since `start`, each with the types of its messages, in order of appearance."""
-        seen: dict[str, tuple[str, ...]] = {}
-        for device, kind in self.statistics.received:
-            seen[device] = (*seen.get(device, ()), kind)
-        return seen
-
     # ---- the thread
 
-    def _work(self, stopping: threading.Event, attempted: threading.Event) -> None:
-        attempt = 0
-        while not stopping.is_set():
+    def _work(self) -> None:
+        failed = connections = 0
+        while not self._stopping.is_set():
             self._state = CONNECTING
-            reason, before = "", self._received.total()
+            before, reason = self._counts.received.total(), ""
             try:
                 connection = open_connection(self.host, self.port, self._connect_timeout)
             except LiveConnectionError as error:
-                if stopping.is_set():
-                    break
                 reason = message_of(error)
-                self._first_error = None if attempted.is_set() else error
+                self._first_error = None if self._attempted.is_set() else error
             else:
                 with connection:
-                    if stopping.is_set():
-                        break
-                    attempted.set()
-                    reason = self._serve(connection, stopping)
-            if stopping.is_set():
-                break
-            if self._received.total() > before:
-                attempt = 0
-            delay = self._retry_delays[min(attempt, len(self._retry_delays) - 1)]
-            attempt += 1
+                    self._attempted.set()
+                    self._counts.reconnects, connections = connections, connections + 1
+                    reason = self._serve(connection)
+            if self._stopping.is_set():
+                return
+            if self._counts.received.total() > before:
+                failed = 0
+            delay = self._retry_delays[min(failed, len(self._retry_delays) - 1)]
+            failed += 1
             self._state = WAITING
-            attempted.set()
+            self._attempted.set()
             self._emit("disconnected", f"{reason} Connecting again in {delay:g} s.", logging.WARNING)
-            stopping.wait(delay)
+            self._stopping.wait(delay)
 
-    def _serve(self, connection: socket.socket, stopping: threading.Event) -> str:
+    def _serve(self, connection: socket.socket) -> str:
         """Receive until the connection ends, and say why it did."""
-        with self._lock:
-            self._connections += 1
         self._state = CONNECTED
         self._emit("connected", f"Connected to {self.host}, port {self.port}.", logging.INFO)
         framer = Framer(self._size_limit)
         try:
             connection.sendall(encode_status_request())
-            ended = self._receive_all(connection, framer, stopping)
+            ended = self._receive_all(connection, framer)
         except OSError as error:
             ended = f"The connection was lost ({error.strerror or 'the network failed'})"
         return f"{ended}{IN_THE_MIDDLE * framer.is_within}."
 
-    def _receive_all(self, connection: socket.socket, framer: Framer, stopping: threading.Event) -> str:
+    def _receive_all(self, connection: socket.socket, framer: Framer) -> str:
         """Receive until the stream ends, makes no sense any more or the client is stopped, and say which."""
         buffer = bytearray(CHUNK)
-        view = memoryview(buffer)
         last, stalled = time.monotonic(), False
-        while not stopping.is_set():
+        while not self._stopping.is_set():
             size = _receive(connection, buffer)
             now = time.monotonic()
             if size == 0:
                 return "The server closed the connection"
-            messages = framer.feed(view[:size]) if size else []
+            messages = framer.feed(memoryview(buffer)[:size]) if size else []
             for message in messages:
                 self._take(message, now)
             if framer.problem is not None:
@@ -253,34 +199,25 @@ class OpenIGTLinkClient(QueueSource):
         return "The client was stopped"
 
     def _take(self, message: RawMessage, now: float) -> None:
-        """Count a message, and queue what it holds."""
-        if message.problem is not None:
-            with self._lock:
-                self._damaged += 1
-            self._refuse(message.kind, message.problem, now)
-            return
-        with self._lock:
-            key = message.device, message.kind
-            self._received[key if key in self._received or len(self._received) < DEVICES else (OTHERS, OTHERS)] += 1
+        """Count a message, and queue what it holds; where that cannot be used, tell why, but not too often: counters tell the rest."""
+        if message.problem is None:
+            self._count(message.device, message.kind)
         try:
             for content in decode(message, now):
-                self.put(content)
+                self._queue(content)
         except LiveMessageError as error:
-            with self._lock:
-                self._refused += 1
-            self._refuse(message.kind, message_of(error), now)
-
-    def _refuse(self, kind: str, why: str, now: float) -> None:
-        """Tell why a message is left out; at most once in a while, because counters tell the rest."""
-        with self._lock:
-            self._refusals[kind] = why
-        if now - self._refusal_told >= EVENT_INTERVAL:
-            self._refusal_told = now
-            self._emit("refused", why, logging.WARNING)
+            why = message_of(error)
+            with self._changed:
+                self._counts.damaged += message.problem is not None
+                self._counts.refused += message.problem is None
+                self._counts.refusals[message.kind] = why
+            if now - self._refusal_told >= EVENT_INTERVAL:
+                self._refusal_told = now
+                self._emit("refused", why, logging.WARNING)
 
     def _emit(self, kind: EventKind, detail: str, level: int) -> None:
         logger.log(level, "%s", detail)
-        self.put(StreamEvent(kind, detail, time.monotonic()))
+        self._queue(StreamEvent(kind, detail, time.monotonic()))
 
 
 def _receive(connection: socket.socket, buffer: bytearray) -> int | None:

@@ -185,5 +185,3 @@ _DECODERS: dict[str, Callable[[RawMessage, float], tuple[Decoded, ...]]] = {
     "TDATA": _tracking_data,
     "QTDATA": _tracking_data,
 }
-
-USED_TYPES = frozenset(_DECODERS)

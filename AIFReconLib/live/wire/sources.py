@@ -1,12 +1,11 @@
-"""Where a live session takes its messages from: an OpenIGTLink client, or whoever puts messages into a queue."""
+"""Where a live session takes its messages from: a queue that an OpenIGTLink client fills, Slicer's nodes, or a test."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections import deque
-from dataclasses import dataclass, field
-from typing import Protocol
+from collections import Counter, deque
+from dataclasses import dataclass, field, replace
 
 from .messages import ImageMessage, StreamEvent, StreamMessage, TransformMessage
 
@@ -17,15 +16,15 @@ ENDED = "stopped"
 """The state of a source from which nothing more will come once `get` answers None."""
 
 DEVICES = 1000
-"""Devices that are listed by name; a server that makes up ever new names must not fill the memory."""
+"""Devices that are counted by name; a server that makes up ever new names must not fill the memory."""
 
 REPORT_INTERVAL = 1.0
 """Shortest time between two events that report dropped messages, s."""
 
 
-@dataclass(frozen=True)
+@dataclass
 class StreamStatistics:
-    """What a source has counted since its start. One that has no connection tells only what it dropped.
+    """What a source has counted since its start.
 
     Parameters
     ----------
@@ -47,7 +46,7 @@ class StreamStatistics:
         Images among them.
     """
 
-    received: dict[tuple[str, str], int] = field(default_factory=dict)
+    received: Counter[tuple[str, str]] = field(default_factory=Counter)
     refused: int = 0
     damaged: int = 0
     reconnects: int = 0
@@ -61,38 +60,8 @@ class StreamStatistics:
         return sum(n for (name, type_), n in self.received.items() if type_ == kind and device in (None, name))
 
 
-class MessageSource(Protocol):
-    """What a `LiveSession` needs of a source; `OpenIGTLinkClient` is one."""
-
-    @property
-    def state(self) -> str:
-        """``connected``, ``stopped`` when nothing more will come, or another word for the user."""
-        ...
-
-    @property
-    def statistics(self) -> StreamStatistics:
-        """Counters."""
-        ...
-
-    def start(self) -> None:
-        """Begin to receive."""
-        ...
-
-    def stop(self) -> None:
-        """Receive no more. What was received can still be taken."""
-        ...
-
-    def get(self, timeout: float | None = None) -> StreamMessage | None:
-        """The next message in order of arrival; None if there is none within `timeout` s, or the source has ended and is empty."""
-        ...
-
-    def devices(self) -> dict[str, tuple[str, ...]]:
-        """Names of the devices seen, each with the types of its messages."""
-        ...
-
-
 class QueueSource:
-    """A source that the same program fills, as Slicer's nodes or a test do.
+    """A source that the same program fills; whoever has a connection of its own derives from it, as `OpenIGTLinkClient` does.
 
     Bounded in number and in bytes. When full, the oldest message goes: a live view must stay current.
 
@@ -112,27 +81,32 @@ class QueueSource:
     def __init__(self, limit: int = 512, byte_limit: int = 256 * 2**20):
         self._limit, self._byte_limit = limit, byte_limit
         self._changed = threading.Condition()
-        self._begin_anew()
-
-    def _begin_anew(self, is_open: bool = True) -> None:
-        with self._changed:
-            self._messages: deque[StreamMessage] = deque()
-            self._devices: dict[str, tuple[str, ...]] = {}
-            self._bytes = self._late = self._dropped = self._dropped_images = self._reported = 0
-            self._report_time = -REPORT_INTERVAL
-            self._open, self.replaced = is_open, 0
+        self._messages: deque[StreamMessage] = deque()
+        self._bytes = self._reported = self.replaced = 0
+        self._report_time = -REPORT_INTERVAL
+        self._counts = StreamStatistics()
+        self._open, self._state = True, CONNECTED
 
     @property
     def state(self) -> str:
-        """``connected`` until `stop`."""
-        return CONNECTED if self._open else ENDED
+        """``connected`` or another word for the user, and ``stopped`` after `stop`."""
+        return self._state if self._open else ENDED
 
     @property
     def statistics(self) -> StreamStatistics:
-        """How many messages were dropped, and images among them."""
+        """A copy of all counters since the start."""
         with self._changed:
-            dropped, images = self._dropped + self.replaced, self._dropped_images + self.replaced
-            return StreamStatistics(dropped=dropped, dropped_images=images, late=self._late)
+            counts = self._counts
+            dropped, images = counts.dropped + self.replaced, counts.dropped_images + self.replaced
+            received, refusals = counts.received.copy(), counts.refusals.copy()
+            return replace(counts, dropped=dropped, dropped_images=images, received=received, refusals=refusals)
+
+    def devices(self) -> dict[str, tuple[str, ...]]:
+        """Names of the devices seen, each with the types of its messages, in order of appearance."""
+        seen: dict[str, tuple[str, ...]] = {}
+        for device, kind in self.statistics.received:
+            seen[device] = (*seen.get(device, ()), kind)
+        return seen
 
     def start(self) -> None:
         """Nothing: a queue takes messages from its making on."""
@@ -145,18 +119,9 @@ class QueueSource:
 
     def put(self, message: StreamMessage) -> None:
         """Add a message; one that comes after `stop` is dropped."""
-        with self._changed:
-            if not self._open:
-                self._late += not isinstance(message, StreamEvent)
-                self._count_dropped(message)
-                return
-            if isinstance(message, ImageMessage | TransformMessage) and len(self._devices) < DEVICES:
-                self._devices.setdefault(message.device, ("IMAGE" if isinstance(message, ImageMessage) else "TRANSFORM",))
-            self._messages.append(message)
-            self._bytes += _size(message)
-            while len(self._messages) > self._limit or (self._bytes > self._byte_limit and len(self._messages) > 1):
-                self._drop_oldest()
-            self._changed.notify()
+        if self._open and not isinstance(message, StreamEvent):
+            self._count(message.device, "IMAGE" if isinstance(message, ImageMessage) else "TRANSFORM")
+        self._queue(message)
 
     def get(self, timeout: float | None = None) -> StreamMessage | None:
         """The oldest message; None if there is none within `timeout` s (None: without limit), or the source is stopped and empty."""
@@ -165,29 +130,39 @@ class QueueSource:
             if not self._messages:
                 return None
             now = time.monotonic()
-            if self._dropped > self._reported and now - self._report_time >= REPORT_INTERVAL:
-                count, self._reported, self._report_time = self._dropped - self._reported, self._dropped, now
+            if self._counts.dropped > self._reported and now - self._report_time >= REPORT_INTERVAL:
+                count, self._reported, self._report_time = self._counts.dropped - self._reported, self._counts.dropped, now
                 detail = f"{count} messages were left out, the oldest first: they arrive faster than they are worked on."
                 return StreamEvent("dropped", detail, now)
             message = self._messages.popleft()
             self._bytes -= _size(message)
             return message
 
-    def devices(self) -> dict[str, tuple[str, ...]]:
-        """Names of the devices that messages were put for, with their types."""
-        return dict(self._devices)
+    def _count(self, device: str, kind: str) -> None:
+        with self._changed:
+            received = self._counts.received
+            received[(device, kind) if (device, kind) in received or len(received) < DEVICES else ("(others)", "(others)")] += 1
 
-    def _drop_oldest(self) -> None:
-        """The oldest message goes; events stay as long as there is anything else, because they tell what happened to the rest."""
-        number = next((n for n, message in enumerate(self._messages) if not isinstance(message, StreamEvent)), 0)
-        message = self._messages[number]
-        self._bytes -= _size(message)
-        del self._messages[number]
-        self._count_dropped(message)
+    def _queue(self, message: StreamMessage) -> None:
+        with self._changed:
+            if not self._open:
+                self._counts.late += not isinstance(message, StreamEvent)
+                self._count_dropped(message)
+                return
+            self._messages.append(message)
+            self._bytes += _size(message)
+            while len(self._messages) > self._limit or (self._bytes > self._byte_limit and len(self._messages) > 1):
+                # Events stay as long as there is anything else: they tell what happened to the rest
+                number = next((n for n, each in enumerate(self._messages) if not isinstance(each, StreamEvent)), 0)
+                oldest = self._messages[number]
+                del self._messages[number]
+                self._bytes -= _size(oldest)
+                self._count_dropped(oldest)
+            self._changed.notify()
 
     def _count_dropped(self, message: StreamMessage) -> None:
-        self._dropped += not isinstance(message, StreamEvent)
-        self._dropped_images += isinstance(message, ImageMessage)
+        self._counts.dropped += not isinstance(message, StreamEvent)
+        self._counts.dropped_images += isinstance(message, ImageMessage)
 
 
 def _size(message: StreamMessage) -> int:

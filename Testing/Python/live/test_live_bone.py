@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,7 +22,7 @@ from AIFReconLib.geometry.transforms import transform_points
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.gray_levels import STANDARD
 from AIFReconLib.io.sequence.files import read_sequence
-from AIFReconLib.live.pairing.synchronizer import LiveFrame, SynchronizerSettings
+from AIFReconLib.live.pairing.synchronizer import SynchronizerSettings
 from AIFReconLib.live.session.bone_watch import BoneWatch
 from AIFReconLib.live.session.session import MOST_PREDICTIONS, LiveSession
 from AIFReconLib.live.wire.messages import ImageMessage
@@ -98,13 +95,6 @@ def test_hardly_any_echoes_are_no_bone_until_there_are_more():
     assert placed.probability.max() > 0.5
 
 
-def test_nothing_new_is_not_spread_again():
-    bone = GrowingBone()
-    bone.on_grid(GRID)
-    learn(bone, range(6))
-    assert (carry_out(bone.spread()), carry_out(bone.spread())) == (True, False)
-
-
 def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
     bone, late = GrowingBone(), [3, 4, 5]
     placed = bone.on_grid(GRID)
@@ -120,19 +110,15 @@ def test_what_is_learned_while_the_map_is_drawn_comes_with_the_next_news():
     np.testing.assert_allclose(placed.probability, whole().on_grid(GRID).probability, atol=0.03)
 
 
-def test_a_volume_that_begins_anew_is_told_what_was_known():
+def test_what_is_known_is_told_once_to_each_volume_that_begins_and_nothing_known_is_no_mistake():
     bone = GrowingBone()
-    bone.on_grid(GRID)
+    assert not bone.on_grid(GRID).probability.any()
+    assert Reconstructor(GRID, ReconstructionSettings(method="weighted"), bone, probe=IMAGING.probe).notes == []
     learn(bone, range(6))
-    carry_out(bone.spread())
+    assert (carry_out(bone.spread()), carry_out(bone.spread())) == (True, False)
     again = bone.on_grid(OBLIQUE)
     assert carry_out(bone.spread())
     np.testing.assert_allclose(again.probability, whole().on_grid(OBLIQUE).probability, atol=1e-5)
-
-
-def test_nothing_is_known_at_first_and_that_is_no_mistake():
-    assert not GrowingBone().on_grid(GRID).probability.any()
-    assert Reconstructor(GRID, ReconstructionSettings(method="weighted"), GrowingBone(), probe=IMAGING.probe).notes == []
 
 
 # A scan
@@ -188,9 +174,12 @@ def on_plane(bone) -> float:
     """The usual probability of bone where it is, of what the volume knows."""
     if not bone._on_grid or bone._on_grid[0][0] is not GRID:
         return 0.0  # that of a trial, before there is a volume
-    points = SWEEP.on_plane(half=2)
-    i, j, k = np.rint(transform_points(GRID.reference_to_ijk, points)).astype(int).T
-    return float(np.median(bone._on_grid[0][1].probability[k, j, i]))
+    return of_plane(bone._on_grid[0][1])
+
+
+def of_plane(placed) -> float:
+    i, j, k = np.rint(transform_points(GRID.reference_to_ijk, SWEEP.on_plane(half=2))).astype(int).T
+    return float(np.median(placed.probability[k, j, i]))
 
 
 def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
@@ -201,28 +190,6 @@ def test_an_estimator_draws_bone_into_the_volume_that_grows(scan):
     wait_for(lambda: session.statistics.inserted >= 5)
     wait_for(lambda: on_plane(bone) > 0.5)
     assert session.finish().frames_inserted == 6
-
-
-def test_a_frame_that_came_while_another_was_looked_at_is_looked_at_at_once():
-    """The estimator itself brings the next frame; who waits after that waits for ever."""
-    over, looked = threading.Event(), []
-    session = SimpleNamespace(latest=None, imaging=lambda: IMAGING, grid=None, statistics=SimpleNamespace(waiting=0))
-    session.pool = ThreadPoolExecutor()
-    session.wait_for_rest = lambda timeout: looked and over.wait(LONG)
-    frames = [LiveFrame(SWEEP.images[number], SWEEP.poses[number], timestamp=1.0 + 0.1 * number, number=number) for number in range(4)]
-
-    class Bringing(Knowing):
-        def estimate(self, frame):
-            looked.append(frame.number)
-            session.latest = frames[min(frame.number + 1, 3)]
-            return super().estimate(frame)
-
-    watch = BoneWatch(session, GrowingBone(), lambda imaging: Bringing())
-    session.latest = frames[0]
-    wait_for(lambda: watch.frames == 4)
-    over.set()
-    watch.stop()
-    assert looked == [0, 1, 2, 3]
 
 
 def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, tmp_path):
@@ -237,18 +204,6 @@ def test_what_is_found_while_scouting_is_kept_for_the_volume_and_recorded(scan, 
     assert session.finish().frames_inserted == 6
     watch.stop()
     assert len(read_sequence(watch.recorded)) == 6
-
-
-def test_streamed_predictions_belong_to_the_frames_of_their_times(scan):
-    session, bone, watch, queue = scan()
-    for number in range(6):
-        queue.put(shown(number))
-    for number in reversed(range(5)):
-        queue.put(predicted(number))
-    wait_for(lambda: watch.frames == 5)
-    wait_for(lambda: on_plane(bone) > 0.5)
-    assert session.finish().frames_inserted == 6
-    assert session.statistics.other_images == 0
 
 
 def test_a_prediction_without_a_frame_is_counted(scan):
@@ -269,23 +224,21 @@ def test_a_stream_of_what_is_no_probability_is_told_and_the_scan_goes_on(scan):
     assert session.finish().frames_inserted == 3
 
 
-def test_recorded_predictions_can_be_compounded_again(scan, tmp_path):
-    session, _bone, watch, queue = scan(record=tmp_path / "scan-bone.mha")
-    half = [SWEEP.predictions(columns=30, rows=40)[number] for number in range(6)]
+def test_streamed_predictions_belong_to_the_frames_of_their_times_and_can_be_compounded_again(scan, tmp_path):
+    session, bone, watch, queue = scan(record=tmp_path / "scan-bone.mha")
+    half = SWEEP.predictions(columns=30, rows=40)
     for number in range(6):
         queue.put(shown(number))
-    for number in range(5):
+    for number in reversed(range(5)):
         queue.put(predicted(number, half[number]))
-    wait_for(lambda: watch.frames == 5)
-    session.finish()
+    wait_for(lambda: watch.frames == 5 and on_plane(bone) > 0.5)
+    assert session.finish().frames_inserted == 6
+    assert session.statistics.other_images == 0
     watch.stop()
     sequence = type(SWEEP.sequence).from_arrays(SWEEP.images, SWEEP.poses, 1.0 + 0.1 * np.arange(6))
     again = RecordedPredictions(sequence, read_sequence(watch.recorded))
     assert "5 of 6 frames, matched by time" in again.notes()[0]
-    map_of = bone_from_frames(sequence, again, SWEEP.swept, IMAGING).on_grid(GRID).probability
-    points = transform_points(GRID.reference_to_ijk, SWEEP.on_plane(half=2))
-    i, j, k = np.rint(points).astype(int).T
-    assert np.median(map_of[k, j, i]) > 0.5
+    assert of_plane(bone_from_frames(sequence, again, SWEEP.swept, IMAGING).on_grid(GRID)) > 0.5
 
 
 # The stream

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 import SimpleITK as sitk
 from files import COLUMNS, IMAGE_TO_PROBE, ROWS, tracked_sequence
+from live_messages import streamed
 from sweeps import oblique_frames
 
 from AIFReconLib.commands.parser import main
 from AIFReconLib.effective_settings import Imaging
-from AIFReconLib.geometry.volume import Volume, VoxelGrid
+from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.extent import grid_around_sweep
 from AIFReconLib.imaging.region import ImageRegion
 from AIFReconLib.io.plus.configuration import read_plus_configuration
@@ -20,7 +21,10 @@ from AIFReconLib.io.volume.files import read_volume
 from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.replay.server import ReplayServer
 from AIFReconLib.live.session.scouting import ScoutedFrames
-from AIFReconLib.recipe.recipe import ReconstructionSettings
+from AIFReconLib.live.session.session import LiveSession
+from AIFReconLib.live.wire.sources import QueueSource
+from AIFReconLib.recipe.recipe import Recipe
+from AIFReconLib.reconstruction import reconstruct
 
 FRAMES = 10
 GRID = VoxelGrid.from_spacing((-9.0, -8.0, -6.0), (19, 17, 13), 1.0)
@@ -51,86 +55,60 @@ def configuration(tmp_path):
     return write
 
 
-@pytest.fixture
-def scan(tmp_path):
-    """Scans live, and reconstructs the recording with the same options; answers with both sets of volumes."""
-
-    def run(config, *options, where=()):
-        sequence = replace(tracked_sequence(count=FRAMES), configuration=read_plus_configuration(config))
-        server = ReplayServer(sequence, port=0, rate=60.0, loop=True)
-        server.start()
-        record = tmp_path / "scan.mha"
-        options = [str(option) for option in ("--config", config, *options)]
-        try:
-            arguments = ["--port", str(server.port), "--frames", str(FRAMES), "--record", str(record), *where, *options]
-            assert main(["live", *arguments, *outputs("live")]) == 0
-        finally:
-            server.stop()
-        # On the very grid: of a recording that names ImageToReference the configuration's box would not be used
-        placed = ["--image-to-reference", "ImageToReference", "--grid-like", str(tmp_path / "live.nrrd")]
-        assert main(["reconstruct", str(record), *placed, *options, *outputs("offline")]) == 0
-        return tuple({part: read_volume(path(name, part)) for part in ("", "-mask", "-hits")} for name in ("live", "offline"))
-
-    def path(name, part):
-        return tmp_path / f"{name}{part}.nrrd"
-
-    def outputs(name):
-        return [f"--{option}={path(name, part)}" for option, part in (("output", ""), ("mask", "-mask"), ("hits", "-hits"))]
-
-    return run
-
-
-@pytest.fixture
-def like(tmp_path):
-    """The options for a grid that is known before the scan."""
-    Volume(np.zeros(GRID.shape, np.uint8), GRID.ijk_to_reference).write(tmp_path / "like.nrrd")
-    return "--grid-like", str(tmp_path / "like.nrrd")
+def volumes(path, recipe, grid=GRID, scouted=False):
+    """Of a live scan and of the same frames offline."""
+    sequence = replace(tracked_sequence(count=FRAMES), configuration=read_plus_configuration(path))
+    source = QueueSource(limit=1000)
+    for message in streamed(sequence):
+        source.put(message)
+    source.stop()
+    session = LiveSession(source, recipe, grid=None if scouted else grid, configuration=sequence.configuration, longest_delay=None)
+    session.start()
+    assert session.finished.wait(60.0)
+    if scouted:
+        session.use_grid(session.grid_from_scout())
+    live = session.finish()
+    return live, reconstruct(sequence, recipe, grid=live.grid)
 
 
 def same(live, offline):
-    for part in live:
-        np.testing.assert_array_equal(live[part].array, offline[part].array)
+    for part in ("intensity", "mask", "hits"):
+        np.testing.assert_array_equal(getattr(live, part).array, getattr(offline, part).array)
     return live
 
 
-@pytest.mark.parametrize(
-    ("attributes", "holes"),
-    [
-        ('Interpolation="LINEAR" CompoundingMode="MAXIMUM" Optimization="FULL" PixelRejectionThreshold="90"', ""),
-        ('CompoundingMode="LATEST" ClipRectangleOrigin="3 4" ClipRectangleSize="30 20" FillHoles="ON"', STICK),
-        ('Interpolation="LINEAR" CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png"', ""),
-        ('CompoundingMode="MEAN" FillHoles="ON" SkipInterval="2"', BY_HITS),
-    ],
-)
-def test_a_configuration_gives_the_volume_of_the_recording(scan, configuration, like, attributes, holes):
-    of_own = ("--hole-limit", "0")
-    plain = scan(configuration(), *of_own, where=like)[0]
-    configured = same(*scan(configuration(attributes, holes), *of_own, where=like))
-    assert (configured[""].array != plain[""].array).any()
-    assert (configured["-mask"].array == 2).any() == bool(holes)
+WEIGHTS = np.tile(np.linspace(0, 1, COLUMNS, dtype=np.float32), (ROWS, 1))
+MEAN = 'CompoundingMode="MEAN"'
+NO_HOLES = {"hole_limit": 0.0}
+CASES = [
+    ('Interpolation="LINEAR" CompoundingMode="MAXIMUM" Optimization="FULL" PixelRejectionThreshold="90"', "", NO_HOLES),
+    ('CompoundingMode="LATEST" ClipRectangleOrigin="3 4" ClipRectangleSize="30 20" FillHoles="ON"', STICK, NO_HOLES),
+    ('Interpolation="LINEAR" CompoundingMode="IMPORTANCE_MASK" ImportanceMaskFilename="mask.png"', "", NO_HOLES),
+    ('CompoundingMode="MEAN" FillHoles="ON" SkipInterval="2"', BY_HITS, NO_HOLES),
+    (MEAN, "", {"importance_mask": WEIGHTS, "interpolation": "linear"}),
+    (MEAN, "", {"holes": "gaussian", "hole_limit": 2.0, "pixel_rejection": 90.0, "method": "maximum"}),
+    (MEAN, "", {"speed_of_sound": 1400.0}),
+]
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        ("--importance-mask", "mask.png", "--interpolation", "linear"),
-        ("--holes", "gaussian", "--hole-limit", "2", "--pixel-rejection", "90", "--method", "maximum"),
-        ("--speed-of-sound", "1400"),
-    ],
-    ids=" ".join,
-)
-def test_options_give_the_volume_of_the_recording(scan, configuration, like, tmp_path, options):
-    config = configuration('CompoundingMode="MEAN"')
-    plain = scan(config, where=like)[0]
-    asked = same(*scan(config, *(tmp_path / word if word == "mask.png" else word for word in options), where=like))
-    assert (asked[""].array != plain[""].array).any()
+@pytest.mark.parametrize(("attributes", "holes", "options"), CASES)
+def test_what_is_configured_or_asked_for_gives_the_volume_of_the_recording(configuration, attributes, holes, options):
+    plain = same(*volumes(configuration(), Recipe(**NO_HOLES)))
+    asked = same(*volumes(configuration(attributes, holes), Recipe(**options)))
+    assert (asked.intensity.array != plain.intensity.array).any()
+    assert (asked.mask.array == 2).any() == (bool(holes) or options.get("hole_limit") != 0.0)
 
 
-def test_the_box_of_a_configuration_needs_no_scouting(scan, configuration, capsys):
-    live = same(*scan(configuration(BOX)))
-    assert live[""].grid.size == GRID.size
-    np.testing.assert_allclose(live[""].grid.ijk_to_reference, GRID.ijk_to_reference)
-    assert "The box is" not in capsys.readouterr().err
+def test_the_box_of_a_configuration_needs_no_scouting(configuration):
+    live = same(*volumes(configuration(BOX), Recipe(), grid=None))
+    assert live.grid.size == GRID.size
+    np.testing.assert_allclose(live.grid.ijk_to_reference, GRID.ijk_to_reference)
+
+
+def test_a_scouted_box_holds_pixels_that_sound_was_slower_to(configuration):
+    usual, slow = (same(*volumes(configuration(), Recipe(speed_of_sound=speed), scouted=True)) for speed in (1540.0, 2400.0))
+    assert np.prod(slow.grid.size) > np.prod(usual.grid.size)
+    assert slow.hits.array.sum() == usual.hits.array.sum()
 
 
 @pytest.fixture
@@ -159,13 +137,6 @@ def test_a_scan_is_repeated_on_its_recording_and_in_another_scan(served, tmp_pat
     np.testing.assert_array_equal(read_volume(tmp_path / "other.nrrd").ijk_to_reference, once.ijk_to_reference)
 
 
-def test_a_scouted_box_holds_pixels_that_sound_was_slower_to(scan, configuration):
-    scouting = ("--scout-seconds", "0.05")
-    usual, slow = (same(*scan(configuration(), "--speed-of-sound", speed, where=scouting)) for speed in ("1540", "2400"))
-    assert np.prod(slow[""].grid.size) > np.prod(usual[""].grid.size)
-    assert slow["-hits"].array.sum() == usual["-hits"].array.sum()
-
-
 @pytest.mark.parametrize("margin", [0.0, 3.0])
 def test_a_scouted_box_has_the_spacing_along_z_that_fits(margin):
     frames = oblique_frames(count=6)
@@ -174,7 +145,7 @@ def test_a_scouted_box_has_the_spacing_along_z_that_fits(margin):
         scouted.add(LiveFrame(frame.image, frame.image_to_reference, number=frame.number))
     poses = np.stack([frame.image_to_reference for frame in frames])
     offline = grid_around_sweep(poses, (34, 26), ImageRegion(), (1.0, 1.0, 1.0), fits_spacing=True)
-    grid = scouted.grid(Imaging(ImageRegion(), None), ReconstructionSettings(spacing=1.0), 1, margin, fits_spacing=True)
+    grid = scouted.grid(Imaging(ImageRegion(), None), Recipe(spacing=1.0), 1, margin, fits_spacing=True)
     assert offline.spacing[2] > 1.0
     np.testing.assert_array_equal(grid.spacing, offline.spacing)
     more = np.ceil(margin / offline.spacing)

@@ -10,7 +10,7 @@ from sweeps import image_pose
 from AIFReconLib.effective_settings import Imaging
 from AIFReconLib.geometry.volume import VoxelGrid
 from AIFReconLib.imaging.region import ClipRectangle, ImageRegion
-from AIFReconLib.live.pairing.synchronizer import LiveFrame, Synchronizer
+from AIFReconLib.live.pairing.synchronizer import LiveFrame
 from AIFReconLib.live.session.scouting import ScoutedFrames
 from AIFReconLib.live.session.session import LiveSession
 from AIFReconLib.live.wire.sources import QueueSource
@@ -79,30 +79,3 @@ def test_a_scan_with_one_wrong_pose_is_saved_and_says_so_once():
     assert [note.split(":")[0] for note in result.messages if "no hand reaches" in note] == [
         "1 of 61 frames seen while scouting lie where no hand reaches between two frames"
     ]
-
-
-# ---- clocks that count in seconds
-
-
-def note(image_times: list[float], pose_times: list[float]) -> str | None:
-    synchronizer = Synchronizer()
-    for number, (of_image, of_pose) in enumerate(zip(image_times, pose_times, strict=True)):
-        received = number / 20
-        synchronizer.feed(image(of_image, "Image", received=received))
-        for _ in range(2):
-            synchronizer.feed(transform(of_pose, "ProbeToTracker", received=received))
-    return synchronizer.note
-
-
-FRACTIONS = [1_700_000_000 + number / 20 for number in range(100)]
-SECONDS = [time // 1 for time in FRACTIONS]
-
-
-@pytest.mark.parametrize(("images", "poses", "who"), [(SECONDS, FRACTIONS, "images"), (FRACTIONS, SECONDS, "ProbeToTracker")])
-def test_time_stamps_in_whole_seconds_are_told(images, poses, who):
-    assert note(images, poses).startswith(f"The time stamps of {who} are whole seconds")
-
-
-def test_time_stamps_with_fractions_or_none_at_all_are_not_told():
-    assert note(FRACTIONS, FRACTIONS) is None
-    assert note([0.0] * 100, [0.0] * 100) is None

@@ -22,11 +22,19 @@ from AIFReconLib.sweep.poses import sweep_poses
 from AIFReconLib.sweep.time_offset import with_time_offset
 
 IMAGE_TO_PROBE = image_pose(rotation_vector_deg=(3, 4, 5), translation=(6, 7, 8))
-CALIBRATION = {TransformName("Image", "Probe"): TransformSample(IMAGE_TO_PROBE)}
+TO_REFERENCE = np.linalg.inv(REFERENCE_TO_TRACKER)
+TWO_WAYS = "two ways lead from Image to Reference, and disagree"
+NOTHING_SAYS = "nothing says where Image lies in Reference"
+UNCONFIRMED = "pose not confirmed (no transform or status of its tool is sent)"
+UNSEEN = ["OK", "ProbeToTracker MISSING", "OK"]
 
 
-def configuration(**changes):
-    return SimpleNamespace(**{"transforms": CALIBRATION, "image_frame": None, "reference_frame": None, **changes})
+def configuration(source="Probe"):
+    transforms = {TransformName("Image", source): TransformSample(IMAGE_TO_PROBE)}
+    return SimpleNamespace(transforms=transforms, image_frame=None, reference_frame=None)
+
+
+CALIBRATED = {"calibrated": configuration()}
 
 
 def feed(messages, flush=True, calibrated=None, **options):
@@ -35,8 +43,14 @@ def feed(messages, flush=True, calibrated=None, **options):
     return frames + (synchronizer.flush() if flush else [])
 
 
-def statuses(messages, **options):
-    return [frame.status for frame in feed(messages, **options)]
+def seen(time):
+    """Where the probe is, in the tracker."""
+    return transform(time, "").matrix
+
+
+def each(make, *times):
+    """The messages of a frame at each of the times, one by default."""
+    return [message for time in times or (1.0, 2.0) for message in make(time)]
 
 
 def chained(time, probe=True):
@@ -45,148 +59,244 @@ def chained(time, probe=True):
     return [*messages, transform(time, "ProbeToTracker")] if probe else messages
 
 
-# ---- images that bring their pose
+def repeated(time, moved=0.0, probe=True):
+    """One frame of a server that also sends what it computes of the tools."""
+    chain = rigid(translation=(0, 0, moved)) @ TO_REFERENCE @ seen(time)
+    return [*chained(time, probe), *([transform(time, "ProbeToReference", chain)] if probe else [])]
 
 
-def test_an_image_in_reference_gets_the_matrix_that_came_with_it():
-    frame = feed(tracked(1.0))[0]
-    assert frame.status == "OK"
-    np.testing.assert_array_equal(frame.image_to_reference, image_pose(translation=(1, 2, 3)))
+def separate(image_times, pose_times, **options):
+    """Images and poses that come when they were taken."""
+    arrivals = [image(t, "Image_Image") for t in image_times] + [transform(t, "ProbeToReference", **options) for t in pose_times]
+    return sorted(arrivals, key=lambda message: message.received)
 
 
-def test_a_frame_comes_out_as_soon_as_its_last_transform_is_there():
-    synchronizer = Synchronizer()
-    for message in tracked(1.0) + tracked(2.0):
-        synchronizer.feed(message)
-    decided = [len(synchronizer.feed(message)) for message in tracked(3.0)]
-    assert decided == [0, 0, 0, 1]
+def told(**statuses):
+    """An image of version 2 whose metadata tell this of the tools."""
+    return image(1.0, metadata=metadata(**statuses), version=2)
 
 
-def test_the_first_image_waits_for_the_next_so_that_all_its_transforms_are_known():
-    decided = Synchronizer()
-    counts = [len(decided.feed(message)) for message in tracked(1.0) + tracked(2.0)[:1]]
-    assert counts == [0, 0, 0, 0, 1]
+def tools_alone(time):
+    """A frame without the transform of the image itself."""
+    return [message for message in tracked(time, probe=time != 2.0) if message.device != "ImageToReference"]
 
 
-def test_a_frame_keeps_every_transform_of_its_time():
-    frame = feed(tracked(1.0) + tracked(2.0))[1]
-    assert {str(name) for name in frame.record.transforms} == {"ImageToReference", "ProbeToTracker", "ReferenceToTracker"}
-    np.testing.assert_array_equal(frame.record.transforms[TransformName("Probe", "Tracker")].matrix, transform(2.0, "").matrix)
+def beside(*names):
+    """Frames with transforms that say nothing new: the first as it is, others inverted."""
+    return lambda t: [
+        *chained(t),
+        *(transform(t, name, np.linalg.inv(seen(t))) for name in names[1:]),
+        *(transform(t, name) for name in names[:1]),
+    ]
 
 
-def test_in_version_1_a_missing_transform_of_the_same_time_tells_that_the_tool_was_not_seen():
-    assert statuses(tracked(1.0) + tracked(2.0, probe=False) + tracked(3.0)) == ["OK", "ProbeToTracker MISSING", "OK"]
+def stylus(device):
+    """Frames of a server that computes all it can, of which the second lacks a stylus."""
+
+    def frame(time):
+        sent = [transform(time, "StylusToTracker"), transform(time, "StylusToReference", TO_REFERENCE @ seen(time))]
+        return [image(time, device), *repeated(time)[1:], *(sent if time == 1.0 else [])]
+
+    return frame
 
 
-def test_without_any_transform_the_pose_of_an_image_is_not_confirmed():
-    assert all("not confirmed" in status for status in statuses([image(1.0), image(2.0)]))
+def quaternion(name):
+    return lambda t: [image(t, "Image"), replace(transform(t, name), from_quaternion=True)]
 
 
-def test_a_trusted_image_pose_needs_no_transform():
-    assert statuses([image(1.0), image(2.0)], trust_image_pose=True, flush=False) == ["OK", "OK"]
+BOTH_OK, TOOLS_OK = ["OK", "OK"], {"ProbeToTracker": "OK", "ReferenceToTracker": "OK"}
+US = {"UsToTracker": "OK", "ReferenceToTracker": "OK", "StylusToTracker": "INVALID"}
+IDENTITY_1 = [image(1.0), transform(1.0, "ProbeToTracker", np.eye(4)), transform(1.0, "ImageToReference", np.eye(4))]
+IDENTITY_2 = [image(1.0, "Image_Image", version=2), transform(1.0, "ProbeToReference", np.eye(4), version=2)]
+LOST_MESSAGE = [*tracked(1.0, version=2), image(2.0, metadata=metadata(**TOOLS_OK), version=2), *tracked(3.0, version=2)]
+UNSEEN_2 = metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK", StylusToTracker="OK")
+AFTER_INVALID = [
+    transform(1.0, "ProbeToReference", version=2),
+    image(1.01, "Image_Image"),
+    transform(1.02, "ProbeToReference", status=TransformStatus.OUT_OF_VIEW, version=2),
+]
+# At the end of a looped recording the pose jumps from one sample to the next, without a gap in time
+JUMP = [
+    transform(1.0, "ProbeToReference", rigid(translation=(0, 0, 1))),
+    image(1.01, "Image_Image"),
+    transform(1.02, "ProbeToReference", rigid(translation=(0, 80, 1))),
+]
+OTHER_TIME = [
+    *(transform(t, "ProbeToReference") for t in (1.0, 1.02)),
+    image(1.113, "Image_Image", metadata=metadata(**TOOLS_OK), version=2),
+    transform(1.04, "ProbeToReference"),
+]
+
+STATUSES = {
+    # Images that bring their pose
+    "in version 1 a missing transform of the same time tells that the tool was not seen": (
+        [*tracked(1.0), *tracked(2.0, probe=False), *tracked(3.0)],
+        {},
+        UNSEEN,
+    ),
+    "without any transform the pose is not confirmed": ([image(1.0), image(2.0)], {}, [UNCONFIRMED] * 2),
+    "a trusted pose needs no transform": ([image(1.0), image(2.0)], {"trust_image_pose": True, "flush": False}, BOTH_OK),
+    "the tools confirm where the image's own transform is not sent": (each(tools_alone, 1.0, 2.0, 3.0), {}, UNSEEN),
+    "an identity in version 1 is an invalid tool": ([*IDENTITY_1, *tracked(2.0)], {}, ["ImageToReference INVALID", "OK"]),
+    "an identity in version 2 is a pose": (IDENTITY_2, CALIBRATED, ["OK"]),
+    "metadata name the tool that was not seen": (
+        [*tracked(1.0, version=2), image(2.0, metadata=UNSEEN_2, version=2)],
+        {},
+        ["OK", "ProbeToTracker OUT_OF_VIEW"],
+    ),
+    "a tool that does not carry the image may be invalid": ([told(**TOOLS_OK, StylusToTracker="INVALID")], {}, ["OK"]),
+    "where no tool is called probe each one counts": ([told(**US)], {}, ["StylusToTracker INVALID"]),
+    "a configuration tells which tools count": ([told(**US)], {"calibrated": configuration("Us")}, ["OK"]),
+    "a lost message does not hide what metadata confirm": (LOST_MESSAGE, {}, ["OK", "OK", "OK"]),
+    "tools that are sent in two ways confirm a pose": (each(lambda t: [image(t), *repeated(t)[1:]]), {}, BOTH_OK),
+    # What names and quaternions tell
+    "another frame of the tools can be named": (
+        each(lambda t: [image(t, "Image"), transform(t, "Probe")]),
+        {**CALIBRATED, "tracker_frame": "reference"},
+        BOTH_OK,
+    ),
+    "a quaternion places no image, for it holds no size of a pixel": (each(quaternion("ImageToReference")), {}, [NOTHING_SAYS] * 2),
+    "nor does its inverse": (each(quaternion("ReferenceToImage")), {}, [NOTHING_SAYS] * 2),
+    "a transform that is called as the image is no tool": (each(lambda t: [*chained(t), transform(t, "Image")]), CALIBRATED, BOTH_OK),
+    # Images that are placed by a chain
+    "a chain with a tool that was not seen is no pose": (
+        [*chained(1.0), *chained(2.0, probe=False), *chained(3.0)],
+        CALIBRATED,
+        UNSEEN,
+    ),
+    "ways that agree are one": (each(repeated), CALIBRATED, BOTH_OK),
+    "ways that disagree are not chosen from": (repeated(1.0, moved=3.0), CALIBRATED, [TWO_WAYS]),
+    "a chain that is spelled out chooses between ways": (
+        repeated(1.0, moved=3.0),
+        {**CALIBRATED, "image_to_reference": "ImageToProbe,ProbeToReference"},
+        ["OK"],
+    ),
+    "a tool that was not seen is named among ways that agree": (
+        [*repeated(1.0), *repeated(2.0, probe=False), *repeated(3.0)],
+        CALIBRATED,
+        UNSEEN,
+    ),
+    "a stylus that is not seen costs no frame": (each(stylus("Image_Reference")), CALIBRATED, BOTH_OK),
+    "nor one beside a bare image": (each(stylus("Image")), CALIBRATED, BOTH_OK),
+    "a transform to itself says nothing new": (each(beside("StylusToStylus")), CALIBRATED, BOTH_OK),
+    "a tool that is sent both ways says nothing new": (each(beside("StylusToTracker", "TrackerToStylus")), CALIBRATED, BOTH_OK),
+    "nor does the probe both ways": (each(beside("ProbeToTracker", "TrackerToProbe")), CALIBRATED, BOTH_OK),
+    "images are not stacked in one plane": (each(chained), {**CALIBRATED, "reference": "Probe"}, ["Image is fixed to Probe"] * 2),
+    "without calibration there is no way": (chained(1.0), {}, [NOTHING_SAYS]),
+    # Separate streams of images and poses
+    "metadata of another time are no second way": (OTHER_TIME, {**CALIBRATED, "time_offset": -0.1}, ["OK"]),
+    "poses that lie too far apart are stale": (separate([1.2], [1.0, 1.4]), CALIBRATED, ["ProbeToReference stale"]),
+    "a tracker that falls silent leaves images without a pose": (
+        [*separate([1.01, 1.5, 1.6], [1.0, 1.02]), image(2.0, "Image_Image")],
+        CALIBRATED,
+        ["OK", *["ProbeToReference stale"] * 3],
+    ),
+    "an image before the first pose has none": (separate([0.9], [1.0, 1.02]), CALIBRATED, ["ProbeToReference MISSING"]),
+    "between an invalid and a valid pose there is none": (AFTER_INVALID, CALIBRATED, ["ProbeToReference OUT_OF_VIEW"]),
+    "nothing is interpolated across a jump": (JUMP, CALIBRATED, ["ProbeToReference jumps"]),
+    "a jump costs no frame of a paired stream": ([*tracked(1.0), *tracked(1.05, pose=image_pose(translation=(500, 0, 0)))], {}, BOTH_OK),
+    "a pose that happens to have an image's time does not make a paired stream": (
+        separate([1.0, 1.05, 1.113], [1.0, 1.01, 1.02, 1.03, 1.04, 1.05, 1.06, 1.1, 1.12]),
+        CALIBRATED,
+        ["OK", "OK", "OK"],
+    ),
+}
 
 
-def test_the_tools_confirm_where_the_transform_of_the_image_is_not_sent():
-    messages = [message for t in (1.0, 2.0, 3.0) for message in tracked(t, probe=t != 2.0) if message.device != "ImageToReference"]
-    assert statuses(messages) == ["OK", "ProbeToTracker MISSING", "OK"]
+@pytest.mark.parametrize(("messages", "options", "expected"), STATUSES.values(), ids=STATUSES)
+def test_a_frame_has_the_status_that_its_messages_tell(messages, options, expected):
+    assert [frame.status for frame in feed(messages, **options)] == expected
 
 
-def test_an_identity_in_version_1_is_an_invalid_tool():
-    messages = [image(1.0), transform(1.0, "ProbeToTracker", np.eye(4)), transform(1.0, "ImageToReference", np.eye(4))]
-    assert statuses([*messages, *tracked(2.0)]) == ["ImageToReference INVALID", "OK"]
+def named_twice(first):
+    """A tool under its name alone and under a whole name, in either order."""
+
+    def frame(t):
+        both = [transform(t, "Probe", rigid((0, 0, 0), (99, 0, 0))), transform(t, "ProbeToTracker")]
+        return [image(t, "Image"), *(both if first else both[::-1])]
+
+    return frame
 
 
-def test_an_identity_in_version_2_is_a_pose():
-    messages = [image(1.0, "Image_Image", version=2), transform(1.0, "ProbeToReference", np.eye(4), version=2)]
-    assert statuses(messages, calibrated=configuration()) == ["OK"]
+def turned_too(t):
+    turned = replace(transform(t, "ProbeToTracker", rigid((0, 0, 0), (99, 0, 0))), from_quaternion=True)
+    return [image(t, "Image"), transform(t, "ProbeToTracker"), turned]
 
 
-def test_metadata_of_version_2_name_the_tool_that_was_not_seen():
-    told = metadata(ProbeToTracker="OUT_OF_VIEW", ReferenceToTracker="OK", StylusToTracker="OK")
-    assert statuses([*tracked(1.0, version=2), image(2.0, metadata=told, version=2)]) == ["OK", "ProbeToTracker OUT_OF_VIEW"]
+IN_PROBE = [image(1.0, "Image_Probe", pose=IMAGE_TO_PROBE), transform(1.0, "ProbeToReference", rigid((1, 2, 3), (4, 5, 6)))]
+NAMED_ALONE = [*chained(1.0), transform(1.0, "ProbeToReference"), transform(1.0, "ImageToTracker", image_pose())]
+IN_TRACKER, OF_TRACKER = {**CALIBRATED, "reference": "Tracker"}, seen(2.0) @ IMAGE_TO_PROBE
+BETWEEN = [1.0, 1.02, 1.04]
+POSES = {
+    "the matrix that came with it": (tracked(1.0), {}, image_pose(translation=(1, 2, 3))),
+    "led on to the reference": (IN_PROBE, {}, rigid((1, 2, 3), (4, 5, 6)) @ IMAGE_TO_PROBE),
+    "a tool's name alone leads to the tracker": (
+        each(lambda t: [image(t, "Image"), transform(t, "Probe")]),
+        IN_TRACKER,
+        OF_TRACKER,
+    ),
+    "a whole name goes before a tool's name alone": (each(named_twice(True)), IN_TRACKER, OF_TRACKER),
+    "whichever comes first": (each(named_twice(False)), IN_TRACKER, OF_TRACKER),
+    "a whole matrix goes before a quaternion": (each(turned_too), IN_TRACKER, OF_TRACKER),
+    "by calibration and tools": (chained(1.0), CALIBRATED, TO_REFERENCE @ seen(1.0) @ IMAGE_TO_PROBE),
+    "a chain that is spelled out goes before the pose of the image": (
+        [image(1.0), *repeated(1.0)[1:]],
+        {**CALIBRATED, "image_to_reference": "ImageToProbe,ProbeToTracker,ReferenceToTracker"},
+        TO_REFERENCE @ seen(1.0) @ IMAGE_TO_PROBE,
+    ),
+    "metadata alone": ([image(1.0, "Image_Image", metadata=metadata(**TOOLS_OK), version=2)], CALIBRATED, IMAGE_TO_PROBE),
+    "a named transform alone": (NAMED_ALONE, {**CALIBRATED, "image_to_reference": "ImageToTracker"}, image_pose()),
+    "interpolated": (separate([1.013], BETWEEN), CALIBRATED, interpolate_pose(seen(1.0), seen(1.02), 0.65) @ IMAGE_TO_PROBE),
+    "at an offset": (
+        separate([1.113], BETWEEN),
+        {**CALIBRATED, "time_offset": -0.1},
+        interpolate_pose(seen(1.0), seen(1.02), 0.65) @ IMAGE_TO_PROBE,
+    ),
+}
 
 
-def test_a_tool_that_does_not_carry_the_image_may_be_invalid():
-    told = metadata(ProbeToTracker="OK", ReferenceToTracker="OK", StylusToTracker="INVALID")
-    assert statuses([image(1.0, metadata=told, version=2)]) == ["OK"]
-
-
-def test_where_no_tool_is_called_probe_each_one_counts():
-    told = metadata(UsToTracker="OK", ReferenceToTracker="OK", StylusToTracker="INVALID")
-    assert statuses([image(1.0, metadata=told, version=2)]) == ["StylusToTracker INVALID"]
-
-
-def test_a_configuration_tells_which_tools_count():
-    told = metadata(UsToTracker="OK", ReferenceToTracker="OK", StylusToTracker="INVALID")
-    calibrated = configuration(transforms={TransformName("Image", "Us"): TransformSample(IMAGE_TO_PROBE)})
-    assert statuses([image(1.0, metadata=told, version=2)], calibrated=calibrated) == ["OK"]
-
-
-def test_a_lost_transform_message_does_not_hide_what_the_metadata_confirm():
-    told = metadata(ProbeToTracker="OK", ReferenceToTracker="OK")
-    messages = [*tracked(1.0, version=2), image(2.0, metadata=told, version=2), *tracked(3.0, version=2)]
-    assert statuses(messages) == ["OK", "OK", "OK"]
+@pytest.mark.parametrize(("messages", "options", "expected"), POSES.values(), ids=POSES)
+def test_an_image_lies_where_its_messages_put_it(messages, options, expected):
+    np.testing.assert_allclose(feed(messages, **options)[-1].image_to_reference, expected, atol=1e-6)
 
 
 @pytest.mark.parametrize("bad", [np.full((4, 4), np.nan), np.full((4, 4), np.inf), np.zeros((4, 4))])
 def test_an_image_with_an_impossible_matrix_has_no_pose(bad):
     frame = feed(tracked(1.0, pose=bad))[0]
-    assert frame.status.startswith("ImageToReference ") or frame.status.startswith("image pose")
+    assert frame.status.startswith(("ImageToReference ", "image pose"))
     assert frame.image_to_reference is None
 
 
-def test_an_image_in_another_frame_is_led_on_to_the_reference():
-    messages = [image(1.0, "Image_Probe", pose=IMAGE_TO_PROBE), transform(1.0, "ProbeToReference", rigid((1, 2, 3), (4, 5, 6)))]
-    np.testing.assert_array_equal(feed(messages)[0].image_to_reference, rigid((1, 2, 3), (4, 5, 6)) @ IMAGE_TO_PROBE)
+# ---- what is told of it
+
+MOVING = each(lambda t: [image(t, "Image"), transform(t, "ProbeToTracker"), transform(t, "ImageToProbe", IMAGE_TO_PROBE)])
 
 
-# ---- what names and quaternions tell
+@pytest.mark.parametrize(
+    ("messages", "options", "says", "advised"),
+    [
+        (chained(1.0), {}, "Nothing says where Image lies in Reference", ("config",)),
+        (repeated(1.0, moved=3.0), CALIBRATED, "Two paths lead from Image to Reference", None),
+        (each(chained), {**CALIBRATED, "reference": "Probe"}, "all images would lie in one plane", None),
+        (MOVING, CALIBRATED, "Tracker", ("reference",)),
+    ],
+    ids=["no calibration", "two ways", "one plane", "another reference"],
+)
+def test_why_no_image_can_be_placed_is_told_in_full(messages, options, says, advised):
+    options = dict(options)
+    synchronizer = Synchronizer(SynchronizerSettings(reference=options.get("reference")), options.get("calibrated"))
+    for message in messages:
+        synchronizer.feed(message)
+    synchronizer.flush()
+    assert says in f"{synchronizer.problem} {synchronizer.problem.details}"
+    assert advised is None or synchronizer.problem.settings == advised
 
 
-def bare(time, name="Probe", matrix=None, **options):
-    return transform(time, name, matrix, **options)
+def names_of(frame):
+    return {str(name) for name in frame.record.transforms}
 
 
-def test_a_tool_s_name_alone_leads_to_the_tracker():
-    messages = [[image(t, "Image"), bare(t)] for t in (1.0, 2.0)]
-    frame = feed([m for group in messages for m in group], calibrated=configuration(), reference="Tracker")[1]
-    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
-
-
-def test_another_frame_of_the_tools_can_be_named():
-    messages = [[image(t, "Image"), bare(t)] for t in (1.0, 2.0)]
-    options = {"calibrated": configuration(), "tracker_frame": "reference"}
-    assert statuses([m for group in messages for m in group], **options) == ["OK", "OK"]
-
-
-@pytest.mark.parametrize("first", [True, False])
-def test_a_whole_name_goes_before_a_tool_s_name_alone(first):
-    messages = []
-    for t in (1.0, 2.0):
-        both = [bare(t, matrix=rigid((0, 0, 0), (99, 0, 0))), transform(t, "ProbeToTracker")]
-        messages += [image(t, "Image"), *(both if first else both[::-1])]
-    frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
-    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
-
-
-def test_a_whole_matrix_goes_before_a_quaternion():
-    messages = []
-    for t in (1.0, 2.0):
-        turned = replace(transform(t, "ProbeToTracker", rigid((0, 0, 0), (99, 0, 0))), from_quaternion=True)
-        messages += [image(t, "Image"), transform(t, "ProbeToTracker"), turned]
-    frame = feed(messages, calibrated=configuration(), reference="Tracker")[1]
-    np.testing.assert_array_equal(frame.image_to_reference, transform(2.0, "").matrix @ IMAGE_TO_PROBE)
-
-
-@pytest.mark.parametrize("name", ["ImageToReference", "ReferenceToImage"])
-def test_a_quaternion_does_not_place_an_image_for_it_holds_no_size_of_a_pixel(name):
-    messages = [[image(t, "Image"), replace(transform(t, name), from_quaternion=True)] for t in (1.0, 2.0)]
-    assert set(statuses([m for group in messages for m in group])) == {"nothing says where Image lies in Reference"}
-
-
-def test_a_transform_that_is_called_as_the_image_is_no_tool():
-    messages = [[*chained(t), bare(t, "Image")] for t in (1.0, 2.0)]
-    assert statuses([m for group in messages for m in group], calibrated=configuration()) == ["OK", "OK"]
+ALL_NAMES = {"ImageToReference", "ProbeToTracker", "ReferenceToTracker"}
 
 
 @pytest.mark.parametrize(
@@ -201,247 +311,64 @@ def test_a_transform_that_is_called_as_the_image_is_no_tool():
         "A" * 300 + "ToTracker",
     ],
 )
-def test_a_name_that_no_recording_can_hold_is_not_used(name):
-    messages = [[*tracked(t), transform(t, name)] for t in (1.0, 2.0)]
-    frames = feed([m for group in messages for m in group])
-    assert {str(name) for frame in frames for name in frame.record.transforms} == {
-        "ImageToReference",
-        "ProbeToTracker",
-        "ReferenceToTracker",
-    }
-
-
-def test_a_name_that_no_recording_can_hold_is_not_taken_from_metadata():
-    told = metadata(ProbeToTracker="OK", **{"Pro\nbe = ToTracker": "OK"})
-    frame = feed([image(1.0, metadata=told, version=2)])[0]
-    assert [str(name) for name in frame.record.transforms] == ["ProbeToTracker", "ImageToReference"]
-
-
-# ---- images that are placed by a chain
-
-
-def test_a_bare_image_is_placed_by_calibration_and_tools():
-    frame = feed(chained(1.0), calibrated=configuration())[0]
-    np.testing.assert_allclose(
-        frame.image_to_reference, np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(1.0, "").matrix @ IMAGE_TO_PROBE, atol=1e-9
-    )
-
-
-def test_a_chain_with_a_tool_that_was_not_seen_is_no_pose():
-    messages = chained(1.0) + chained(2.0, probe=False) + chained(3.0)
-    assert statuses(messages, calibrated=configuration()) == ["OK", "ProbeToTracker MISSING", "OK"]
-
-
-def test_without_calibration_the_missing_link_is_named():
-    synchronizer = Synchronizer()
-    for message in chained(1.0):
-        synchronizer.feed(message)
-    assert [frame.status for frame in synchronizer.flush()] == ["nothing says where Image lies in Reference"]
-    assert synchronizer.problem.settings == ("config",)
-
-
-def repeated(time, moved=0.0, **options):
-    """One frame of a server that also sends what it computes of the tools."""
-    chain = rigid(translation=(0, 0, moved)) @ np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(time, "").matrix
-    return [*chained(time, **options), *([transform(time, "ProbeToReference", chain)] if options.get("probe", True) else [])]
-
-
-def test_ways_to_the_reference_that_agree_are_one():
-    assert statuses([*repeated(1.0), *repeated(2.0)], calibrated=configuration()) == ["OK", "OK"]
-
-
-def test_ways_to_the_reference_that_disagree_are_not_chosen_from():
-    synchronizer = Synchronizer(SynchronizerSettings(), configuration())
-    frames = [frame for message in repeated(1.0, moved=3.0) for frame in synchronizer.feed(message)] + synchronizer.flush()
-    assert [frame.status for frame in frames] == ["two ways lead from Image to Reference, and disagree"]
-    assert "Two paths lead from Image to Reference" in synchronizer.problem
-
-
-def test_a_chain_that_is_spelled_out_chooses_between_ways():
-    calibrated, chain = configuration(), "ImageToProbe,ProbeToReference"
-    assert statuses(repeated(1.0, moved=3.0), calibrated=calibrated, image_to_reference=chain) == ["OK"]
-
-
-def test_a_chain_that_is_spelled_out_goes_before_the_pose_that_an_image_brings():
-    messages = [image(1.0), *repeated(1.0)[1:]]
-    frame = feed(messages, calibrated=configuration(), image_to_reference="ImageToProbe,ProbeToTracker,ReferenceToTracker")[0]
-    expected = np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(1.0, "").matrix @ IMAGE_TO_PROBE
-    np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-9)
-
-
-def test_a_tool_that_was_not_seen_is_named_among_ways_that_agree():
-    messages = [*repeated(1.0), *repeated(2.0, probe=False), *repeated(3.0)]
-    assert statuses(messages, calibrated=configuration()) == ["OK", "ProbeToTracker MISSING", "OK"]
-
-
-@pytest.mark.parametrize("device", ["Image_Reference", "Image"])
-def test_a_stylus_that_is_not_seen_costs_no_frame_whatever_is_sent_of_it(device):
-    messages = []
-    for t, seen in ((1.0, True), (2.0, False)):
-        stylus = [
-            transform(t, "StylusToTracker"),
-            transform(t, "StylusToReference", np.linalg.inv(REFERENCE_TO_TRACKER) @ transform(t, "").matrix),
-        ]
-        messages += [image(t, device), *repeated(t)[1:], *(stylus if seen else [])]
-    assert statuses(messages, calibrated=configuration()) == ["OK", "OK"]
-
-
-def test_tools_that_are_sent_in_two_ways_confirm_the_pose_of_an_image():
-    messages = [[image(t), *repeated(t)[1:]] for t in (1.0, 2.0)]
-    assert statuses([message for group in messages for message in group]) == ["OK", "OK"]
-
-
-@pytest.mark.parametrize(
-    "beside",
-    [["StylusToStylus"], ["StylusToTracker", "TrackerToStylus"], ["ProbeToTracker", "TrackerToProbe"]],
-    ids=lambda names: names[-1],
-)
-def test_transforms_that_say_nothing_new_cost_no_frame(beside):
-    messages = [[*chained(t), *(transform(t, name, np.linalg.inv(transform(t, "").matrix)) for name in beside[1:])] for t in (1.0, 2.0)]
-    messages = [[*group, *(transform(t, name) for name in beside[:1])] for t, group in zip((1.0, 2.0), messages, strict=True)]
-    assert statuses([message for group in messages for message in group], calibrated=configuration()) == ["OK", "OK"]
-
-
-def test_where_no_pose_takes_part_the_images_are_not_stacked_in_one_plane():
-    synchronizer = Synchronizer(SynchronizerSettings(reference="Probe"), configuration())
-    frames = [frame for time in (1.0, 2.0) for message in chained(time) for frame in synchronizer.feed(message)] + synchronizer.flush()
-    assert {frame.status for frame in frames} == {"Image is fixed to Probe"}
-    assert "all images would lie in one plane" in synchronizer.problem
-
-
-def test_a_frame_that_moves_is_advised_for_one_that_is_not_sent():
-    synchronizer = Synchronizer(SynchronizerSettings(), configuration())
-    for time in (1.0, 2.0):
-        for message in (image(time, "Image"), transform(time, "ProbeToTracker"), transform(time, "ImageToProbe", IMAGE_TO_PROBE)):
-            synchronizer.feed(message)
-    synchronizer.flush()
-    assert (synchronizer.problem.settings, synchronizer.problem.details) == (("reference",), {"frames": "Tracker"})
-
-
-def test_metadata_alone_can_place_a_bare_image():
-    told = metadata(ProbeToTracker="OK", ReferenceToTracker="OK")
-    frame = feed([image(1.0, "Image_Image", metadata=told, version=2)], calibrated=configuration())[0]
-    np.testing.assert_allclose(frame.image_to_reference, IMAGE_TO_PROBE, atol=1e-12)
-
-
-def test_a_named_transform_places_the_image_alone():
-    messages = [*chained(1.0), transform(1.0, "ProbeToReference"), transform(1.0, "ImageToTracker", image_pose())]
-    frame = feed(messages, calibrated=configuration(), image_to_reference="ImageToTracker")[-1]
-    np.testing.assert_array_equal(frame.image_to_reference, image_pose())
-
-
-# ---- separate streams of images and poses
-
-
-def separate(image_times, pose_times, **options):
-    arrivals = [image(t, "Image_Image") for t in image_times] + [transform(t, "ProbeToReference", **options) for t in pose_times]
-    return sorted(arrivals, key=lambda message: message.received)
-
-
-def test_poses_are_interpolated_at_the_time_of_the_image():
-    frame = feed(separate([1.013], [1.0, 1.02, 1.04]), calibrated=configuration())[0]
-    expected = interpolate_pose(transform(1.0, "").matrix, transform(1.02, "").matrix, 0.013 / 0.02) @ IMAGE_TO_PROBE
-    np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-9)
-
-
-def test_an_image_waits_for_the_pose_behind_it():
-    synchronizer = Synchronizer(SynchronizerSettings(), configuration())
-    decided = [len(synchronizer.feed(message)) for message in separate([1.001, 1.033], [1.0, 1.02, 1.04])]
-    assert decided == [0, 0, 0, 1, 1]
-
-
-def test_a_time_offset_is_added_to_the_times_of_the_images():
-    frame = feed(separate([1.113], [1.0, 1.02, 1.04]), calibrated=configuration(), time_offset=-0.1)[0]
-    expected = interpolate_pose(transform(1.0, "").matrix, transform(1.02, "").matrix, 0.65) @ IMAGE_TO_PROBE
-    np.testing.assert_allclose(frame.image_to_reference, expected, atol=1e-6)
-
-
-def test_what_metadata_tell_at_another_time_is_no_second_way_beside_what_was_sent():
-    told = metadata(ProbeToTracker="OK", ReferenceToTracker="OK")
-    messages = [transform(t, "ProbeToReference") for t in (1.0, 1.02, 1.04)]
-    messages.insert(2, image(1.113, "Image_Image", metadata=told, version=2))
-    assert statuses(messages, calibrated=configuration(), time_offset=-0.1) == ["OK"]
-
-
-def test_poses_that_lie_too_far_apart_are_stale():
-    assert statuses(separate([1.2], [1.0, 1.4]), calibrated=configuration()) == ["ProbeToReference stale"]
-
-
-def test_a_tracker_that_falls_silent_leaves_images_without_a_pose():
-    messages = [*separate([1.01, 1.5, 1.6], [1.0, 1.02]), image(2.0, "Image_Image")]
-    assert statuses(messages, calibrated=configuration()) == ["OK", *["ProbeToReference stale"] * 3]
-
-
-def test_an_image_before_the_first_pose_has_none():
-    assert statuses(separate([0.9], [1.0, 1.02]), calibrated=configuration()) == ["ProbeToReference MISSING"]
-
-
-def test_between_an_invalid_and_a_valid_pose_there_is_none():
-    messages = [
-        transform(1.0, "ProbeToReference", version=2),
-        image(1.01, "Image_Image"),
-        transform(1.02, "ProbeToReference", status=TransformStatus.OUT_OF_VIEW, version=2),
-    ]
-    assert statuses(messages, calibrated=configuration()) == ["ProbeToReference OUT_OF_VIEW"]
-
-
-def test_nothing_is_interpolated_across_a_jump():
-    """At the end of a looped recording the pose jumps from one sample to the next, without a gap in time."""
-    messages = [
-        transform(1.0, "ProbeToReference", rigid(translation=(0, 0, 1))),
-        image(1.01, "Image_Image"),
-        transform(1.02, "ProbeToReference", rigid(translation=(0, 80, 1))),
-    ]
-    assert statuses(messages, calibrated=configuration()) == ["ProbeToReference jumps"]
-
-
-def test_a_jump_at_a_loop_costs_no_frame_of_a_paired_stream():
-    first, second = tracked(1.0), tracked(1.05, pose=image_pose(translation=(500, 0, 0)))
-    frames = feed(first + second)
-    assert [frame.status for frame in frames] == ["OK", "OK"]
-    assert frames[1].image_to_reference[0, 3] == 500
-
-
-def test_a_pose_that_happens_to_have_an_images_time_does_not_make_the_stream_a_paired_one():
-    messages = separate([1.0, 1.05, 1.113], [1.0, 1.01, 1.02, 1.03, 1.04, 1.05, 1.06, 1.1, 1.12])
-    assert statuses(messages, calibrated=configuration()) == ["OK", "OK", "OK"]
+def test_a_frame_keeps_every_transform_of_its_time_but_names_that_no_recording_can_hold(name):
+    last = feed(each(lambda t: [*tracked(t), transform(t, name)]))[1]
+    assert names_of(last) == ALL_NAMES
+    np.testing.assert_array_equal(last.record.transforms[TransformName("Probe", "Tracker")].matrix, seen(2.0))
+    of_metadata = feed([image(1.0, metadata=metadata(ProbeToTracker="OK", **{name: "OK"}), version=2)])[0]
+    assert names_of(of_metadata) == ALL_NAMES - {"ReferenceToTracker"}
 
 
 # ---- time, waiting and the connection
 
 
+@pytest.mark.parametrize(
+    ("messages", "options", "counts"),
+    [
+        # The first image waits for the next, so that all its transforms are known; others for their last transform
+        ([*tracked(1.0), *tracked(2.0), *tracked(3.0)], None, [0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1]),
+        (separate([1.001, 1.033], BETWEEN), configuration(), [0, 0, 0, 1, 1]),
+    ],
+    ids=["paired", "separate"],
+)
+def test_a_frame_comes_out_as_soon_as_what_it_needs_is_there(messages, options, counts):
+    synchronizer = Synchronizer(SynchronizerSettings(), options)
+    assert [len(synchronizer.feed(message)) for message in messages] == counts
+
+
 def test_an_image_is_given_up_after_the_patience():
     synchronizer = Synchronizer(SynchronizerSettings(patience=0.25))
-    for message in tracked(1.0):
+    for message in [*tracked(1.0), image(2.0)]:
         synchronizer.feed(message)
-    synchronizer.feed(image(2.0))
     assert synchronizer.deadline == 2.25
     assert synchronizer.expire(2.24) == []
     assert [frame.status for frame in synchronizer.expire(2.25)] == ["ProbeToTracker MISSING"]
 
 
 def test_frames_come_out_in_the_order_of_their_images():
-    messages = tracked(1.0) + tracked(2.0, probe=False) + tracked(2.05)
-    assert [frame.timestamp for frame in feed(messages)] == [1.0, 2.0, 2.05]
-    assert [frame.number for frame in feed(messages)] == [0, 1, 2]
+    frames = feed(tracked(1.0) + tracked(2.0, probe=False) + tracked(2.05))
+    assert [(frame.number, frame.timestamp) for frame in frames] == [(0, 1.0), (1, 2.0), (2, 2.05)]
 
 
 def test_old_frames_in_a_burst_get_the_poses_of_their_own_time():
-    burst = [message for n in range(40) for message in tracked(1.0 + n / 20, received=3.0, probe=n % 7 != 3)]
-    frames = feed(burst)
+    frames = feed([message for n in range(40) for message in tracked(1.0 + n / 20, received=3.0, probe=n % 7 != 3)])
     assert [frame.status == "OK" for frame in frames] == [n % 7 != 3 for n in range(40)]
     assert all(frame.image_to_reference[0, 3] == frame.timestamp for frame in frames if frame.status == "OK")
 
 
-def test_images_that_wait_are_bounded():
+def test_images_that_wait_and_transforms_of_ever_new_names_are_bounded():
     synchronizer = Synchronizer(SynchronizerSettings(patience=60.0))
     decided = [frame for n in range(1000) for frame in synchronizer.feed(image(1.0 + n / 100))]
     assert len(decided) >= 1000 - 129
+    for number in range(3 * MOST_TRANSFORMS):
+        synchronizer.feed(transform(1.0, f"Tool{number}ToTracker"))
+    synchronizer.feed(image(99.0))
+    assert len(synchronizer.flush()[-1].record.transforms) <= MOST_TRANSFORMS + 1
 
 
 def test_a_recording_that_starts_over_with_its_old_times_uses_no_pose_of_the_first_round():
-    again = [image(1.0), image(2.0)]
-    assert [frame.status == "OK" for frame in feed(tracked(1.0) + tracked(2.0) + again)] == [True, True, False, False]
+    frames = feed([*tracked(1.0), *tracked(2.0), image(1.0), image(2.0)])
+    assert [frame.status == "OK" for frame in frames] == [True, True, False, False]
 
 
 def test_images_sent_again_after_a_reconnection_are_not_taken_twice():
@@ -458,29 +385,33 @@ def test_a_server_that_stamps_nothing_is_taken_by_time_of_arrival():
     for n in range(20):
         messages.append(transform(0.0, "ProbeToReference", rigid(translation=(n, 0, 1)), received=5 + 0.04 * n))
         messages.append(image(0.0, "Image_Image", received=5 + 0.04 * n + 0.02))
-    frames = feed(messages, calibrated=configuration())[5:-1]
+    frames = feed(messages, **CALIBRATED)[5:-1]
     positions = [float(frame.image_to_reference[0, 3] - IMAGE_TO_PROBE[0, 3]) for frame in frames]
     np.testing.assert_allclose(positions, np.arange(5, 19) + 0.5, atol=1e-6)
 
 
-def test_the_first_image_device_is_taken_and_others_are_counted():
-    synchronizer = Synchronizer(SynchronizerSettings(trust_image_pose=True))
-    frames = [f for m in (image(1.0), image(1.0, "Other_Reference"), image(2.0)) for f in synchronizer.feed(m)]
-    assert len(frames) == 2
-    assert synchronizer.other_images == 1
-
-
-def test_the_image_device_can_be_chosen():
-    synchronizer = Synchronizer(SynchronizerSettings(trust_image_pose=True, image_device="Other_Reference"))
+@pytest.mark.parametrize(("device", "times", "others"), [(None, [1.0, 2.0], 1), ("Other_Reference", [1.5], 2)])
+def test_the_first_image_device_is_taken_or_the_one_that_was_chosen_and_others_are_counted(device, times, others):
+    synchronizer = Synchronizer(SynchronizerSettings(trust_image_pose=True, image_device=device))
     frames = [f for m in (image(1.0), image(1.5, "Other_Reference"), image(2.0)) for f in synchronizer.feed(m)]
-    assert [frame.timestamp for frame in frames] == [1.5]
+    assert ([frame.timestamp for frame in frames], synchronizer.other_images) == (times, others)
 
 
-def test_transforms_of_ever_new_names_do_not_fill_the_memory():
+FRACTIONS = [1_700_000_000 + number / 20 for number in range(100)]
+SECONDS, NONE = [time // 1 for time in FRACTIONS], [0.0] * 100
+
+
+@pytest.mark.parametrize(
+    ("images", "poses", "who"),
+    [(SECONDS, FRACTIONS, "images"), (FRACTIONS, SECONDS, "ProbeToTracker"), (FRACTIONS, FRACTIONS, None), (NONE, NONE, None)],
+)
+def test_time_stamps_in_whole_seconds_are_told_but_not_those_with_fractions_or_none_at_all(images, poses, who):
     synchronizer = Synchronizer()
-    for number in range(3 * MOST_TRANSFORMS):
-        synchronizer.feed(transform(1.0, f"Tool{number}ToTracker"))
-    assert len(synchronizer._histories) == MOST_TRANSFORMS
+    for number, (of_image, of_pose) in enumerate(zip(images, poses, strict=True)):
+        for message in (image(of_image, "Image"), *[transform(of_pose, "ProbeToTracker")] * 2):
+            synchronizer.feed(replace(message, received=number / 20))
+    says = synchronizer.note
+    assert says is None if who is None else says.startswith(f"The time stamps of {who} are whole seconds")
 
 
 @pytest.mark.parametrize("name", ["longest_gap", "patience", "time_offset"])
@@ -491,23 +422,22 @@ def test_impossible_times_are_refused(name):
 
 @given(st.permutations(range(4)), st.lists(st.booleans(), min_size=1, max_size=12), st.floats(0.0, 3.0))
 @settings(max_examples=60, deadline=None)
-def test_no_image_without_its_tool_is_ever_usable(order, seen, delay):
+def test_no_image_without_its_tool_is_ever_usable(order, visible, delay):
     """Whatever the order within a frame, the arrival and the frames in which the probe is seen."""
     messages = []
-    for n, visible in enumerate(seen):
-        frame = tracked(1.0 + 0.05 * n, probe=visible, received=4.0 + delay * n)
+    for n, probe in enumerate(visible):
+        frame = tracked(1.0 + 0.05 * n, probe=probe, received=4.0 + delay * n)
         messages += [frame[place] for place in order if place < len(frame)]
     frames = feed(messages)
-    assert [frame.timestamp for frame in frames] == [1.0 + 0.05 * n for n in range(len(seen))]
-    assert [frame.status == "OK" for frame in frames] == seen
+    assert [frame.timestamp for frame in frames] == [1.0 + 0.05 * n for n in range(len(visible))]
+    assert [frame.status == "OK" for frame in frames] == visible
 
 
 def test_a_time_offset_means_what_it_means_offline():
     times = np.arange(1.0, 2.0, 0.05)
-    messages = [m for t in times for m in (image(t, "Image_Image"), transform(t, "ProbeToReference"))]
-    live = feed(messages, calibrated=configuration(), time_offset=0.02)
+    live = feed(separate(times, times), **CALIBRATED, time_offset=0.02)
     name = TransformName("Probe", "Reference")
-    records = [FrameRecord(t, transforms={name: TransformSample(transform(t, "").matrix)}) for t in times]
+    records = [FrameRecord(t, transforms={name: TransformSample(seen(t))}) for t in times]
     sequence = TrackedSequence(np.zeros((len(times), 3, 4), np.uint8), records, configuration=configuration())
     offline = sweep_poses(with_time_offset(sequence, 0.02)).image_to_reference
     for number in range(2, len(times) - 2):

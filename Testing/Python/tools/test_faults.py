@@ -15,10 +15,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the faults are 
 @pytest.mark.parametrize(
     "words",
     [
-        ["kill -9: live recording l.mhd", "kill -9: write plain.mhd", "kill -9: aifrecon convert"],
-        ["cannot be written", "disk full", "folder vanishes"],
-        ["changes while read: v.mhd", "changes while read: p.csv"],
-        ["standard error closed, aifrecon convert", "10 open files, aifrecon convert", "SIGTERM: aifrecon convert"],
+        ["kill -9: live recording l.mhd", "kill -9: write plain.mhd"],
         ["kill -9: worker"],
     ],
 )
@@ -35,7 +32,7 @@ import os, signal, sys
 sys.path[:0] = [os.path.dirname(os.getcwd()), os.path.join(os.getcwd(), "Python")]
 from pathlib import Path
 from AIFReconLib.io.disk import workspace
-from faults import changes, kills, ledger, samples
+from faults import kills, ledger, samples
 
 def careless(folder, version):
     # In place, and with a pause: no write of the library does that

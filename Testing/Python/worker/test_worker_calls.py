@@ -62,7 +62,7 @@ def test_a_call_that_cannot_be_sent_or_understood_is_refused_and_kept_objects_st
     with pytest.raises(ModuleNotFoundError, match="known_here_alone"):
         worker.call(module.function)
     assert worker.call("add", counter, 2) == 2
-    assert worker._tasks == {}
+    assert worker.call("all", counter) == [0, 2]
 
 
 def test_what_the_library_logs_there_is_logged_here(worker, caplog):
@@ -107,23 +107,18 @@ def test_who_cancels_does_not_wait_for_work_that_never_reports(worker, error):
     assert time.monotonic() - begun < 3.0
 
 
-def test_two_calls_go_on_at_once_and_each_hears_its_own(worker):
-    slow, quick = worker.begin(tasks.reporting, 0.5), worker.begin(tasks.returned, "quick")
-    assert quick.result() == "quick"
-    assert not slow.is_done
-    assert slow.result() > 5
-    assert slow.latest[1] == "counting"
-
-
-def test_a_call_within_the_progress_of_another_is_answered(worker):
+def test_two_calls_go_on_at_once_each_hears_its_own_and_one_is_answered_within_the_progress_of_another(worker):
     inner = []
 
     def progress(_fraction, step):
         if step == "counting" and not inner:
             inner.append(worker.call(tasks.returned, "inner"))
 
-    assert worker.call(tasks.reporting, 0.3, progress=progress) > 0
-    assert inner == ["inner"]
+    slow = worker.begin(tasks.reporting, 0.5)
+    assert worker.call(tasks.returned, "quick") == "quick"
+    assert not slow.is_done
+    assert slow.result(progress) > 5
+    assert (slow.latest[1], inner) == ("counting", ["inner"])
 
 
 # ---- what is kept
@@ -147,20 +142,17 @@ def test_short_calls_of_a_kept_object_are_made_in_their_order(worker, tmp_path):
     assert worker.call("all", counter) == list(range(500))
 
 
-def test_calls_are_heard_while_a_forgotten_object_ends(worker, tmp_path):
+@pytest.mark.parametrize("forgotten", [True, False])
+def test_kept_objects_finish_when_the_worker_is_closed_and_calls_are_heard_while_a_forgotten_one_does(worker, tmp_path, forgotten):
     file = tmp_path / "end"
-    worker.forget(worker.keep(tasks.Counter, str(file), 1.0))
-    assert worker.call(tasks.returned, 1) == 1
-    assert not file.exists()
+    kept = worker.keep(tasks.Counter, str(file), 1.0)
+    worker.begin(tasks.reporting, 1000.0)
+    if forgotten:
+        worker.forget(kept)
+        assert worker.call(tasks.returned, 1) == 1
+        assert not file.exists()
     worker.close()
     assert file.read_text("utf-8") == "closed at 0"
-
-
-def test_kept_objects_finish_when_the_worker_is_closed(worker, tmp_path):
-    worker.keep(tasks.Counter, str(tmp_path / "end"), 0.5)
-    worker.begin(tasks.reporting, 1000.0)
-    worker.close()
-    assert (tmp_path / "end").read_text("utf-8") == "closed at 0"
 
 
 @pytest.mark.parametrize("wait", [0.0, 0.3])
@@ -169,14 +161,6 @@ def test_what_is_kept_of_a_canceled_call_is_let_go(worker, tmp_path, wait):
     task = worker.begin(tasks.slowly_kept, str(file), 0.15, keep=True)
     time.sleep(wait)
     task.cancel()
-    assert until(file.exists)
-
-
-def test_what_is_kept_is_let_go_when_the_last_report_cancels(worker, tmp_path):
-    file = tmp_path / "end"
-    worker.call(tasks.returned, 0)
-    with pytest.raises(OperationCanceled):
-        worker.keep(tasks.slowly_kept, str(file), 0.1, progress=lambda *_: worker._tasks != {})
     assert until(file.exists)
 
 

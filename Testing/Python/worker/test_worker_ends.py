@@ -63,18 +63,6 @@ def test_a_worker_that_dies_in_a_call_is_one_sentence_and_the_next_call_is_answe
 
 
 @posix
-@pytest.mark.parametrize("busy", [False, True])
-def test_a_worker_that_was_killed_meanwhile_is_started_anew_by_the_next_call(worker, busy):
-    worker.call(tasks.returned, 0)
-    task = worker.begin(tasks.silent, 1000.0) if busy else None
-    kill(worker)
-    assert worker.call(tasks.returned, 1) == 1
-    if task is not None:
-        with pytest.raises(WorkerDiedError):
-            task.result()
-
-
-@posix
 def test_a_worker_that_is_killed_at_any_moment_loses_no_more_than_the_call(worker):
     """Before it has started, while it is sent or sends large answers, and between."""
     large = np.arange(2_000_000, dtype=np.float64)
@@ -107,16 +95,6 @@ def test_a_worker_that_is_stopped_is_ended_when_it_takes_nothing_any_more(worker
         waiting.result()
     assert until(lambda: not is_there(stopped))
     assert worker.call(tasks.returned, 1) == 1
-
-
-@posix
-def test_one_that_is_stopped_for_a_while_goes_on(worker):
-    task = worker.begin(tasks.reporting, 0.2)
-    os.kill(worker.pid, signal.SIGSTOP)
-    time.sleep(0.3)
-    assert not task.is_done
-    os.kill(worker.pid, signal.SIGCONT)
-    assert task.result() > 0
 
 
 @posix
@@ -184,8 +162,9 @@ def program(tmp_path: Path, body: str) -> subprocess.Popen:
     )
 
 
-def test_the_file_of_the_program_is_not_run_again_and_no_process_outlives_it(tmp_path):
-    out, err = program(tmp_path, "print(worker.call(tasks.returned, 7), worker.pid)").communicate()
+@pytest.mark.parametrize("before", ["", "import shutil; shutil.rmtree(os.getcwd())"], ids=["", "without its folder"])
+def test_the_file_of_the_program_is_not_run_again_and_no_process_outlives_it(tmp_path, before):
+    out, err = program(tmp_path, f"{before}\nprint(worker.call(tasks.returned, 7), worker.pid)").communicate()
     assert out.splitlines()[0] == "the program runs"
     seven, pid = out.splitlines()[1].split()
     assert (len(out.splitlines()), seven, err) == (2, "7", "")
@@ -242,12 +221,6 @@ def children_of(parent: int) -> list[int]:
                 continue
             found += [int(entry.name)] if int(fields[1]) == parent else []
     return found
-
-
-@linux
-def test_a_program_whose_folder_is_gone_can_have_a_worker(tmp_path):
-    out, err = program(tmp_path, "import shutil; shutil.rmtree(os.getcwd()); print(worker.call(tasks.returned, 7))").communicate()
-    assert out.splitlines()[1:] == ["7"], err
 
 
 def test_a_worker_that_is_closed_can_be_used_again():

@@ -61,21 +61,6 @@ def test_what_the_worker_does_to_an_array_is_not_done_to_ours(worker):
     assert not private.any()
 
 
-@linux
-def test_a_program_that_is_started_meanwhile_inherits_no_connection(worker):
-    worker.call(tasks.returned, 0)
-    sleeper = subprocess.Popen(
-        [sys.executable, "-c", "import time; print(flush=True); time.sleep(100)"], stdout=subprocess.PIPE, close_fds=False
-    )
-    try:
-        sleeper.stdout.readline()
-        held = [os.readlink(f"/proc/{sleeper.pid}/fd/{each}") for each in os.listdir(f"/proc/{sleeper.pid}/fd")]
-        assert not [each for each in held if "socket" in each]
-    finally:
-        sleeper.kill()
-        sleeper.communicate()
-
-
 TOO_LITTLE_TO_RECEIVE = """
 import resource
 import worker_tasks as tasks

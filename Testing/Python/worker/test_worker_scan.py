@@ -108,76 +108,39 @@ def test_a_look_tells_what_is_new_and_no_more(request_of):
         scan.close()
 
 
-@pytest.mark.parametrize("paused", [False, True])
-def test_a_scan_whose_worker_is_killed_is_taken_up_with_nothing_lost(paused, worker, request_of):
-    request = request_of()
-    scan = worker.keep(begin_scan, request)
-    give(worker, scan, 0, 8)
-    # An image is decided by what comes after it
-    assert until(lambda: worker.call("look", scan).statistics.recorded == 8)
-    if paused:
-        worker.call("pause", scan, True)
-        give(worker, scan, 8, 12)
-        assert until(lambda: worker.call("look", scan).statistics.recorded == 12)
-        worker.call("pause", scan, False)
-    seen = worker.call("look", scan)
-    killed(worker, scan)
-    assert [path.exists() for path in growing_files(request.record)] == [True, True]
-    scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans, grid=seen.grid))
-    give(worker, scan, 12 if paused else 8, 24)
+TAKEN_UP = {
+    "8 kill 24": range(24),
+    "8 pause 12 resume kill 24": [*range(8), *range(12, 24)],
+    "8 pause kill 12 resume 24": [*range(8), *range(12, 24)],
+    "8 reset kill 24": range(8, 24),
+    "24 kill kill": range(24),
+}
+"""What happens, a number being that of the frame until which frames come, and the frames that are in the volume then."""
+
+
+@pytest.mark.parametrize(("script", "counted"), TAKEN_UP.items(), ids=TAKEN_UP)
+def test_a_scan_whose_worker_is_killed_is_taken_up_with_nothing_lost(script, counted, worker, request_of):
+    request, given = request_of(), 0
+    scan, seen = worker.keep(begin_scan, request), None
+    for word in script.split():
+        if word.isdecimal():
+            give(worker, scan, given, int(word))
+            given = int(word)
+            # An image is decided by what comes after it
+            assert until(partial(is_taken, worker, scan, given - 1))
+        elif word == "kill":
+            seen = worker.call("look", scan)
+            killed(worker, scan)
+            assert [path.exists() for path in growing_files(request.record)] == [True, True]
+            scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans, grid=seen.grid))
+        else:
+            worker.call(*(("reset", scan) if word == "reset" else ("pause", scan, word == "pause")))
     ended = worker.call("finish", scan)
-    counted = np.array([*range(8), *range(12, 24)]) if paused else np.arange(24)
-    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, counted))
-    recorded = read_sequence(ended.recorded)
-    np.testing.assert_array_equal(np.array(recorded.images), SEQUENCE.images)
+    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, np.array(counted)))
+    np.testing.assert_array_equal(np.array(read_sequence(ended.recorded).images), SEQUENCE.images)
     assert sorted(path.name for path in request.record.parent.iterdir()) == ["scan.mhd", "scan.raw"]
     assert ended.statistics.frames_received == 24
-    assert ended.statistics.skipped.get("paused", 0) == (4 if paused else 0)
-
-
-def test_a_scan_that_was_paused_is_taken_up_paused(worker, request_of):
-    request = request_of()
-    scan = worker.keep(begin_scan, request)
-    give(worker, scan, 0, 8)
-    worker.call("pause", scan, True)
-    seen = worker.call("look", scan)
-    killed(worker, scan)
-    scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans))
-    give(worker, scan, 8, 12)
-    worker.call("pause", scan, False)
-    give(worker, scan, 12, 24)
-    ended = worker.call("finish", scan)
-    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, np.array([*range(8), *range(12, 24)])))
-    assert len(read_sequence(ended.recorded)) == 24
-
-
-def test_a_volume_that_was_begun_anew_is_taken_up_from_there(worker, request_of):
-    request = request_of()
-    scan = worker.keep(begin_scan, request)
-    give(worker, scan, 0, 8)
-    assert until(lambda: worker.call("look", scan).statistics.recorded == 8)
-    worker.call("reset", scan)
-    seen = worker.call("look", scan)
-    killed(worker, scan)
-    scan = worker.keep(begin_scan, replace(request, takes_up=True, spans=seen.spans))
-    give(worker, scan, 8, 24)
-    ended = worker.call("finish", scan)
-    np.testing.assert_array_equal(ended.result.intensity.array, offline(request, np.arange(8, 24)))
-    assert len(read_sequence(ended.recorded)) == 24
-
-
-def test_a_recording_that_was_being_taken_up_when_the_worker_died_again_is_whole(worker, request_of, tmp_path):
-    request = request_of()
-    scan = worker.keep(begin_scan, request)
-    give(worker, scan, 0, 24)
-    assert until(lambda: worker.call("look", scan).statistics.recorded == 24)
-    killed(worker, scan)
-    scan = worker.keep(begin_scan, replace(request, takes_up=True))
-    killed(worker, scan)
-    scan = worker.keep(begin_scan, replace(request, takes_up=True))
-    ended = worker.call("finish", scan)
-    assert len(read_sequence(ended.recorded)) == 24
-    assert sorted(path.name for path in request.record.parent.iterdir()) == ["scan.mhd", "scan.raw"]
+    assert ended.statistics.skipped.get("paused", 0) == 24 - len(counted)
 
 
 def test_a_scan_that_cannot_begin_leaves_nothing_running(worker, request_of):
