@@ -18,7 +18,7 @@ from AIFReconLib.errors import InsufficientMemoryError
 from AIFReconLib.geometry.transforms import LPS_FROM_RAS
 from AIFReconLib.io.disk import itk
 from AIFReconLib.io.volume import itk_reading
-from AIFReconLib.io.volume.files import read_volume
+from AIFReconLib.io.volume.files import read_volume, write_volume
 from AIFReconLib.io.volume.itk_reading import read_metafile_volume
 
 DATA = bytes(range(96))
@@ -211,7 +211,9 @@ def test_a_place_or_voxels_that_cannot_be_told_are_refused(tmp_path, write, chan
 
 
 def test_voxels_that_do_not_fit_into_memory_are_refused_before_they_are_read(tmp_path, monkeypatch):
-    path = nrrd(tmp_path / "ct.nrrd")
+    nrrd(tmp_path / "ct.nrrd")
+    write_volume(read_volume(tmp_path / "ct.nrrd"), tmp_path / "ct.nii.gz")
     monkeypatch.setattr(itk_reading, "available_memory", lambda: 50)
-    with pytest.raises(InsufficientMemoryError, match=r"ct.nrrd: its voxels need"):
-        read_volume(path)
+    for name in ("ct.nrrd", "ct.nii.gz"):
+        with pytest.raises(InsufficientMemoryError, match=rf"{name}: its voxels need"):
+            read_volume(tmp_path / name)
