@@ -99,7 +99,8 @@ def advice_in(path: Path) -> set[str]:
 
 ADVICE = set().union(*map(advice_in, LIBRARY.rglob("*.py")))
 DETAILS = {
-    "choice", "frame", "frames", "fits", "first", "unit", "word", "example", "offset", "methods", "or_calibration", "across", "along", "name",
+    "choice", "frame", "frames", "fits", "first", "unit", "word", "example", "offset", "methods",
+    "or_calibration", "across", "along", "name",
 }  # fmt: skip
 """What is no setting in an advice."""
 

@@ -209,17 +209,3 @@ def test_a_short_compressed_recording_is_decoded_once(tmp_path):
     images[len(NOISE) - 1]
     path.unlink()
     np.testing.assert_array_equal(np.asarray(images), NOISE)
-
-
-def test_reading_a_long_compressed_recording_needs_the_memory_of_a_few_frames(tmp_path, monkeypatch):
-    monkeypatch.setattr(file_images, "KEPT_BYTES", 2**20)
-    pixels = np.zeros((200, 200, 200), np.uint8)
-    pixels[::2] = 7
-    images = read_sequence(metaimage(tmp_path / "sweep.mha", pixels, compressed=True)).images
-    tracemalloc.start()
-    try:
-        for index in range(len(images)):
-            images[index]
-        assert tracemalloc.get_traced_memory()[1] < 2_000_000
-    finally:
-        tracemalloc.stop()
