@@ -52,8 +52,8 @@ class Case:
         """Gray levels and pixel counts by the emulation."""
         return igsio.paste(*self.place, self.mask, index, method)
 
-    def pasted_linearly(self, method, arithmetic, importance=None):
-        return igsio.paste_linear(*self.place, self.mask, method, arithmetic, importance)
+    def pasted_linearly(self, method, arithmetic):
+        return igsio.paste_linear(*self.place, self.mask, method, arithmetic)
 
 
 def load(real_data, configuration, volume):
@@ -180,27 +180,6 @@ def test_the_emulation_of_igsio_reproduces_its_linear_mean_where_it_measured(rea
     fan = igsio.optimized_fan(trus.region, *trus.sequence.frame_size)
     emulated, weight = igsio.paste_linear(*trus.place, fan, "mean", igsio.Arithmetic(2**14))
     np.testing.assert_array_equal(emulated[weight > 0], reference[weight > 0])
-
-
-@pytest.fixture(scope="module")
-def importance(trus):
-    """Weights that fall off from the middle of the image, 0 at its sides."""
-    columns, rows = trus.sequence.frame_size
-    across = 1 - np.abs(np.arange(columns) - 380) / 200
-    return np.broadcast_to(np.round(255 * np.clip(across, 0, 1)), (rows, columns)).astype(np.uint8)
-
-
-@pytest.mark.parametrize("interpolation", ["nearest", "linear"])
-def test_an_importance_mask_weights_as_igsio_does_before_it_rounds(linear_mean, importance, interpolation):
-    case = linear_mean
-    unrounded = igsio.Arithmetic(stores_whole_numbers=False)
-    if interpolation == "linear":
-        expected, weight = case.pasted_linearly("importance", unrounded, importance)
-    else:
-        expected, weight = igsio.paste_weighted(*case.place, case.mask, unrounded, importance)
-    result = ours(case, "average", interpolation=interpolation, importance_mask=importance / 255)
-    assert within_tolerance(result.intensity.array, expected) > 0.9999
-    np.testing.assert_allclose(result.score.array, weight / 255, rtol=1e-4, atol=1e-4)
 
 
 def test_the_clip_of_the_configuration_is_honored(trus):
