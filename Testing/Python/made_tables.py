@@ -286,7 +286,13 @@ def plain(r: Recording) -> Made:
     columns = [head[0], *(name if tool == 0 else "-" for tool, name in fields)]
     place = str(order.index(0) + 1)
     unnamed = f"unnamed {place}" if any(place == shown(way.format(label, "")) for label in labels) else place
-    given = {"time_unit": unit, "quaternion_order": "wxyz", "euler_order": "xyz", "angle_unit": "deg", "status_ok": (words[0],)}
+    given: dict[str, Any] = {
+        "time_unit": unit,
+        "quaternion_order": "wxyz",
+        "euler_order": "xyz",
+        "angle_unit": "deg",
+        "status_ok": (words[0],),
+    }
     given["tool"] = shown(way.format(labels[0], "")) if labels[0] else unnamed
     given["columns"] = {"columns": " ".join(columns), "tool": None}
     return made(r, [separator.join(row) for row in [head, *rows]], **given)

@@ -73,9 +73,9 @@ def shadowed(method, bone=BONE, **others) -> Reconstruction:
     """Of frames with a bright line and darkness behind it, at the depth of the bone, so that shadows begin."""
     rng = np.random.default_rng(3)
     frames = oblique_frames(count=6, shape=(60, 34))
-    for frame in frames:
-        frame.image[:] = rng.integers(40, 90, frame.image.shape)
-        frame.image[28:30], frame.image[30:] = 250, 1
+    for image in (frame.placed()[0] for frame in frames):
+        image[:] = rng.integers(40, 90, image.shape)
+        image[28:30], image[30:] = 250, 1
     return reconstructed(method, frames, bone=bone, region=ImageRegion(), **others)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,7 +85,7 @@ def test_a_fan_equals_the_plain_loop(apex, angles, radii, pixel_size):
 
 
 NAN = math.nan
-NO_SECTOR = [((5, 0), angles, (0, 9)) for angles in ((10, 10), (-90, 10), (-10, 90), (NAN, 10))]
+NO_SECTOR: list[Any] = [((5, 0), angles, (0, 9)) for angles in ((10, 10), (-90, 10), (-10, 90), (NAN, 10))]
 NO_SECTOR += [((5, 0), (-10, 10), radii) for radii in ((9, 9), (-1, 9), (0, math.inf), (0, NAN))]
 NO_SECTOR += [((NAN, 0), (-10, 10), (0, 9)), *(((5, 0), (-10, 10), (0, 9), size) for size in ((0.0, 1.0), (1.0, NAN)))]
 

@@ -7,6 +7,7 @@ import gzip
 import sys
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,13 +30,13 @@ VOXELS = np.frombuffer(DATA, "<i2").reshape(4, 3, 4)
 
 def nrrd(path: Path, payload: bytes = DATA, **changes: str | None) -> Path:
     # The dimension must stand before the directions
-    space = {"space": "left-posterior-superior", "space_dimension": None, "space_directions": "(0,0.5,0) (0,0,-1) (2,0,0)"}
+    space: dict[str, Any] = {"space": "left-posterior-superior", "space_dimension": None, "space_directions": "(0,0.5,0) (0,0,-1) (2,0,0)"}
     placed = {**space, "space_origin": "(10,-20.5,3e1)", "kinds": "domain domain domain"}
     return sequence_samples.nrrd(path, VOXELS, {}, data=payload, **{**placed, **changes})
 
 
 def metaimage(path: Path, payload: bytes = DATA, **changes: str | None) -> Path:
-    placed = {"TransformMatrix": "0 1 0 0 0 -1 1 0 0", "Offset": "10 -20.5 3e1", "ElementSpacing": "0.5 1 2", "Kinds": None}
+    placed: dict[str, Any] = {"TransformMatrix": "0 1 0 0 0 -1 1 0 0", "Offset": "10 -20.5 3e1", "ElementSpacing": "0.5 1 2", "Kinds": None}
     return sequence_samples.metaimage(path, VOXELS, {}, data=payload, **{"UltrasoundImageOrientation": None, **placed, **changes})
 
 

@@ -6,6 +6,7 @@ import gzip
 import re
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ SUFFIXES = (".nrrd", ".mha", ".mhd", ".nii", ".nii.gz")
 def write_nrrd(path: Path, space: str, directions: str = "(1,0,0) (0,2,0) (0,0,3)") -> Path:
     """A hand-written volume of 4 x 3 x 2 voxels, 1 x 2 x 3 mm, voxel (0, 0, 0) at 10, 20, 30."""
     pixels = np.arange(24, dtype=np.uint8).reshape(2, 3, 4)
-    placed = {"space": space, "space_directions": directions, "space_origin": "(10,20,30)", "kinds": "domain domain domain"}
+    placed: dict[str, Any] = {"space": space, "space_directions": directions, "space_origin": "(10,20,30)", "kinds": "domain domain domain"}
     return nrrd(path, pixels, {}, **placed)
 
 
