@@ -184,13 +184,10 @@ def test_a_pixel_with_a_corner_outside_does_not_enter(place, enters, engine):
     assert (result.frames_inserted, result.hits.array.sum()) == (int(enters), int(enters))
 
 
-def test_an_importance_mask_of_another_size_is_refused():
+def test_bone_methods_refuse_linear_interpolation_and_an_importance_mask_must_fit():
+    for method in ("aif", "aif-compensated", "weighted"):
+        settings = ReconstructionSettings(method=method, interpolation="linear")
+        with pytest.raises(SettingsError, match=f"interpolation must be nearest for method {method}; got 'linear'"):
+            Reconstructor(turned_grid(), settings, sphere_bone(), probe=ProbeGeometry("linear"))
     with pytest.raises(SettingsError, match="importance mask must be as large as the images, 34 x 26; got 3 x 2"):
         reconstructed(oblique_frames(count=1), turned_grid(), "average", importance=np.ones((2, 3)))
-
-
-@pytest.mark.parametrize("method", ["aif", "aif-compensated", "weighted"])
-def test_bone_methods_refuse_linear_interpolation(method):
-    settings = ReconstructionSettings(method=method, interpolation="linear")
-    with pytest.raises(SettingsError, match=f"interpolation must be nearest for method {method}; got 'linear'"):
-        Reconstructor(turned_grid(), settings, sphere_bone(), probe=ProbeGeometry("linear"))
