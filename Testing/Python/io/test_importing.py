@@ -218,7 +218,9 @@ def moving(count=12, step=0.05, speed=20.0, start=0.0):
 
 
 @pytest.fixture
-def twelve(tmp_path):
+def twelve(tmp_path, monkeypatch):
+    """Twelve images, in the current folder."""
+    monkeypatch.chdir(tmp_path)
     np.save(tmp_path / "twelve.npy", np.random.default_rng(1).integers(0, 255, (12, 24, 32), np.uint8))
     return tmp_path / "twelve.npy"
 
@@ -245,13 +247,10 @@ TWO_TOOLS = ["time", *(f"{tool}_{name}" for tool in ("probe", "ref") for name in
         (COLUMNS, moving(count=60), "--times empty.csv", "'time'"),
     ],
 )
-def test_what_no_hand_does_and_what_can_be_two_things_is_asked(
-    tmp_path, results, twelve, capsys, monkeypatch, header, rows, options, message
-):
-    monkeypatch.chdir(tmp_path)
+def test_what_no_hand_does_and_what_can_be_two_things_is_asked(results, twelve, capsys, header, rows, options, message):
     for name, text in (("two", "time\n0\n1\n"), ("none", "a,b\n1,2\n"), ("empty", "")):
-        (tmp_path / f"{name}.csv").write_text(text)
-    poses = save(tmp_path / "p.csv", header=header, rows=rows)
+        twelve.with_name(f"{name}.csv").write_text(text)
+    poses = save(twelve.with_name("p.csv"), header=header, rows=rows)
     said = asked(capsys, results, twelve, "--poses", poses, "--transform", "ProbeToTracker", *options.split())
     assert re.search(message, said)
     assert "config=" not in said
