@@ -20,7 +20,6 @@ LANDMARKS = ((2, 1), (5, 3), (4, 0))
 """Column and row of the bright pixel of each frame, in MF orientation."""
 
 
-FLAT = f"{COLUMNS} {ROWS} {FRAMES}"
 DEEP = f"{COLUMNS} {ROWS} 1 {FRAMES}"
 IMAGE_TO_PROBE = rigid((3.0, -8.0, 15.0), (4.0, 5.0, 6.0)) @ np.diag([0.25, 0.5, 0.3, 1.0])
 
