@@ -113,13 +113,22 @@ def test_the_frames_of_one_dicom_file_have_their_times_and_pixel_size(dicom, tmp
     assert found.spacing == pytest.approx((0.2, 0.3))
 
 
-def test_dicom_files_of_one_frame_come_in_order_of_their_instance(dicom, tmp_path):
-    for n, name in enumerate(("c.dcm", "a.dcm", "b.dcm")):
-        write_dicom(dicom, tmp_path / name, FRAMES[n], InstanceNumber=n + 1, PixelSpacing=[0.5, 0.25])
+@pytest.mark.parametrize(
+    ("second", "said"),
+    [
+        ({"PixelSpacing": [0.5, 0.25]}, None),
+        ({"PixelSpacing": [0.4, 0.4]}, "c.dcm says 0.25 x 0.5 mm, a.dcm says 0.4 x 0.4 mm"),
+        ({}, "c.dcm says 0.25 x 0.5 mm, a.dcm says nothing"),
+    ],
+)
+def test_dicom_files_of_one_frame_come_in_order_of_their_instance_with_the_size_of_a_pixel(dicom, tmp_path, second, said):
+    for n, (name, spacing) in enumerate((("c", {"PixelSpacing": [0.5, 0.25]}), ("a", second), ("b", second))):
+        write_dicom(dicom, tmp_path / f"{name}.dcm", FRAMES[n], InstanceNumber=n + 1, **spacing)
     found = open_images([tmp_path])
     assert found.names == ("c.dcm", "a.dcm", "b.dcm")
     np.testing.assert_array_equal(found.stack[1], FRAMES[1])
-    assert found.spacing == (0.25, 0.5)
+    assert found.spacing == (None if said else (0.25, 0.5))
+    assert said is None or found.unknown_spacing.startswith(said)
 
 
 def region(dicom, mm: float, *box: int):
@@ -155,14 +164,6 @@ def test_regions_tell_the_size_of_all_pixels_or_why_not(dicom, tmp_path, boxes, 
     assert expected is None or re.search(f"^{re.escape(str(tmp_path))}/a.dcm: .*{expected}", images.unknown_spacing)
 
 
-@pytest.mark.parametrize(("second", "said"), [({"PixelSpacing": [0.4, 0.4]}, "0.4 x 0.4 mm"), ({}, "nothing")])
-def test_files_that_do_not_agree_on_the_size_of_a_pixel_are_named(dicom, tmp_path, second, said):
-    write_dicom(dicom, tmp_path / "b.dcm", FRAMES[0], InstanceNumber=1, PixelSpacing=[0.2, 0.2])
-    write_dicom(dicom, tmp_path / "a.dcm", FRAMES[1], InstanceNumber=2, **second)
-    found = open_images([tmp_path])
-    assert (found.spacing, found.unknown_spacing) == (None, f"b.dcm says 0.2 x 0.2 mm, a.dcm says {said}")
-
-
 UNORDERED = "InstanceNumber is missing, or occurs more than once"
 
 
@@ -192,22 +193,17 @@ def test_a_dicom_file_that_promises_more_than_it_holds_is_refused(dicom, tmp_pat
         open_images([write_dicom(dicom, tmp_path / "a.dcm", FRAMES[:2], **said)])
 
 
-def test_white_may_be_the_least_value_of_a_dicom_file(dicom, tmp_path):
-    path = write_dicom(dicom, tmp_path / "a.dcm", 255 - FRAMES, PhotometricInterpretation="MONOCHROME1")
-    np.testing.assert_array_equal(np.asarray(open_images([path]).stack), FRAMES)
-
-
-@pytest.mark.parametrize("bits", [8, 16])
-def test_a_palette_of_a_dicom_file_is_looked_up(dicom, tmp_path, bits):
+@pytest.mark.parametrize("bits", [8, 16, None])
+def test_a_palette_of_a_dicom_file_is_looked_up_and_white_may_be_its_least_value(dicom, tmp_path, bits):
     """Of a palette that turns gray levels round, the picture counts and not the numbers that are stored."""
     levels = np.arange(256)[::-1]
     table = (levels * 257).astype("<u2").tobytes() if bits == 16 else levels.astype(np.uint8).tobytes()
-    palette = {}
-    for color in ("Red", "Green", "Blue"):
-        palette[f"{color}PaletteColorLookupTableDescriptor"] = [256, 0, bits]
-        palette[f"{color}PaletteColorLookupTableData"] = table
-    path = write_dicom(dicom, tmp_path / "a.dcm", 255 - FRAMES, PhotometricInterpretation="PALETTE COLOR", **palette)
-    np.testing.assert_allclose(np.asarray(open_images([path]).stack), FRAMES, atol=1)
+    said = {"PhotometricInterpretation": "PALETTE COLOR" if bits else "MONOCHROME1"}
+    for color in ("Red", "Green", "Blue") if bits else ():
+        said[f"{color}PaletteColorLookupTableDescriptor"] = [256, 0, bits]
+        said[f"{color}PaletteColorLookupTableData"] = table
+    path = write_dicom(dicom, tmp_path / "a.dcm", 255 - FRAMES, **said)
+    np.testing.assert_allclose(np.asarray(open_images([path]).stack), FRAMES, atol=1 if bits else 0)
 
 
 def write_video(path, frames, rate=25):

@@ -301,18 +301,18 @@ def test_what_cannot_be_told_is_asked_once_and_labels_answer(labels, names, mess
     assert read_labels(file, labels=str(number)).numbers().tolist() == [number]
 
 
-@pytest.mark.parametrize(
-    ("name", "tags", "shown"),
-    [
-        ("Segment_1", "~SCT^123037004^Anatomical Structure~SCT^36470004^Wirbel~^^~", "vertebrae_L3"),
-        ("Segment_1", "~SRT^T-D0005^Anatomical Structure~SRT^T-11640^L4 vertebra~^^~", "L4 vertebra"),
-        ("Segment_1", "~SCT^123037004^Anatomical Structure~SCT^244849004^Deep muscle of back~^^~", "deep muscle of back"),
-        ("Segment_1", "~SCT^85756007^Tissue~SCT^85756007^Tissue~^^~", "Segment_1"),
-        ("L2", "~SCT^85756007^Tissue~SCT^36470004^L3 vertebra~^^~", "L2"),
-    ],
-)
-def test_a_segment_of_slicer_is_called_by_its_name_or_its_terminology(name, tags, shown):
-    assert name_by_code(name, f"Segmentation.Status:inprogress|TerminologyEntry:General Anatomy list{tags}|") == shown
+TERMS = [
+    ("Segment_1", "~SCT^123037004^Anatomical Structure~SCT^36470004^Wirbel~^^~", "vertebrae_L3"),
+    ("Segment_1", "~SRT^T-D0005^Anatomical Structure~SRT^T-11640^L4 vertebra~^^~", "L4 vertebra"),
+    ("Segment_1", "~SCT^123037004^Anatomical Structure~SCT^244849004^Deep muscle of back~^^~", "deep muscle of back"),
+    ("Segment_1", "~SCT^85756007^Tissue~SCT^85756007^Tissue~^^~", "Segment_1"),
+    ("L2", "~SCT^85756007^Tissue~SCT^36470004^L3 vertebra~^^~", "L2"),
+]
+
+
+def test_a_segment_of_slicer_is_called_by_its_name_or_its_terminology():
+    start = "Segmentation.Status:inprogress|TerminologyEntry:General Anatomy list"
+    assert [name_by_code(name, f"{start}{tags}|") for name, tags, _ in TERMS] == [shown for _, _, shown in TERMS]
 
 
 def test_labels_are_chosen_by_number_by_name_and_by_the_name_that_their_program_gives(tmp_path):
@@ -326,11 +326,6 @@ def test_labels_are_chosen_by_number_by_name_and_by_the_name_that_their_program_
         column(27 if count > 1 else 29, 1, count=count).write(tmp_path / "labels.nii.gz")
         for choice in ("L3", "vertebrae_L3", "l3"):
             assert read_labels(tmp_path / "labels.nii.gz", labels=choice).names == {29: "L3"}
-
-
-def test_names_upside_down_are_doubted(tmp_path):
-    column(30, -1, extra={52: (0, 0, 0)}).write(tmp_path / "labels.nii.gz")
-    assert any("lies above" in note for note in read_labels(tmp_path / "labels.nii.gz").notes)
 
 
 KINDS = {
@@ -355,7 +350,7 @@ def folder_of_masks(folder: Path, labels: Labels, names: dict[int, str]) -> Path
     return folder
 
 
-def test_a_folder_of_masks_is_a_bone_each(tmp_path):
+def test_a_folder_of_masks_is_a_bone_each_and_a_name_that_says_nothing_is_asked_about(tmp_path):
     labels = column(27, 1, extra={52: (0, 0, 0)})
     names = {27: "vertebrae_L5", 28: "vertebrae_L4", 29: "vertebrae_L3", 99: "vertebrae_L2", 52: "aorta"}
     found = read_labels(folder_of_masks(tmp_path / "segmentations", labels, names))
@@ -363,6 +358,10 @@ def test_a_folder_of_masks_is_a_bone_each(tmp_path):
     assert found.names == {1: "L3", 2: "L4", 3: "L5"}
     assert found.notes == ("1 files are no bone by their names and left out: aorta.",)
     np.testing.assert_array_equal(found.array == 2, labels.array == 28)
+    folder = folder_of_masks(tmp_path / "masks", labels, {27: "vertebrae_L5", 28: "thing"})
+    with pytest.raises(GeometryError, match="its files thing may be bone or not"):
+        read_labels(folder)
+    assert read_labels(folder, labels="L5").names == {2: "L5"}
 
 
 def test_a_file_of_many_labels_in_a_folder_keeps_its_bones(tmp_path):
@@ -375,13 +374,6 @@ def test_a_file_of_many_labels_in_a_folder_keeps_its_bones(tmp_path):
     found = read_labels(masks)
     assert found.names == {1: "L4", 2: "L5", 3: "L2", 4: "L3"}
     assert found.notes == ("2 bones of all.nii.gz lie where other files have theirs, and are left out.",)
-
-
-def test_a_mask_beside_bones_whose_name_says_nothing_is_asked_about(tmp_path):
-    folder = folder_of_masks(tmp_path / "masks", column(27, 1), {27: "vertebrae_L5", 28: "thing"})
-    with pytest.raises(GeometryError, match="its files thing may be bone or not"):
-        read_labels(folder)
-    assert read_labels(folder, labels="L5").names == {2: "L5"}
 
 
 def test_masks_on_other_voxels_meet_where_they_lie(tmp_path):
@@ -399,11 +391,11 @@ def test_masks_on_other_voxels_meet_where_they_lie(tmp_path):
         np.testing.assert_allclose(places.max(axis=0), high, atol=0.51)
 
 
-def test_what_is_too_thick_or_too_soft_is_doubted():
+def test_what_is_too_thick_or_too_soft_or_upside_down_is_doubted(tmp_path):
     labels = column(1, 1, count=2)
     assert doubts(labels) == []
     ct = Volume(np.where(labels.array == 1, 400, 50).astype(np.int16), np.eye(4))
     assert doubts(labels, ct) == ["label 2 is soft in the CT: nine tenths of it are below 50 HU. Is it bone?"]
-    thick = np.zeros((80, 80, 80), np.uint8)
-    thick[5:75, 5:75, 5:75] = 1
-    assert "thick" in doubts(Labels(thick, np.eye(4)))[0]
+    assert "thick" in doubts(Labels(np.pad(np.ones((70,) * 3, np.uint8), 5), np.eye(4)))[0]
+    column(30, -1, extra={52: (0, 0, 0)}).write(tmp_path / "labels.nii.gz")
+    assert any("lies above" in note for note in read_labels(tmp_path / "labels.nii.gz").notes)

@@ -167,8 +167,9 @@ def tree_bag(request, tmp_path):
     return bag.path
 
 
-def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms(tree_bag):
-    sequence = read_sequence(tree_bag, PlusConfiguration(transforms={TransformName("Image", "UsProbe"): TransformSample(CALIBRATION)}))
+def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms_and_one_that_is_cut_short_is_refused(tree_bag):
+    calibration = PlusConfiguration(transforms={TransformName("Image", "UsProbe"): TransformSample(CALIBRATION)})
+    sequence = read_sequence(tree_bag, calibration)
     np.testing.assert_array_equal(np.asarray(sequence.images), IMAGES)
     np.testing.assert_array_equal(sequence.images[4], IMAGES[4])
     np.testing.assert_array_equal(sequence.images[1], IMAGES[1])
@@ -176,6 +177,10 @@ def test_the_images_of_a_bag_are_placed_by_its_tree_of_transforms(tree_bag):
     poses = sweep_poses(sequence, reference="Base")
     np.testing.assert_allclose(poses.image_to_reference, TO_BASE @ POSES @ CALIBRATION, atol=0.02)
     assert "of frame UsProbe" in sequence.notes[0]
+    file = tree_bag if tree_bag.is_file() else next(file for file in tree_bag.iterdir() if file.suffix in (".mcap", ".db3"))
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    with pytest.raises(FileFormatError, match=r"bag of ROS|cannot be decoded"):
+        np.asarray(read_sequence(tree_bag).images)
 
 
 RED = np.dstack([IMAGES[0], 0 * IMAGES[0], 0 * IMAGES[0]])
@@ -256,13 +261,6 @@ def test_what_is_no_bag_is_refused(tmp_path, suffix, content):
     (tmp_path / f"a{suffix}").write_bytes(content)
     with pytest.raises(FileFormatError, match="it cannot be read as a bag of ROS"):
         read_sequence(tmp_path / f"a{suffix}")
-
-
-def test_a_bag_that_is_cut_short_is_refused(tree_bag):
-    file = tree_bag if tree_bag.is_file() else next(file for file in tree_bag.iterdir() if file.suffix in (".mcap", ".db3"))
-    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    with pytest.raises(FileFormatError, match=r"bag of ROS|cannot be decoded"):
-        np.asarray(read_sequence(tree_bag).images)
 
 
 def posed(bag: Bag, kind: str, number: int) -> None:
